@@ -14,6 +14,7 @@ __all__ = [
     "GET_CHANGES",
     "GET_INDEX_DATA",
     "QUERY_DEVICES",
+    "TEXT_SCHEME",
     "GatewayNames",
     "gateway_of",
     "is_text_address",
@@ -34,7 +35,8 @@ DIRECTORY_NODE = "/discovery"
 """The node of the directory; nobody else tells of changes."""
 
 _GATEWAYS = "/gateway/"
-_TEXT_SCHEME = "words:"
+TEXT_SCHEME = "words:"
+"""What a text address begins with."""
 
 
 class GatewayNames:
@@ -86,20 +88,20 @@ def gateway_of(node: str) -> str:
 def text_address(key: str, part_id: str) -> str:
     """Return where the part *part_id* of the device that its gateway calls *key* speaks plain words."""
     if not ("%" in key or "#" in key or "%" in part_id or "#" in part_id):
-        return f"{_TEXT_SCHEME}{key}#{part_id}"
-    return f"{_TEXT_SCHEME}{_escape(key)}#{_escape(part_id)}"
+        return f"{TEXT_SCHEME}{key}#{part_id}"
+    return f"{TEXT_SCHEME}{_escape(key)}#{_escape(part_id)}"
 
 
 def is_text_address(address: str) -> bool:
     """Tell whether *address* is where a part speaks plain words."""
-    return address.startswith(_TEXT_SCHEME) and address.count("#") == 1
+    return address.startswith(TEXT_SCHEME) and address.count("#") == 1
 
 
 def read_text_address(address: str) -> tuple[str, str] | None:
     """Return key and part of a words address; None for any other address."""
-    if not address.startswith(_TEXT_SCHEME) or address.count("#") != 1:
+    if not address.startswith(TEXT_SCHEME) or address.count("#") != 1:
         return None
-    key, _, part_id = address[len(_TEXT_SCHEME) :].partition("#")
+    key, _, part_id = address[len(TEXT_SCHEME) :].partition("#")
     return (_unescape(key), _unescape(part_id)) if "%" in address else (key, part_id)
 
 

@@ -19,7 +19,7 @@ whose protocol has them.
 =====================  ==========================================================================================
 
 Apps that work with texts, such as the light service, need ``out`` and ``subscribe_to_topic``; typed handles do not.
-:class:`homebot.gateways.announced.published_devices.PublishedDevices` has the first seven but ``state``, for gateways
+:class:`homebot.gateways.announced.published_devices.PublishedDevices` has the first eight but ``state``, for gateways
 that know their devices' parts; :mod:`homebot.gateways.memory` is the reference, and ``tests/gateways/contract.py`` the
 test.
 

@@ -16,7 +16,7 @@ from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssist
 from homebot.conventions.homie import Homie, HomieSettings
 from homebot.devices import Device, Sighting
 from homebot.discovery import DeviceIndex
-from homebot.gateways.mqtt.announcement import StoredAnnouncement
+from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.messages import Time
 
 ROBOT = "valetudo/BigSlowDog"

@@ -27,7 +27,7 @@ from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.discovery import DeviceIndex
 from homebot.errors import RefusedError
-from homebot.gateways.mqtt.announcement import StoredAnnouncement
+from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.messages import Time
 
 Row: TypeAlias = dict[str, Any]

@@ -21,7 +21,7 @@ from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.devices.value import PlainValue
 from homebot.discovery import DeviceIndex
 from homebot.errors import RefusedError
-from homebot.gateways.mqtt.announcement import StoredAnnouncement
+from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.gateways.mqtt.loaded_conventions import default_conventions, find_conventions
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.messages import Time

@@ -6,10 +6,10 @@ from collections.abc import Awaitable, Callable
 from typing import TypeAlias
 
 from homebot.devices.command import Command, SendCommand, SendCommandResponse
-from homebot.devices.part import Part
 from homebot.devices.text.encode import decode_command
 from homebot.devices.value import Value
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError
+from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.base import Gateway
 
@@ -24,7 +24,7 @@ says no.
 """
 
 
-FindPart: TypeAlias = Callable[[str, str], Part]
+FindPart: TypeAlias = Callable[[str, str], AnnouncedPart]
 """Returns the part of a device, by the device's key and its own id; raises :class:`UnableError` for none."""
 
 
@@ -68,7 +68,7 @@ class CommandServer:
             UnableError, LinkError: As :data:`Perform`.
         """
         self._permit(key)
-        capability, value = decode_command(text, self._find_part(key, part_id))
+        capability, value = decode_command(text, self._find_part(key, part_id).described.part)
         await self._perform(Command(key=key, part=part_id, capability=capability, value=Value.of(value)))
 
     def _permit(self, key: str) -> None:

@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from homebot.conventions.description import AutoExpiry, DescribedPart, DeviceAnnounced, Publication
+from homebot.conventions.payload import NO_READINGS, Readings
+from homebot.devices import Sighting
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Part
-from homebot.errors import UsageError
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, UsageError
+from homebot.gateways.announced.announcement import StoredAnnouncement
 
 __all__ = ["GatewayDevice", "simple_part"]
 
@@ -27,6 +32,9 @@ class GatewayDevice:
         service_type: Its type in the protocol's own words; by default the type of its main part.
         address: Where it reports raw messages; by default the text address of its main part.
         command_address: Where it takes raw commands; likewise.
+        stale_after: Seconds of silence after which it counts as stale; 0 for what the gateway says of all.
+        expiries: Values that end by themselves, by the id of the part, such as of a motion sensor that never says that
+            all is quiet again.
     """
 
     key: str
@@ -38,6 +46,39 @@ class GatewayDevice:
     service_type: str = ""
     address: str = ""
     command_address: str = ""
+    stale_after: float = 0.0
+    expiries: Mapping[str, tuple[AutoExpiry, ...]] = field(default_factory=dict)
+
+    def stored(self, gateway: str) -> StoredAnnouncement:
+        """Return it as *gateway* keeps and publishes it."""
+        parts = tuple(DescribedPart(one, _NO_CODEC, expiries=self.expiries.get(one.id, ())) for one in self.parts)
+        described = DeviceAnnounced(
+            self.key, "", self.identifiers, self.name, parts, "", self.area, self.metadata, native=True
+        )
+        stored = StoredAnnouncement(gateway, self.key, described, stale_after=self.stale_after)
+        own = {name: getattr(self, name) for name in ("service_type", "address", "command_address")}
+        given = {name: text for name, text in own.items() if text}
+        if given:
+            stored.template = Sighting.of_checked(**stored.template.__dict__ | given)
+        return stored
+
+
+class _NoCodec:
+    """The codec of a part whose gateway reads and writes messages by itself."""
+
+    def topics(self) -> tuple[str, ...]:
+        return ()
+
+    def read(self, topic: str, payload: bytes, *, retained: bool) -> Readings:
+        del topic, payload, retained
+        return NO_READINGS
+
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
+        del value, transition
+        raise RefusedError(capability, "its gateway writes its messages")
+
+
+_NO_CODEC = _NoCodec()
 
 
 def simple_part(service_type: str, *, settable: tuple[str, ...] = (), readable: tuple[str, ...] = ()) -> Part:

@@ -6,53 +6,57 @@ that is full holds a report up for a moment, as :class:`homebot.gateways.raw_del
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Awaitable, Callable, Mapping
+from typing import TypeAlias
 
-from homebot.devices import RawMessage
-from homebot.devices.capabilities import EVENTS
+from homebot.devices import RawCommand, RawMessage
 from homebot.devices.command import Command
-from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
-from homebot.devices.names import text_address
-from homebot.devices.part import Part
-from homebot.devices.report import Reading
-from homebot.devices.text.encode import encode_state
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.health import HealthResponse
+from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UnableError
-from homebot.gateways.announced.command_server import CommandServer, Perform
-from homebot.gateways.announced.counters import GatewayCounters
-from homebot.gateways.announced.device_table import PublishedDevice, PublishedDeviceTable
+from homebot.gateways.announced.announcement import SightingKind, StoredAnnouncement
+from homebot.gateways.announced.command_server import Perform
+from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.announced.reported_device import SightingKind
-from homebot.gateways.announced.reporter import DeviceReporter
-from homebot.gateways.announced.text_service import FindSource, SendRaw, TextService
+from homebot.gateways.announced.last_messages import PartTexts, missed
 from homebot.gateways.announced.value_check import can_report, check_command
 from homebot.gateways.base import Gateway
-from homebot.log import LogLimit
 
-__all__ = ["PublishedDevices"]
+__all__ = ["FindSource", "PublishedDevices", "SendRaw"]
 
 REFUSED = "gateway.reading_refused"
 TOO_MANY = "gateway.devices_refused"
+REJECTED = "gateway.message_rejected"
 
 MAX_DEVICES = 10_000
+
+SendRaw: TypeAlias = Callable[[RawCommand], Awaitable[None]]
+"""Sends a raw command to the address that it names; raises :class:`RefusedError` or :class:`LinkError`."""
+
+FindSource: TypeAlias = Callable[[str], tuple[str, str]]
+"""Returns key and name of the device that reports raw messages on an address, known or not yet.
+
+It raises :class:`RefusedError` where nobody may listen.
+"""
 
 
 class PublishedDevices:
     """Publishes the devices of a gateway, and takes their commands.
 
-    It serves the graph names of :mod:`homebot.gateways.base` that are duties, but ``state``, and those of raw messages
-    and texts.
+    It serves the graph names of :mod:`homebot.gateways.base` that are duties, but ``state``, and those of raw messages,
+    texts and quarantine.
 
     Args:
         gateway: The gateway.
         perform: Carries out commands that fit the part they are for.
         send_raw: Sends raw commands to addresses; None for a protocol that has none.
         find_source: Says whose an address of raw messages is; by default each is a device's of its own.
-        stale_after: Seconds of silence after which a device counts as stale.
+        stale_after: Seconds of silence after which a device counts as stale that says nothing else.
         inboxes: Whether nodes get raw messages and texts in their inboxes, rather than on a topic for each device.
         max_devices: Devices that may be known at once.
 
     Attributes:
+        engine: The mechanisms that do it, for a gateway that needs more of them.
         counters: What it did.
         problems: What is wrong now, as text; the health service shows it.
     """
@@ -68,19 +72,21 @@ class PublishedDevices:
         inboxes: bool = True,
         max_devices: int = MAX_DEVICES,
     ) -> None:
-        self.counters = GatewayCounters()
-        self.problems: tuple[str, ...] = ()
         self._gateway = gateway
         self._perform = perform
         self._max_devices = max_devices
-        self._devices = PublishedDeviceTable()
-        self._reporter = DeviceReporter(gateway, stale_after)
-        self._limit = LogLimit(gateway.node.graph.clock)
-        commands = CommandServer(gateway, self._checked, self._find_part, self.counters)
-        self._texts = TextService(
-            gateway, self._devices, commands, self.counters, send_raw, find_source, inboxes=inboxes
+        self._given: dict[str, GatewayDevice] = {}
+        self._devices: dict[str, StoredAnnouncement] = {}
+        self._raw = _RawMessages(send_raw, find_source)
+        self.problems: tuple[str, ...] = ()
+        self.engine: GatewayEngine[bytes] = GatewayEngine(
+            gateway, self._devices, stale_after=stale_after, inboxes=inboxes
         )
-        gateway.node.create_service(GetHealth, gateway.names.health, self._health)
+        self.counters = self.engine.counters
+        self._reporter = self.engine.reporter
+        self.engine.serve(
+            self._checked, self._raw, lambda: HealthResponse(counts=(), troubles=self.problems), keeps_states=True
+        )
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -99,24 +105,30 @@ class PublishedDevices:
         before = self._devices.get(device.key)
         if before is None and len(self._devices) >= self._max_devices:
             self.counters.devices_refused += 1
-            self._warn(TOO_MANY, f"{device.key[:100]} is one too many: {self._max_devices:,} devices are known")
+            words = f"{device.key[:100]} is one too many: {self._max_devices:,} devices are known"
+            self.engine.quarantine.log_limited(TOO_MANY, words, source="")
             return
-        now = PublishedDevice(self._gateway.node.name, device.key, device)
-        if before is not None:
-            now.take_over_state(before)
-        self._devices.put(now)
-        is_news = before is None or not before.publishes_the_same(now) or confirmed is not before.is_confirmed
-        if is_news or self._reporter.now >= now.refresh_at:
+        is_news = before is None or confirmed is not before.is_confirmed
+        stored = before
+        if stored is None or self._given[device.key] != device:
+            stored = self._store(device, before)
+            is_news = is_news or before is None or not stored.publishes_the_same(before)
+        self.engine.quarantine.accept(device.key, b"")
+        if is_news or self._reporter.now >= stored.refresh_at:
             kind: SightingKind = "appeared" if before is None else "updated"
-            self._reporter.publish_sighting(now, kind, why, confirmed=confirmed)
+            self._reporter.publish_sighting(stored, kind, why, confirmed=confirmed)
 
     def remove(self, key: str, why: str) -> None:
         """Publish that a device was taken out of the house, and keep nothing of it; no device is nothing new."""
         self._reporter.refresh_time()
-        device = self._devices.remove(key)
-        if device is not None:
-            self._reporter.dispose_all(device)
-            self._reporter.publish_sighting(device, "removed", why, confirmed=True)
+        stored = self._devices.pop(key, None)
+        if stored is None:
+            return
+        self._raw.leave(self._given.pop(key))
+        self.engine.quarantine.budgets.leave(key)
+        self._reporter.dispose_all(stored)
+        self._reporter.publish_sighting(stored, "removed", why, confirmed=True)
+        stored.let_go()
 
     async def report(
         self, key: str, values: Mapping[str, PlainValue], part: str = "", *, retained: bool = False
@@ -129,69 +141,72 @@ class PublishedDevices:
             part: The part.
             retained: Whether that was kept from before: what was, not what is.
         """
-        device = self._devices.get(key)
-        described = None if device is None else device.part(part)
-        if device is None or described is None:
+        stored = self._devices.get(key)
+        described = None if stored is None else stored.parts.get(part)
+        if described is None:
             self._refuse(len(values), f"{key[:100]} has no part {part[:100]!r}")
             return
-        known = {name: value for name, value in values.items() if can_report(described, name, value)}
+        known = {name: value for name, value in values.items() if can_report(described.described.part, name, value)}
         if len(known) < len(values):
             refused = ", ".join(f"{name[:40]} {str(values[name])[:40]!r}" for name in values.keys() - known.keys())
             self._refuse(len(values) - len(known), f"{key[:100]} cannot have reported {refused[:200]}")
-        if not known:
-            return
-        self._reporter.refresh_time()
-        self.counters.reports += 1
-        if not retained:
-            self._seen(device)
-        readings = tuple(Reading(part=part, capability=name, value=Value.of(value)) for name, value in known.items())
-        self._reporter.publish_readings(device, readings, part, "", retained=retained)
-        await self._deliver_text(device, part, known, retained=retained)
+        if known:
+            self._reporter.refresh_time()
+            await self.engine.states.publish(described, known, retained=retained)
 
     def report_reachable(self, key: str, part: str = "", *, reachable: bool | None) -> None:
         """Publish whether a device, or one of its parts, can be reached; None for unknown. It is there either way."""
-        device = self._devices.get(key)
-        if device is None or (part in device.reachable and device.reachable[part] is reachable):
+        stored = self._devices.get(key)
+        if stored is None or (part in stored.reachable and stored.reachable[part] is reachable):
             return
         self._reporter.refresh_time()
-        device.reachable[part] = reachable
-        self._reporter.report_reachable(device, part, "", reachable=reachable, retained=False)
+        stored.reachable[part] = reachable
+        self._reporter.report_reachable(stored, part, "", reachable=reachable, retained=False)
 
     async def deliver_raw(self, key: str, payload: bytes, *, retained: bool = False) -> None:
         """Deliver a raw message of a device, to who listens to its address."""
-        device = self._devices.get(key)
-        if device is not None:
-            self._reporter.refresh_time()
-            message = self._message(device, device.template.address, payload, retained=retained)
-            device.keep_raw(message, self._reporter.now)
-            await self._texts.deliver(message)
-
-    def _seen(self, device: PublishedDevice) -> None:
-        if not device.is_confirmed or self._reporter.now >= device.refresh_at:
-            # First: to a directory that has forgotten the device, a report alone is of nobody.
-            self._reporter.publish_sighting(device, "updated", "it reported", confirmed=True)
-
-    async def _deliver_text(
-        self, device: PublishedDevice, part: str, values: Mapping[str, PlainValue], *, retained: bool
-    ) -> None:
-        if retained:
-            values = {name: value for name, value in values.items() if name not in EVENTS}
-        text = encode_state(values)
-        if text is None:
+        stored = self._devices.get(key)
+        if stored is None:
             return
-        message = self._message(device, text_address(device.key, part), text.encode(), retained=retained)
-        device.texts[part].keep(message, self._reporter.now, is_event=not EVENTS.isdisjoint(values))
-        await self._texts.deliver(message)
-
-    def _message(self, device: PublishedDevice, address: str, payload: bytes, *, retained: bool) -> RawMessage:
-        return RawMessage(
-            gateway=device.gateway,
-            key=device.key,
-            address=address,
+        self._reporter.refresh_time()
+        self.counters.received += 1
+        message = RawMessage(
+            gateway=stored.gateway,
+            key=key,
+            address=stored.template.address,
             payload=payload,
             retained=retained,
             received_at=self._reporter.stamp,
         )
+        self._raw.keep(message, self._reporter.now)
+        await self.engine.listeners.deliver(message, wait_if_full=True)
+
+    def admits(self, source: str) -> bool:
+        """Return whether a message from *source* is to be read; no while that breaks the rules too often.
+
+        For messages that come again by themselves, such as what is asked for in turns or broadcast: one that is not
+        admitted is dropped, and counted.
+
+        Args:
+            source: Where it came from: the key of a device where it is one, else its address in the network.
+        """
+        self._reporter.refresh_time()
+        return self.engine.quarantine.admits(source)
+
+    def reject(self, source: str, payload: bytes, why: str) -> None:
+        """Count a message that breaks the rules of the protocol, log it now and then, and charge it to *source*."""
+        self._reporter.refresh_time()
+        self.counters.rejected += 1
+        self.engine.quarantine.record_offence(source, len(payload), REJECTED, why)
+
+    def _store(self, device: GatewayDevice, before: StoredAnnouncement | None) -> StoredAnnouncement:
+        stored = device.stored(self._gateway.node.name)
+        if before is not None:
+            stored.take_over_state(before)
+            before.let_go()
+            self._raw.leave(self._given[device.key], unless=device.address)
+        self._given[device.key], self._devices[device.key] = device, stored
+        return stored
 
     async def _checked(self, command: Command) -> None:
         """Carry *command* out where it fits the part.
@@ -199,31 +214,41 @@ class PublishedDevices:
         Raises:
             UnableError: It does not; says what would.
         """
-        part = self._find_part(command.key, command.part)
+        part = self.engine.find_part(command.key, command.part).described.part
         try:
             check_command(part, command.capability, command.value.plain())
         except RefusedError as exc:
             raise UnableError(str(exc)) from exc
         await self._perform(command)
 
-    def _find_part(self, key: str, part_id: str) -> Part:
-        device = self._devices.get(key)
-        if device is None:
-            raise UnableError(f"a command to {key[:100]} was refused: no device has that key")
-        part = device.part(part_id)
-        if part is None:
-            known = ", ".join(repr(one.id) for one in device.device.parts[:10]) or "none"
-            raise UnableError(f"{key[:100]} has no part {part_id[:100]!r}; it has {known}")
-        return part
-
     def _refuse(self, count: int, problem: str) -> None:
         self.counters.readings_refused += count
-        self._warn(REFUSED, problem)
+        self.engine.quarantine.log_limited(REFUSED, problem, source="")
 
-    def _warn(self, event: str, problem: str) -> None:
-        if self._limit.allows(event) is not None:
-            self._gateway.node.log.warning(event, message=problem)
 
-    def _health(self, request: HealthRequest) -> HealthResponse:
-        del request
-        return HealthResponse(counts=self.counters.counts(), troubles=self.problems)
+class _RawMessages:
+    """The last raw messages of devices by address, and what a gateway says of its addresses."""
+
+    def __init__(self, send_raw: SendRaw | None, find_source: FindSource | None) -> None:
+        self._send_raw = send_raw
+        self._find_source = find_source
+        self._last: dict[str, PartTexts] = {}
+
+    def keep(self, message: RawMessage, now: float) -> None:
+        self._last.setdefault(message.address, PartTexts()).keep(message, now, is_event=False)
+
+    def leave(self, device: GatewayDevice, unless: str = "") -> None:
+        if device.address != unless:
+            self._last.pop(device.address, None)
+
+    async def send_raw(self, command: RawCommand) -> None:
+        if self._send_raw is None:
+            raise RefusedError("the command", "this protocol takes no raw commands; use a text address")
+        await self._send_raw(command)
+
+    def find_source(self, address: str) -> tuple[str, str]:
+        return (address, address) if self._find_source is None else self._find_source(address)
+
+    def missed_by(self, address: str, since: float) -> tuple[RawMessage, ...]:
+        last = self._last.get(address)
+        return () if last is None else missed(last.kept, since)

@@ -99,6 +99,19 @@ class PeerQuarantine(Generic[MessageT]):
         self._defer(payer)
         return True
 
+    def admits(self, source: str) -> bool:
+        """Return whether a message from *source* is to be read, for one that comes again by itself: else it is dropped.
+
+        Args:
+            source: Where it came from.
+        """
+        payer = self.budgets.payer(source)
+        if self.budgets.admits(payer, self._reporter.now):
+            return True
+        self.waiting.dropped += 1
+        self._defer(payer)
+        return False
+
     def accept(self, source: str, payload: bytes, *, is_valid: bool = True) -> None:
         """Book that a device stands announced by *payload*; that clears its charge if all of it *is_valid*."""
         self.budgets.accept(source, payload, self._reporter.now, is_valid=is_valid)
@@ -146,7 +159,7 @@ class PeerQuarantine(Generic[MessageT]):
                 **{self._log_key: source[:_LONGEST]},
             )
 
-    def log_limited(self, event: str, words: str, *, source: str) -> None:
+    def log_limited(self, event: str, words: str, source: str) -> None:
         """Tell of a culprit once in a while, and of so many culprits at most."""
         source = source[:_LONGEST]
         repeated = self._limit.allows(f"{event} {source}")

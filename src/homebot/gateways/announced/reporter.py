@@ -8,7 +8,7 @@ from homebot.devices.capabilities import EVENTS
 from homebot.devices.report import REACHABLE, Reading, Report
 from homebot.devices.services import NEVER
 from homebot.devices.value import Value
-from homebot.gateways.announced.reported_device import ReportedDevice, SightingKind
+from homebot.gateways.announced.announcement import SightingKind, StoredAnnouncement
 from homebot.gateways.base import Gateway
 from homebot.messages import Time
 
@@ -59,11 +59,11 @@ class DeviceReporter:
         self.now = self._clock.monotonic()
         self.stamp = Time.from_seconds(self._seconds)
 
-    def publish_sighting(self, device: ReportedDevice, kind: SightingKind, why: str, *, confirmed: bool) -> None:
+    def publish_sighting(self, device: StoredAnnouncement, kind: SightingKind, why: str, *, confirmed: bool) -> None:
         """Tell that a device is there, still there, or gone."""
         device.refresh_at = self.now + REFRESH
         device.is_confirmed = confirmed
-        until = Time.from_seconds(min(self._seconds + self._stale_after, _LAST))
+        until = Time.from_seconds(min(self._seconds + (device.stale_after or self._stale_after), _LAST))
         self._gateway.publish_sighting(
             device.sighting(kind, why, at=self.stamp, until=until, heard_at=self.now, confirmed=confirmed)
         )
@@ -86,7 +86,7 @@ class DeviceReporter:
         )
 
     def publish_readings(
-        self, device: ReportedDevice, readings: Sequence[Reading], source: str, address: str, *, retained: bool
+        self, device: StoredAnnouncement, readings: Sequence[Reading], source: str, address: str, *, retained: bool
     ) -> None:
         """Publish states and events that a device reported; an event that was kept from before is over.
 
@@ -105,7 +105,7 @@ class DeviceReporter:
             self.report_events(device.key, events, address)
 
     def report_reachable(
-        self, device: ReportedDevice, part: str, address: str, *, reachable: bool | None, retained: bool
+        self, device: StoredAnnouncement, part: str, address: str, *, reachable: bool | None, retained: bool
     ) -> None:
         """Tell whether a device, or one of its parts, can be reached, as was said on *address*; empty for no more."""
         reading = Reading(part=part, capability=REACHABLE, value=Value.of(reachable))
@@ -119,7 +119,7 @@ class DeviceReporter:
         self.publish_report(key, readings, address, stream, retained=False)
         self._reports.dispose(stream)
 
-    def dispose_all(self, device: ReportedDevice) -> None:
+    def dispose_all(self, device: StoredAnnouncement) -> None:
         """Keep no report of a device for late joiners any more."""
         for stream in device.report_streams:
             self.dispose(stream)

@@ -2,36 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
-from typing import TypeAlias
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Protocol
 
 from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
-from homebot.devices.names import read_text_address
+from homebot.devices.names import TEXT_SCHEME, read_text_address
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.errors import HomebotError, LinkError, RefusedError
+from homebot.gateways.announced.announcement import AnnouncedPart, StoredAnnouncement
 from homebot.gateways.announced.command_server import CommandServer
 from homebot.gateways.announced.counters import GatewayCounters
-from homebot.gateways.announced.device_table import PublishedDeviceTable
-from homebot.gateways.announced.last_messages import PartTexts, missed
 from homebot.gateways.base import Gateway
 from homebot.gateways.raw_delivery import RawDelivery, begin_of
-from homebot.log import LogLimit
 
-__all__ = ["FindSource", "SendRaw", "TextService"]
+__all__ = ["RawMessages", "TextService"]
 
 COMMAND_REFUSED = "gateway.command_refused"
 COMMAND_FAILED = "gateway.command_failed"
 
-SendRaw: TypeAlias = Callable[[RawCommand], Awaitable[None]]
-"""Sends a raw command to the address that it names; raises :class:`RefusedError` or :class:`LinkError`."""
-
-FindSource: TypeAlias = Callable[[str], tuple[str, str]]
-"""Returns key and name of the device that reports raw messages on an address, known or not yet.
-
-It raises :class:`RefusedError` where nobody may listen.
-"""
-
 _OUT_DEPTH = 1000
+
+
+class RawMessages(Protocol):
+    """The port to the raw messages of a protocol; an address of its own is never a text address."""
+
+    def send_raw(self, command: RawCommand) -> Awaitable[object]:
+        """Send a raw command to the address that it names, once awaited.
+
+        Raises:
+            RefusedError: It cannot be sent there.
+            LinkError: There is no link.
+        """
+        ...
+
+    def find_source(self, address: str) -> tuple[str, str]:
+        """Return key and name of the device that reports raw messages on *address*, known or not yet.
+
+        Raises:
+            RefusedError, WireError: Nobody may listen there.
+            InvalidNameError: It is no address.
+        """
+        ...
+
+    def missed_by(self, address: str, since: float) -> tuple[RawMessage, ...]:
+        """Return what a new listener wants of what came on *address* from *since* on, on the monotonic clock."""
+        ...
 
 
 class TextService:
@@ -39,103 +54,85 @@ class TextService:
 
     Args:
         gateway: The gateway.
-        devices: Its devices.
+        devices: What stands, by key.
         commands: Carries out what a text means.
+        listeners: Who listens.
         counters: Its counters.
-        send_raw: Sends raw commands; None where the protocol has none.
-        find_source: Says whose an address is before its device is known; see :data:`FindSource`.
-        inboxes: Whether nodes get inboxes, rather than a topic for each device.
+        raw: Its raw messages.
+        log: Warns of what cannot be sent: by an event, in words, about an address.
+        keeps_states: See :meth:`homebot.gateways.announced.engine.GatewayEngine.serve`.
     """
 
     def __init__(
         self,
         gateway: Gateway,
-        devices: PublishedDeviceTable,
+        devices: Mapping[str, StoredAnnouncement],
         commands: CommandServer,
+        listeners: RawDelivery,
         counters: GatewayCounters,
-        send_raw: SendRaw | None,
-        find_source: FindSource | None,
+        raw: RawMessages,
+        log: Callable[[str, str, str], None],
         *,
-        inboxes: bool,
+        keeps_states: bool,
     ) -> None:
         self._gateway = gateway
         self._devices = devices
         self._commands = commands
+        self._listeners = listeners
         self._counters = counters
-        self._send_raw = send_raw
-        self._find_source = find_source or _unknown
+        self._raw = raw
+        self._log = log
+        self._keeps_states = keeps_states
         self._clock = gateway.node.graph.clock
-        self._listeners = RawDelivery(gateway.node, gateway.names, inboxes=inboxes)
-        self._limit = LogLimit(self._clock)
         node, names = gateway.node, gateway.names
         node.create_subscription(RawCommand, names.out, self._send, _OUT_DEPTH, concurrent=True)
-        node.create_service(SubscribeToTopic, names.subscribe, self._subscribe)
-        node.create_task(self._listeners.watch_nodes)
+        node.create_service(SubscribeToTopic, names.subscribe, self.subscribe)
 
-    async def deliver(self, message: RawMessage) -> None:
-        """Deliver *message* to who listens to its address."""
-        await self._listeners.deliver(message, wait_if_full=True)
-
-    async def _send(self, command: RawCommand) -> None:
+    def subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
+        """Answer the service: deliver what comes on an address from now on."""
         try:
-            if (part := read_text_address(command.address)) is not None:
-                await self._commands.tell(*part, command.payload)
-            elif not self._gateway.acts:
-                raise RefusedError("the command", self._gateway.observes_because)
-            elif self._send_raw is None:
-                raise RefusedError("the command", "this protocol takes no raw commands; use a text address")
-            else:
-                await self._send_raw(command)
-            self._counters.commands += 1
-        except LinkError as exc:
-            self._counters.commands_failed += 1
-            self._warn(COMMAND_FAILED, command.address, exc)
-        except HomebotError as exc:
-            self._counters.commands_refused += 1
-            self._warn(COMMAND_REFUSED, command.address, exc)
-
-    def _subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
-        try:
-            key, name = self._source(request.topic)
+            part = read_text_address(request.topic)
+            key, name = self._raw.find_source(request.topic) if part is None else self._device_of(part[0])
             is_new = not self._listeners.has(request.topic, request.listener)
             publisher = self._listeners.add(request.topic, key, name, request.listener)
         except RefusedError as exc:
             return SubscribeToTopicResponse(success=False, message=exc.reason, data_topic="")
         except HomebotError as exc:
             return SubscribeToTopicResponse(success=False, message=str(exc), data_topic="")
-        kept = self._missed(request.topic, begin_of(request.since, self._clock)) if is_new else ()
-        return SubscribeToTopicResponse(success=True, message="", data_topic=publisher.topic_name, missed=kept)
+        missed: tuple[RawMessage, ...] = ()
+        if is_new:
+            since = begin_of(request.since, self._clock)
+            missed = self._raw.missed_by(request.topic, since) if part is None else self._missed_texts(*part, since)
+        return SubscribeToTopicResponse(success=True, message="", data_topic=publisher.topic_name, missed=missed)
 
-    def _source(self, address: str) -> tuple[str, str]:
-        """Return key and name of the device that reports on *address*.
+    async def _send(self, command: RawCommand) -> None:
+        address = command.address
+        try:
+            if address.startswith(TEXT_SCHEME) and (part := read_text_address(address)) is not None:
+                await self._commands.tell(*part, command.payload)
+            elif not self._gateway.acts:
+                raise RefusedError("the command", self._gateway.observes_because)
+            else:
+                await self._raw.send_raw(command)
+            self._counters.commands += 1
+        except LinkError as exc:
+            self._counters.commands_failed += 1
+            self._log(COMMAND_FAILED, f"not sent to {address[:100]}: {exc}", address)
+        except HomebotError as exc:
+            self._counters.commands_refused += 1
+            self._log(COMMAND_REFUSED, f"not sent to {address[:100]}: {exc}", address)
 
-        Whoever listened before the gateway was restarted asks again before its devices are found.
-        """
-        text = read_text_address(address)
-        if text is None:
-            return self._find_source(address)
-        device = self._devices.get(text[0])
-        return text[0], text[0] if device is None else device.device.name
+    def _device_of(self, key: str) -> tuple[str, str]:
+        """Return key and name; whoever listened before the gateway was restarted asks before its devices are found."""
+        stored = self._devices.get(key)
+        return key, key if stored is None else stored.described.name
 
-    def _missed(self, address: str, since: float) -> tuple[RawMessage, ...]:
-        if (text := read_text_address(address)) is not None:
-            device = self._devices.get(text[0])
-            texts = None if device is None else device.texts.get(text[1])
-            return () if texts is None else self._last_of(texts, since)
-        device = self._devices.at(address)
-        return () if device is None else missed(device.raw, since)
-
-    def _last_of(self, texts: PartTexts, since: float) -> tuple[RawMessage, ...]:
-        """Return what came from *since* on, or the last state: no broker keeps it, so the gateway does."""
-        recent = texts.missed_by(since, self._clock.monotonic())
-        if recent or not texts.kept:
+    def _missed_texts(self, key: str, part_id: str, since: float) -> tuple[RawMessage, ...]:
+        stored = self._devices.get(key)
+        part: AnnouncedPart | None = None if stored is None else stored.parts.get(part_id)
+        if part is None:
+            return ()
+        recent = part.missed_by(since, self._clock.monotonic())
+        if recent or not self._keeps_states or not part.kept:
             return recent
-        return (texts.kept[-1][1].model_copy(update={"retained": True}),)
-
-    def _warn(self, event: str, address: str, problem: HomebotError) -> None:
-        if self._limit.allows(f"{event} {address[:100]}") is not None:
-            self._gateway.node.log.warning(event, message=f"not sent to {address[:100]}: {problem}")
-
-
-def _unknown(address: str) -> tuple[str, str]:
-    return address, address
+        return (part.kept[-1][1].model_copy(update={"retained": True}),)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from homebot.conventions.description import Publication, TakesCode
 from homebot.devices.command import Command
-from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, RefusedError, UnableError, WrongCodeError
+from homebot.gateways.announced.announcement import AnnouncedPart
+from homebot.gateways.announced.command_server import FindPart
 from homebot.gateways.announced.quarantine import PeerQuarantine
-from homebot.gateways.mqtt.announcement import AnnouncedPart
-from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.mqtt.connection import MqttConnection
@@ -23,7 +22,7 @@ class CommandPublisher:
     """The way from commands to publications.
 
     Args:
-        registry: Who can be told.
+        find_part: Finds who can be told.
         connection: Where it is published.
         quarantine: Judges conventions that fail.
         reserved: The topics on which no device is told anything.
@@ -32,13 +31,13 @@ class CommandPublisher:
 
     def __init__(
         self,
-        registry: AnnouncementRegistry,
+        find_part: FindPart,
         connection: MqttConnection,
         quarantine: PeerQuarantine[MqttMessage],
         reserved: ReservedTopics,
         secrets: SentSecrets,
     ) -> None:
-        self._registry = registry
+        self._find_part = find_part
         self._connection = connection
         self._quarantine = quarantine
         self._reserved = reserved
@@ -53,7 +52,7 @@ class CommandPublisher:
             LinkError: There is no link.
         """
         try:
-            announced_part = self._announced_part(command.key, command.part)
+            announced_part = self._find_part(command.key, command.part)
             value = command.value.plain()
             publications = self._written(announced_part, command.capability, value, command.transition, command.code)
         except WrongCodeError:
@@ -64,28 +63,6 @@ class CommandPublisher:
             publications = tuple(self._secrets.keep(one) for one in publications)
         for one in publications:
             await self._connection.publish(one.topic, one.payload, qos=one.qos, retain=one.retain)
-
-    def find_part(self, key: str, part_id: str) -> Part:
-        """Return a part that is described.
-
-        Raises:
-            UnableError: Nobody is described by that key and part.
-        """
-        try:
-            return self._announced_part(key, part_id).described.part
-        except RefusedError as exc:
-            raise UnableError(str(exc)) from exc
-
-    def _announced_part(self, key: str, part_id: str) -> AnnouncedPart:
-        what = f"a command to {key[:100]}"
-        stored = self._registry.get(key)
-        if stored is None:
-            raise RefusedError(what, "no device is announced by that key")
-        announced_part = stored.parts.get(part_id)
-        if announced_part is None:
-            known = ", ".join(repr(one) for one in sorted(stored.parts)[:10])
-            raise RefusedError(what, f"it has no part {part_id[:100]!r}; it has {known}")
-        return announced_part
 
     def _written(
         self, announced_part: AnnouncedPart, capability: str, value: PlainValue, transition: float, code: str = ""

@@ -6,7 +6,8 @@ do what takes time or must wait: subscribing, asking, and ending what ends by it
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Awaitable, Iterator
+from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 
@@ -21,21 +22,16 @@ from homebot.conventions.convention import (
     TextConvention,
 )
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
-from homebot.devices import RawMessage
-from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
-from homebot.devices.names import read_text_address
+from homebot.devices import RawCommand, RawMessage
+from homebot.devices.health import Count, HealthResponse
 from homebot.errors import WireError
+from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader
 from homebot.gateways.announced.announcement_limits import RegistryLimits
-from homebot.gateways.announced.command_server import CommandServer
-from homebot.gateways.announced.counters import GatewayCounters
+from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.last_messages import CachedMessage, LastMessageCache
-from homebot.gateways.announced.quarantine import PeerQuarantine
-from homebot.gateways.announced.reporter import DeviceReporter
-from homebot.gateways.announced.scheduler import Scheduler
 from homebot.gateways.announced.work_budget import WorkBudgets
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.acting_lease import ActingLease
-from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader
 from homebot.gateways.mqtt.command_publisher import CommandPublisher
 from homebot.gateways.mqtt.intake import AnnouncementHandler
 from homebot.gateways.mqtt.offers import Offers
@@ -43,10 +39,8 @@ from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryChange,
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.gateways.mqtt.spare_memory import LONG, SpareMemory
-from homebot.gateways.mqtt.state_reader import StateReader
 from homebot.gateways.mqtt.state_topics import StateTopics, prefix_of
 from homebot.gateways.mqtt.subscriber import Subscriber
-from homebot.gateways.raw_delivery import RawDelivery
 from homebot.isolation import run_as
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
@@ -63,21 +57,21 @@ class AnnouncedDevices:
     Args:
         gateway: The gateway.
         conventions: Its conventions.
-        listeners: Who wants what its devices say.
         connection: Its connection.
-        counters: Its counters.
         stale_after: Seconds of silence after which a device counts as stale.
+        inboxes: Whether nodes get raw messages in their inboxes, rather than on a topic for each device.
         lease: Lets the gateway act while no other homebot does.
         max_memory: Bytes that what is announced may take, about.
 
     Attributes:
         codecs: How parts say text, by the topics on which they are told.
-        commands: Brings commands to them.
+        counters: What the gateway did.
         offers: What homebot itself offers to others.
         lease: Says whether another homebot acts instead.
         read_text: Takes a message as the text that a part says by itself.
         route: Returns who reads a topic; None for nobody.
         secrets: Knows what was sent with a code.
+        texts: The service of texts and raw messages.
         tick: Lets time have passed; once before each batch of messages.
         quarantine: Judges those who break the rules.
     """
@@ -86,58 +80,57 @@ class AnnouncedDevices:
         self,
         gateway: Gateway,
         conventions: tuple[Convention, ...],
-        listeners: RawDelivery,
         connection: MqttConnection,
-        counters: GatewayCounters,
-        stale_after: float,
         lease: ActingLease,
+        *,
+        stale_after: float,
+        inboxes: bool,
         max_memory: int,
     ) -> None:
         self.lease = lease
         self.conventions = conventions
         self._owner = gateway.node.full_name
         self._connection = connection
-        self._counters = counters
-        self._listeners = listeners
-        self._reporter = DeviceReporter(gateway, stale_after)
-        self._scheduler = Scheduler(gateway.node.graph.clock)
-        self.quarantine: PeerQuarantine[MqttMessage] = PeerQuarantine(
-            gateway, self._reporter, self._scheduler, counters, WorkBudgets(prefix_of(self.filters())), "topic"
-        )
-        self._spare_memory = SpareMemory(self._scheduler)
         self._topics = StateTopics(self.filters(), self.text_filters())
         self._registry = AnnouncementRegistry(
             gateway.node.name, conventions, self._topics, RegistryLimits(memory=max_memory)
         )
+        engine: GatewayEngine[MqttMessage] = GatewayEngine(
+            gateway,
+            self._registry.by_key,
+            stale_after=stale_after,
+            inboxes=inboxes,
+            budgets=WorkBudgets(prefix_of(self.filters())),
+            log_key="topic",
+        )
+        self.counters, self.quarantine = engine.counters, engine.quarantine
+        self._listeners, self._reporter, self._states = engine.listeners, engine.reporter, engine.states
+        self._spare_memory = SpareMemory(engine.scheduler)
         self.tick = self._reporter.refresh_time
         self.route = self._registry.route
         self.codecs = self._registry.codecs
+        self.read_text = self._states.read_text
         self._last_messages = LastMessageCache()
         self._taking = anyio.Lock(fast_acquire=True)  # else each announcement is subscribed to by itself
         self._missed: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
-        self._states = StateReader(
-            self._registry, self._reporter, listeners, self._scheduler, self.quarantine, counters
-        )
-        self.read_text = self._states.read_text
-        self._subscriber = Subscriber(self._topics, self._registry, conventions, self.quarantine, counters)
+        self._subscriber = Subscriber(self._topics, self._registry, conventions, self.quarantine, self.counters)
         reserved = ReservedTopics(conventions)
         self._announcements = AnnouncementHandler(
             gateway.node.graph.clock,
             self._registry,
             reserved,
             self._reporter,
-            self._scheduler,
+            engine.scheduler,
             self.quarantine,
-            counters,
+            self.counters,
             on_change=self._changed,
             on_removal=self._removed,
             on_question=self._subscriber.question,
         )
         self.secrets = SentSecrets()
-        publisher = CommandPublisher(self._registry, connection, self.quarantine, reserved, self.secrets)
-        self.commands = CommandServer(gateway, publisher.perform, publisher.find_part, counters)
         self.offers = Offers(gateway, _publishers(conventions, gateway.node.name, connection), self.quarantine)
-        gateway.node.create_service(GetHealth, gateway.names.health, self._health)
+        publisher = CommandPublisher(engine.find_part, connection, self.quarantine, reserved, self.secrets)
+        self.texts = engine.serve(publisher.perform, self, self._health, keeps_states=False)
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of all announcements."""
@@ -153,7 +146,6 @@ class AnnouncedDevices:
         """Subscribe, ask and keep the time until cancelled."""
         async with anyio.create_task_group() as tasks:
             for work in (
-                self._scheduler.run,
                 partial(self._subscriber.run, self._connection),
                 partial(self.offers.serve, self._connection),
                 partial(self.quarantine.serve, self._take_next),
@@ -170,32 +162,42 @@ class AnnouncedDevices:
             route: Who reads it.
             raw: Whether to hand its bytes to those who listen to the topic itself.
         """
+        topic, payload = message.topic, message.payload
         if route.texts:
             self._announcements.take_text(message, route.texts)
-            route = self.route(message.topic) or route
+            route = self.route(topic) or route
         if route.conventions:
             await self.take(message, route)
-            if self._registry.is_read(message.topic):
-                route = self.route(message.topic) or route
+            if self._registry.is_read(topic):
+                route = self.route(topic) or route
         if route.text is not None:
             raw = False
-            if message.payload:
-                await self.read_text(message, route.text)
+            if payload:
+                await self._states.read_text(
+                    topic, payload, route.text, retained=message.retain, wait_if_full=message.qos > 0
+                )
             else:
                 self._announcements.clear(route.text.stored)
         if not route.announced_parts and not route.availability_readers:
             return
         if raw:
-            self._counters.received += 1
-        word = CachedMessage(message.payload, message.retain, self._reporter.stamp, self._reporter.now)
-        self._last_messages.keep(message.topic, word)
+            self.counters.received += 1
+        word = CachedMessage(payload, message.retain, self._reporter.stamp, self._reporter.now)
+        self._last_messages.keep(topic, word)
         if route.availability_readers:
-            await self._states.read_availability_message(message, route.availability_readers)
+            await self._states.read_availability(topic, payload, route.availability_readers, retained=message.retain)
         if route.announced_parts:
             longest = MAX_LONG_STATE_BYTES if route.conventions else MAX_STATE_BYTES
-            await self._states.read(message, route.announced_parts, longest)
-            if raw and self._listeners.now(message.topic):
-                raw_text = self._raw(route.announced_parts[0], message.topic, message.payload, retained=message.retain)
+            await self._states.read(
+                topic,
+                payload,
+                route.announced_parts,
+                retained=message.retain,
+                wait_if_full=message.qos > 0,
+                longest=longest,
+            )
+            if raw and self._listeners.now(topic):
+                raw_text = self._raw(route.announced_parts[0], topic, payload, retained=message.retain)
                 await self._listeners.deliver(raw_text, wait_if_full=message.qos > 0)
 
     async def take(self, message: MqttMessage, route: TopicReaders) -> None:
@@ -212,23 +214,30 @@ class AnnouncedDevices:
             if topic != message.topic:
                 await self._make_up_for(topic, reader)
 
-    async def overhear(self, message: MqttMessage, route: TopicReaders) -> None:
-        """Take a message that we published ourselves, where it announces a device: no broker brings it back to us."""
-        self.tick()
-        await self.take(message, route)
+    def send_raw(self, command: RawCommand) -> Awaitable[object]:
+        """Publish *command*, once awaited, and expect the same text as the answer of a device that it is for.
 
-    def speaker(self, address: str) -> tuple[str, str]:
-        """Return key and name of the device that speaks on *address*, a topic or a words address.
+        Raises:
+            RefusedError: The broker said no.
+            InvalidNameError: The address is no topic.
+            LinkError: There is no link.
+        """
+        address, payload = command.address, command.payload.encode()
+        codec = self.codecs.get(address)
+        if codec is not None:
+            codec.expect(payload)
+        route = self.route(address)
+        if route is not None and route.conventions:
+            return self._send_announcement(MqttMessage(address, payload, command.qos, command.retain), route)
+        return self._connection.publish(address, payload, qos=command.qos, retain=command.retain)
 
-        A device that says text may be listened to before it does, and a words address before its device is announced.
+    def find_source(self, address: str) -> tuple[str, str]:
+        """Return key and name of the device that speaks on the topic *address*, which it need not have done yet.
 
         Raises:
             WireError: No device speaks there, or the topic breaks a rule.
             InvalidNameError: It is none.
         """
-        if (part := read_text_address(address)) is not None:
-            announced_part = self._registry.announced_part(*part)
-            return part[0], part[0] if announced_part is None else announced_part.stored.described.name
         validate_topic(address)
         route = self.route(address)
         if route is not None:
@@ -241,18 +250,21 @@ class AnnouncedDevices:
                     return device.full_key, device.name
         raise WireError(f"no device publishes on topic {address!r}")
 
-    def missed_by(self, topic: str, since: float) -> tuple[RawMessage, ...]:
-        """Return what a new listener wants of what was said on *topic* from *since* on, on the monotonic clock."""
-        if (part := read_text_address(topic)) is not None:
-            announced_part = self._registry.announced_part(*part)
-            return announced_part.missed_by(since, self._reporter.now) if announced_part is not None else ()
-        route, word = self._registry.route(topic), self._last_messages.get(topic)
+    def missed_by(self, address: str, since: float) -> tuple[RawMessage, ...]:
+        """Return what a new listener wants of what was said on a topic from *since* on, on the monotonic clock."""
+        route, word = self._registry.route(address), self._last_messages.get(address)
         if route is not None and route.text is not None:
             return route.text.missed_by(since, self._reporter.now)
         if route is None or not route.announced_parts or word is None or (not word.retained and word.heard_at < since):
             return ()
-        message = self._raw(route.announced_parts[0], topic, word.payload, retained=word.retained)
+        message = self._raw(route.announced_parts[0], address, word.payload, retained=word.retained)
         return (message.model_copy(update={"received_at": word.at}),)
+
+    async def _send_announcement(self, message: MqttMessage, route: TopicReaders) -> None:
+        """Publish *message*, and take it: no broker brings back to us what announces a device."""
+        await self._connection.publish(message.topic, message.payload, qos=message.qos, retain=message.retain)
+        self.tick()
+        await self.take(replace(message, retain=False), self.route(message.topic) or route)
 
     async def _take_now(
         self, message: MqttMessage, route: TopicReaders
@@ -279,11 +291,19 @@ class AnnouncedDevices:
                 await self._make_up_for(topic, reader)
         after = self.route(message.topic)
         if after is not None:  # whoever it made known reads it as one that was kept
-            kept = MqttMessage(message.topic, message.payload, retain=True)
             if availability_readers := _new(after.availability_readers, route.availability_readers):
-                await self._states.read_availability_message(kept, availability_readers)
+                await self._states.read_availability(
+                    message.topic, message.payload, availability_readers, retained=True
+                )
             if announced_parts := _new(after.announced_parts, route.announced_parts):
-                await self._states.read(kept, announced_parts, MAX_LONG_STATE_BYTES)
+                await self._states.read(
+                    message.topic,
+                    message.payload,
+                    announced_parts,
+                    retained=True,
+                    wait_if_full=False,
+                    longest=MAX_LONG_STATE_BYTES,
+                )
         return True
 
     def _changed(self, change: RegistryChange) -> None:
@@ -301,11 +321,10 @@ class AnnouncedDevices:
         word = self._last_messages.get(topic)
         if word is None:
             return
-        message = MqttMessage(topic, word.payload, retain=True)
         if isinstance(reader, AvailabilityReader):
-            await self._states.read_availability_message(message, (reader,))
+            await self._states.read_availability(topic, word.payload, (reader,), retained=True)
         else:
-            await self._states.read(message, (reader,))
+            await self._states.read(topic, word.payload, (reader,), retained=True, wait_if_full=False)
 
     def _raw(self, announced_part: AnnouncedPart, topic: str, payload: bytes, *, retained: bool) -> RawMessage:
         return RawMessage(
@@ -317,25 +336,19 @@ class AnnouncedDevices:
             received_at=self._reporter.stamp,
         )
 
-    def _health(self, request: HealthRequest) -> HealthResponse:
-        del request
+    def _health(self) -> HealthResponse:
         lost = self._connection.counters
-        counts = (
-            *self._counters.counts(),
-            Count(name="announcements_excess_bytes", count=self._registry.excess),
-            Count(name="announcements_memory_bytes", count=self._registry.memory),
-            Count(name="announcements_ignored", count=self.quarantine.waiting.dropped),
-            Count(name="offenders_dropped", count=self.quarantine.budgets.forgotten),
-            Count(name="dropped_oversize", count=lost.dropped_oversize),
-            Count(name="dropped_overflow", count=lost.dropped_overflow),
-            Count(name="dropped_malformed", count=lost.dropped_malformed),
-        )
         troubled = (one for one in self.conventions if isinstance(one, ProblemReportingConvention))
         troubles = tuple(trouble for one in troubled for trouble in one.problems())
         rivals = (self.lease.trouble,) if self.lease.trouble else ()
         return HealthResponse(
-            counts=counts,
-            quarantined=self.quarantine.quarantined(),
+            counts=(
+                Count(name="announcements_excess_bytes", count=self._registry.excess),
+                Count(name="announcements_memory_bytes", count=self._registry.memory),
+                Count(name="dropped_oversize", count=lost.dropped_oversize),
+                Count(name="dropped_overflow", count=lost.dropped_overflow),
+                Count(name="dropped_malformed", count=lost.dropped_malformed),
+            ),
             troubles=(*rivals, *troubles),
             notes=self._connection.limits,
         )

@@ -17,11 +17,8 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES
-from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
-from homebot.devices.names import read_text_address
-from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
-from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError
-from homebot.gateways.announced.counters import GatewayCounters
+from homebot.devices import SubscribeToTopic
+from homebot.errors import ClosedError
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext, HostService
 from homebot.gateways.mqtt.acting_lease import ActingLease
@@ -31,7 +28,6 @@ from homebot.gateways.mqtt.link_report import LinkReport
 from homebot.gateways.mqtt.loaded_conventions import find_conventions
 from homebot.gateways.mqtt.registry import TopicReaders
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
-from homebot.gateways.raw_delivery import RawDelivery, begin_of
 from homebot.graph import Node
 from homebot.isolation import isolated, run_as
 from homebot.mqtt.client import MqttSubscription
@@ -44,10 +40,6 @@ from homebot.mqtt.options import MqttOptions
 __all__ = ["MqttGateway"]
 
 OVERSIZE = "gateway.oversize"
-COMMAND_REFUSED = "gateway.command_refused"
-COMMAND_FAILED = "gateway.command_failed"
-
-_OUT_DEPTH = 1000
 
 _TURN = 200
 """Messages handed over before their readers get a turn: below the 256 that a reader takes in one, so that a burst of
@@ -89,31 +81,25 @@ class MqttGateway(Gateway):
         make_client = (hosted and hosted.make_client) or client_maker(settings.client or "aiomqtt")
         computer = (hosted and hosted.computer) or platform.node()
         self.acts = bool(settings.act)
-        self.counters = GatewayCounters()
         self._settings = settings
-        self._clock = node.graph.clock
-        self._listeners = RawDelivery(node, self.names, inboxes=settings.delivery == "inbox")
         # A name that lasts, unlike the client id, or each run would leave one more topic at the broker for ever.
         status_topic = f"homebot/{_topic_level(computer)}/{node.name}/status"
         self._connection = MqttConnection(
-            settings.options(), make_client, status_topic=status_topic, clock=self._clock, random=random
+            settings.options(), make_client, status_topic=status_topic, clock=node.graph.clock, random=random
         )
         self._lease = ActingLease(self, self._connection, settings.root, f"{node.name} on {computer}", random)
         self._described = AnnouncedDevices(
             self,
             find_conventions(settings.conventions, settings.tables, settings.root),
-            self._listeners,
             self._connection,
-            self.counters,
-            settings.stale_after,
             self._lease,
-            settings.max_memory,
+            stale_after=settings.stale_after,
+            inboxes=settings.delivery == "inbox",
+            max_memory=settings.max_memory,
         )
-        self._warn = self._described.quarantine.log_limited
-        node.create_subscription(RawCommand, self.names.out, self._send, _OUT_DEPTH, concurrent=True)
-        node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)
+        self.counters = self._described.counters
         if node.name == "mqtt":
-            node.create_service(SubscribeToTopic, "/subscribe_to_mqtt_topic", self._subscribe)
+            node.create_service(SubscribeToTopic, "/subscribe_to_mqtt_topic", self._described.texts.subscribe)
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
@@ -172,7 +158,7 @@ class MqttGateway(Gateway):
             )
             report = LinkReport(self, connection, self._listening_to(), (*texts, *announcements))
             tasks.start_soon(self._receive, connection)
-            for work in (report.watch, self._described.serve, self._lease.serve, self._listeners.watch_nodes):
+            for work in (report.watch, self._described.serve, self._lease.serve):
                 tasks.start_soon(run_as, self.node.full_name, work)
             await report.wait_for_first_try()
             task_status.started()
@@ -211,7 +197,9 @@ class MqttGateway(Gateway):
             elif route is None:
                 described.offers.take(message)
             elif route.only_text is not None and message.payload:
-                await described.read_text(message, route.only_text)
+                await described.read_text(
+                    topic, message.payload, route.only_text, retained=message.retain, wait_if_full=message.qos > 0
+                )
             else:
                 work += _ANNOUNCEMENT * len(route.conventions) + len(route.announced_parts)
                 await described.hear(message, route)
@@ -228,47 +216,10 @@ class MqttGateway(Gateway):
             if not route.announced_parts and not route.availability_readers:
                 return work
         self.counters.oversize += 1
-        self._warn(OVERSIZE, f"{len(message.payload)} bytes on {message.topic}", source=message.topic)
+        self._described.quarantine.log_limited(
+            OVERSIZE, f"{len(message.payload)} bytes on {message.topic}", source=message.topic
+        )
         return work
-
-    async def _subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
-        try:
-            key, name = self._described.speaker(request.topic)
-            is_new = not self._listeners.has(request.topic, request.listener)
-            publisher = self._listeners.add(request.topic, key, name, request.listener)
-        except HomebotError as exc:
-            return SubscribeToTopicResponse(success=False, message=str(exc), data_topic="")
-        missed: tuple[RawMessage, ...] = ()
-        if is_new:
-            missed = self._described.missed_by(request.topic, begin_of(request.since, self._clock))
-        return SubscribeToTopicResponse(success=True, message="", data_topic=publisher.topic_name, missed=missed)
-
-    async def _send(self, command: RawCommand) -> None:
-        try:
-            address = command.address
-            if address not in self._described.codecs and (part := read_text_address(address)) is not None:
-                await self._described.commands.tell(*part, command.payload)
-            else:
-                payload = command.payload.encode()
-                self._expect(address, payload)
-                await self._connection.publish(address, payload, qos=command.qos, retain=command.retain)
-                if (route := self._described.route(address)) is not None and route.conventions:
-                    await self._described.overhear(MqttMessage(address, payload, command.qos, retain=False), route)
-            self.counters.commands += 1
-        except LinkError as exc:
-            self.counters.commands_failed += 1
-            self._warn(COMMAND_FAILED, f"not sent to {command.address}: {exc}", source=command.address)
-        except HomebotError as exc:
-            self.counters.commands_refused += 1
-            self._warn(COMMAND_REFUSED, f"not sent to {command.address}: {exc}", source=command.address)
-
-    def _expect(self, address: str, payload: bytes) -> None:
-        """Check that *payload* may be sent to *address*, and expect the same text as the answer of a device there."""
-        if not self.acts:
-            raise RefusedError("the command", self.observes_because)
-        codec = self._described.codecs.get(address)
-        if codec is not None:
-            codec.expect(payload)
 
 
 def _topic_level(text: str) -> str:

@@ -11,11 +11,11 @@ from homebot.conventions.convention import Convention, SlicedConvention
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceRequest, DeviceWithdrawn
 from homebot.conventions.payload import noting_duplicates
 from homebot.errors import WireError
+from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
-from homebot.gateways.mqtt.announcement import StoredAnnouncement
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryChange
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.mqtt.message import MqttMessage
@@ -150,7 +150,8 @@ class AnnouncementHandler:
                     message, f"{convention.name} found more than {MOST_HEARD:,} announcements in one message"
                 )
         if self._accepted:
-            self._quarantine.accept(message.topic, message.payload, is_valid=not self._offended)
+            is_valid = not self._offended
+            self._quarantine.budgets.accept(message.topic, message.payload, self._reporter.now, is_valid=is_valid)
 
     def _step(self, steps: Iterator[AnnouncementEvent | None], convention: Convention, message: MqttMessage) -> bool:
         """Handle the next of what a message tells; return whether more may come."""

@@ -10,8 +10,8 @@ from homebot.conventions.convention import Convention, TextConvention
 from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.text_codec import TextCodec
 from homebot.errors import WireError
+from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 from homebot.gateways.announced.announcement_limits import Excess, MemoryAccount, RegistryLimits, excess_of
-from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.mqtt.filter_tree import FilterIndex, has_wildcard
 
@@ -74,6 +74,7 @@ class AnnouncementRegistry:
 
     Attributes:
         gateway: Its name.
+        by_key: What stands, by key, in the order of its coming.
         codecs: How parts say text, by the topics on which they are told.
         route: Returns who reads a topic; None for nobody.
     """
@@ -89,7 +90,7 @@ class AnnouncementRegistry:
         self.codecs: dict[str, TextCodec] = {}
         self._topics = topics
         self._bounds = bounds
-        self._announcements_by_key: dict[str, StoredAnnouncement] = {}
+        self.by_key: dict[str, StoredAnnouncement] = {}
         self._parts = 0
         self._excess = Excess(bounds.excess, bounds.excess_each)
         self._memory = MemoryAccount(bounds.memory)
@@ -116,16 +117,11 @@ class AnnouncementRegistry:
 
     def get(self, key: str) -> StoredAnnouncement | None:
         """Return what stands under *key*."""
-        return self._announcements_by_key.get(key)
-
-    def announced_part(self, key: str, part_id: str) -> AnnouncedPart | None:
-        """Return the part *part_id* of what stands under *key*."""
-        stored = self._announcements_by_key.get(key)
-        return None if stored is None else stored.parts.get(part_id)
+        return self.by_key.get(key)
 
     def all(self) -> tuple[StoredAnnouncement, ...]:
         """Return all that stand, in the order of their coming."""
-        return tuple(self._announcements_by_key.values())
+        return tuple(self.by_key.values())
 
     def is_read(self, topic: str) -> bool:
         """Return whether a part, or an availability reader, reads *topic* now."""
@@ -143,7 +139,7 @@ class AnnouncementRegistry:
                 memory for it. What stood before stays.
         """
         key = described.full_key
-        before = self._announcements_by_key.get(key)
+        before = self.by_key.get(key)
         self._check_room(described, before)
         excess = excess_of(described, length)
         self._excess.check(described.key, excess, 0 if before is None else before.excess)
@@ -154,7 +150,7 @@ class AnnouncementRegistry:
             stored.take_over_state(before)
             self._unregister_readers(before)
             readers = _who_missed_something(stored, before, readers)
-        self._announcements_by_key[key] = stored
+        self.by_key[key] = stored
         self._parts += len(described.parts)
         self._excess.total += excess
         self._memory.put(described)
@@ -162,13 +158,13 @@ class AnnouncementRegistry:
 
     def remove(self, key: str) -> StoredAnnouncement | None:
         """Let what stands under *key* stand no more, and return it."""
-        stored = self._announcements_by_key.pop(key, None)
+        stored = self.by_key.pop(key, None)
         if stored is not None:
             self._unregister_readers(stored)
         return stored
 
     def __len__(self) -> int:
-        return len(self._announcements_by_key)
+        return len(self.by_key)
 
     def _check_room(self, described: DeviceAnnounced, before: StoredAnnouncement | None) -> None:
         if before is not None and before.described.convention != described.convention:
@@ -176,7 +172,7 @@ class AnnouncementRegistry:
         count = len(described.parts)
         if count > self._bounds.parts_each:
             raise WireError(f"{described.key!r} has {count} parts, more than {self._bounds.parts_each:,}")
-        if before is None and len(self._announcements_by_key) >= self._bounds.announcements:
+        if before is None and len(self.by_key) >= self._bounds.announcements:
             raise WireError(
                 f"{described.key!r} is one too many: there are {self._bounds.announcements:,} announcements already"
             )

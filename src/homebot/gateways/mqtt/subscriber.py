@@ -11,9 +11,9 @@ import anyio
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import DeviceRequest, Publication
 from homebot.errors import HomebotError, LinkError, RefusedError
+from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.quarantine import PeerQuarantine
-from homebot.gateways.mqtt.announcement import StoredAnnouncement
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.isolation import run_as

@@ -1,0 +1,187 @@
+"""One announcement that stands: what it says of its device, and how that device was last heard. Pure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Literal, TypeAlias
+
+from homebot.conventions.description import DescribedPart, DeviceAnnounced, TextEndpoint
+from homebot.devices import KeyValue, Sighting
+from homebot.devices.names import text_address
+from homebot.devices.text.encode import accepts_text, main_part
+from homebot.gateways.announced.last_messages import PartTexts
+from homebot.gateways.announced.reachability import ReachabilityReader
+from homebot.messages import Time
+
+__all__ = ["AnnouncedPart", "AvailabilityReader", "SightingKind", "StoredAnnouncement"]
+
+SightingKind: TypeAlias = Literal["appeared", "updated", "removed"]
+
+_MAX_STREAMS = 100
+_NEVER = Time(sec=0, nanosec=0)
+_NO_ENDPOINT = TextEndpoint("", "", "")
+
+
+@dataclass(slots=True, eq=False)
+class AnnouncedPart(PartTexts):
+    """One part of a described device, as it speaks.
+
+    Attributes:
+        stored: Whose part it is.
+        described: The part.
+        address: Where it is listened to: its text address, or the address on which it says text by itself.
+    """
+
+    stored: StoredAnnouncement
+    described: DescribedPart
+    address: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AvailabilityReader:
+    """One address that tells whether a described device, or one of its parts, can be reached.
+
+    Attributes:
+        stored: Whose availability.
+        part: Which part; empty for the whole.
+        index: Which of its sources.
+    """
+
+    stored: StoredAnnouncement
+    part: str
+    index: int
+
+
+@dataclass(slots=True, eq=False)
+class StoredAnnouncement:
+    """A device, or one announcement of it, that a gateway publishes.
+
+    Attributes:
+        gateway: The gateway.
+        key: What that gateway calls it.
+        described: What it says.
+        excess: Bytes by which it is longer than what it offers explains.
+        stale_after: Seconds of silence after which it counts as stale; 0 for what its gateway says of all.
+        parts: Its parts by id.
+        reachability: What is known of whether the device (``""``) and its parts can be reached, as far as they tell.
+        subscriptions: The filters that it is read on, each with who reads.
+        is_confirmed: Whether the last sighting was a sign of life of the device itself.
+        refresh_at: Reading of the monotonic clock from which on another sign of life is worth a sighting.
+        reachable: Whether the device (``""``) and its parts can be reached, as it was published last.
+        report_streams: The streams of reports that late joiners get.
+        template: A sighting with all that its sightings have in common.
+    """
+
+    gateway: str
+    key: str
+    described: DeviceAnnounced
+    excess: int = 0
+    stale_after: float = 0.0
+    parts: dict[str, AnnouncedPart] = field(init=False)
+    reachability: dict[str, ReachabilityReader] = field(init=False)
+    subscriptions: list[tuple[str, AnnouncedPart | AvailabilityReader]] = field(default_factory=list, init=False)
+    is_confirmed: bool = field(default=False, init=False)
+    refresh_at: float = field(default=0.0, init=False)
+    reachable: dict[str, bool | None] = field(default_factory=dict, init=False)
+    report_streams: set[str] = field(default_factory=set, init=False)
+    template: Sighting = field(init=False)
+
+    def __post_init__(self) -> None:
+        described, text = self.described, self.described.text
+        self.parts = {
+            one.part.id: AnnouncedPart(self, one, text_address(self.key, one.part.id) if text is None else text.address)
+            for one in described.parts
+        }
+        told = [("", described.availability)]
+        told += [(one.part.id, one.availability) for one in described.parts if one.availability is not None]
+        self.reachability = {part: ReachabilityReader(one) for part, one in told if one is not None and one.sources}
+        self.template = _template(self.gateway, self.key, described)  # so that what cannot be told is found at once
+
+    def publishes_the_same(self, other: StoredAnnouncement) -> bool:
+        """Tell whether the graph sees no difference between the two."""
+        return self.template == other.template
+
+    def report_stream(self, address: str) -> str:
+        """Return the name of the stream of what is said on *address*; of a device with hundreds, they share one."""
+        name = f"{self.key} {address}"
+        if name not in self.report_streams:
+            if len(self.report_streams) >= _MAX_STREAMS:
+                name = f"{self.key} *"
+            self.report_streams.add(name)
+        return name
+
+    def sighting(
+        self, kind: SightingKind, why: str, *, at: Time, until: Time, heard_at: float, confirmed: bool
+    ) -> Sighting:
+        """Return a sighting of it."""
+        times = {"seen_at": at, "expires_at": until, "heard_at": heard_at}
+        return Sighting.of_checked(
+            **{**self.template.__dict__, "kind": kind, "why": why, "confirmed": confirmed, **times}
+        )
+
+    def take_over_state(self, before: StoredAnnouncement) -> None:
+        """Take over what is known of the device from the announcement *before* this one."""
+        self.is_confirmed = before.is_confirmed
+        self.refresh_at = before.refresh_at
+        self.report_streams = before.report_streams
+        self.reachable = {
+            part: told
+            for part, told in before.reachable.items()
+            if part in self.reachability or part not in before.reachability  # what the gateway itself knows
+        }
+        for part, reachability in self.reachability.items():
+            old_one = before.reachability.get(part)
+            if old_one is not None and old_one.availability == reachability.availability:
+                self.reachability[part] = old_one
+        for part_id, announced_part in self.parts.items():
+            if (old := before.parts.get(part_id)) is not None:
+                announced_part.kept, announced_part.events = old.kept, old.events
+
+    def let_go(self) -> None:
+        """Forget its parts, which know it: what stands no more must not wait for the collector of circular garbage."""
+        self.parts, self.reachability, self.subscriptions = {}, {}, []
+
+
+def _template(gateway: str, key: str, described: DeviceAnnounced) -> Sighting:
+    """Return what all sightings of a device have in common; its addresses are those of its main part's texts.
+
+    One that says text by itself has the addresses, and the service type, of that.
+
+    Raises:
+        pydantic.ValidationError: A value is none that a sighting can have.
+    """
+    parts = tuple([one.part for one in described.parts if one.part.service_type])
+    endpoint = text = described.text
+    if endpoint is None and (main := main_part(parts)) is not None:
+        address = text_address(key, main.id)
+        endpoint = TextEndpoint(main.service_type, address, address if accepts_text(main) else "")
+    endpoint = endpoint or _NO_ENDPOINT
+    checked = Sighting(
+        gateway=gateway,
+        key=key,
+        kind="updated",
+        why="",
+        name=described.name,
+        service_type=endpoint.service_type,
+        address=endpoint.address,
+        command_address=endpoint.command_address,
+        metadata=tuple(_fact(fact, value) for fact, value in described.facts.items()),
+        convention=described.convention if text is None else "",
+        native=described.native or text is not None,
+        whole_device=described.whole_device,
+        identifiers=described.identifiers,
+        area=described.area,
+        parts=parts,
+        owns=described.owns,
+        announced_on=described.topic if text is None else "",
+        seen_at=_NEVER,
+        expires_at=_NEVER,
+        confirmed=False,
+    )
+    return Sighting.of_checked(**checked.__dict__)  # without a set of its fields of its own, which is 2 kB
+
+
+@lru_cache(maxsize=10_000)
+def _fact(key: str, value: str) -> KeyValue:
+    return KeyValue(key=key, value=value)

@@ -1,0 +1,134 @@
+"""The mechanisms that gateways of all protocols share, made for one gateway."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Generic, TypeVar
+
+from homebot.devices.health import Count, GetHealth, HealthResponse
+from homebot.errors import RefusedError, UnableError
+from homebot.gateways.announced.announcement import AnnouncedPart, StoredAnnouncement
+from homebot.gateways.announced.command_server import CommandServer, Perform
+from homebot.gateways.announced.counters import GatewayCounters
+from homebot.gateways.announced.quarantine import PeerQuarantine
+from homebot.gateways.announced.reporter import DeviceReporter
+from homebot.gateways.announced.scheduler import Scheduler
+from homebot.gateways.announced.state_reader import StateReader
+from homebot.gateways.announced.text_service import RawMessages, TextService
+from homebot.gateways.announced.work_budget import WorkBudgets
+from homebot.gateways.base import Gateway
+from homebot.gateways.raw_delivery import RawDelivery
+
+__all__ = ["GatewayEngine"]
+
+MessageT = TypeVar("MessageT")
+
+
+class GatewayEngine(Generic[MessageT]):
+    """The mechanisms of one gateway, over the *devices* that it keeps.
+
+    They need no task of the gateway: what must wait or keep the time is done by tasks of its node.
+
+    Args:
+        gateway: The gateway.
+        devices: What stands, by key.
+        stale_after: Seconds of silence after which a device counts as stale that says nothing else.
+        inboxes: Whether nodes get raw messages and texts in their inboxes, rather than on a topic for each device.
+        budgets: The budgets that peers pay from who break rules; by default all unknown peers share one.
+        log_key: What the source of a message is called in the log.
+
+    Attributes:
+        counters: What the gateway did.
+        reporter: Publishes sightings and reports.
+        scheduler: Calls what is planned.
+        quarantine: Judges peers.
+        listeners: Who wants texts and raw messages.
+        states: Reads and publishes states.
+    """
+
+    def __init__(
+        self,
+        gateway: Gateway,
+        devices: Mapping[str, StoredAnnouncement],
+        *,
+        stale_after: float,
+        inboxes: bool,
+        budgets: WorkBudgets | None = None,
+        log_key: str = "source",
+    ) -> None:
+        node = gateway.node
+        self._gateway = gateway
+        self._devices = devices
+        self.counters = GatewayCounters()
+        self.reporter = DeviceReporter(gateway, stale_after)
+        self.scheduler = Scheduler(node.graph.clock)
+        self.quarantine: PeerQuarantine[MessageT] = PeerQuarantine(
+            gateway, self.reporter, self.scheduler, self.counters, budgets or WorkBudgets(), log_key
+        )
+        self.listeners = RawDelivery(node, gateway.names, inboxes=inboxes)
+        self.states = StateReader(
+            devices,
+            self.reporter,
+            self.listeners,
+            self.scheduler,
+            self.counters,
+            self.quarantine.record_plugin_failure,
+        )
+
+    def serve(
+        self, perform: Perform, raw: RawMessages, health: Callable[[], HealthResponse], *, keeps_states: bool
+    ) -> TextService:
+        """Serve the graph names of :mod:`homebot.gateways.base` but ``state`` and those of offers.
+
+        Args:
+            perform: Carries out commands.
+            raw: The raw messages of the protocol.
+            health: Returns what there is to say beside what is counted here, and who is quarantined.
+            keeps_states: Whether the last state of a part is told, as one that was kept, to who begins to listen to its
+                texts; no where the network itself keeps states and sends them.
+
+        Returns:
+            The service of texts and raw messages.
+        """
+        node, names = self._gateway.node, self._gateway.names
+        commands = CommandServer(self._gateway, perform, self.find_part, self.counters)
+        texts = TextService(
+            self._gateway,
+            self._devices,
+            commands,
+            self.listeners,
+            self.counters,
+            raw,
+            self.quarantine.log_limited,
+            keeps_states=keeps_states,
+        )
+        node.create_service(GetHealth, names.health, lambda _: self._health(health()))
+        node.create_task(self.listeners.watch_nodes)
+        node.create_task(self.scheduler.run)
+        return texts
+
+    def find_part(self, key: str, part_id: str) -> AnnouncedPart:
+        """Return a part that is described.
+
+        Raises:
+            UnableError: Nobody is described by that key and part.
+        """
+        stored = self._devices.get(key)
+        if stored is None:
+            why = "no device is announced by that key"
+        elif (part := stored.parts.get(part_id)) is not None:
+            return part
+        else:
+            known = ", ".join(repr(one) for one in sorted(stored.parts)[:10]) or "none"
+            why = f"it has no part {part_id[:100]!r}; it has {known}"
+        refused = RefusedError(f"a command to {key[:100]}", why)
+        raise UnableError(str(refused)) from refused
+
+    def _health(self, own: HealthResponse) -> HealthResponse:
+        counts = (
+            *self.counters.counts(),
+            Count(name="announcements_ignored", count=self.quarantine.waiting.dropped),
+            Count(name="offenders_dropped", count=self.quarantine.budgets.forgotten),
+            *own.counts,
+        )
+        return own.model_copy(update={"counts": counts, "quarantined": self.quarantine.quarantined()})
