@@ -16,7 +16,7 @@ SLOW = tests/system tests/fuzz tests/cli tests/bridges/rosbridge tests/mqtt/brok
 	tests/gateways/mqtt/test_bounds.py tests/gateways/mqtt/test_floods.py tests/gateways/mqtt/test_gateway.py \
 	tests/gateways/mqtt/test_long_lists.py tests/gateways/mqtt/test_stolen_topics.py tests/house/test_mixed_house.py \
 	tests/conventions/zigbee2mqtt/test_both_announcements.py tests/test_benchmarks.py tests/test_examples.py \
-	tests/test_logger.py tests/test_loop_watch.py tests/test_public_face.py tests/test_readme.py
+	tests/test_logger.py tests/test_production_loop.py tests/test_public_face.py tests/test_readme.py
 SLOW_KINDS = *_against_* *_any_* *_fuzz* *_hostile*
 
 .PHONY: help run test test-fast fuzz houses check format docs bench lock test-lowest clean

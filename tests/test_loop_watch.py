@@ -13,8 +13,7 @@ import pytest
 from structlog.testing import capture_logs
 from structlog.typing import EventDict
 
-from homebot.loop_watch import LoopWatch
-from homebot.production_loop import ProductionLoop
+from homebot.production_loop import LoopWatch, ProductionLoop
 
 T = TypeVar("T")
 

@@ -1,4 +1,4 @@
-"""The one clock that everything with a sense of time is given.
+"""The one clock that everything with a sense of time is given, and slices of its time for long work.
 
 Two readings: :meth:`Clock.monotonic` for durations, which never goes back, and :meth:`Clock.now` for stamps
 that leave the process. In a test both advance together; on a real computer ``now`` also follows when its clock is
@@ -11,9 +11,11 @@ import asyncio
 import time
 from typing import Protocol, final
 
+import anyio.lowlevel
+
 from homebot.errors import UsageError
 
-__all__ = ["Clock", "LoopClock", "ManualClock"]
+__all__ = ["SLICE", "Clock", "LoopClock", "ManualClock", "TimeSlice"]
 
 
 class Clock(Protocol):
@@ -76,3 +78,32 @@ class ManualClock:
         if seconds < 0:
             raise UsageError(f"a clock does not go back: {seconds}")
         self._now += seconds
+
+
+SLICE = 0.005
+"""Seconds of one slice: how much work a piece is nobody knows beforehand, for one device may have hundreds of parts."""
+
+
+@final
+class TimeSlice:
+    """The slice that one task works in now; it begins when this is made.
+
+    ``if slice.is_over: await slice.pause()`` after each piece of work.
+
+    Args:
+        clock: Measures it.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self._monotonic = clock.monotonic
+        self._ends = clock.monotonic() + SLICE
+
+    @property
+    def is_over(self) -> bool:
+        """True if it is somebody else's turn."""
+        return self._monotonic() >= self._ends
+
+    async def pause(self) -> None:
+        """Let all others have their turn, and begin the next slice."""
+        await anyio.lowlevel.checkpoint()
+        self._ends = self._monotonic() + SLICE

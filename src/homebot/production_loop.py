@@ -1,14 +1,202 @@
-"""The event loop of a homebot in production: one that is watched, and that no stray ``sys.exit()`` stops."""
+"""The event loop of a homebot in production: one that is watched, and that no stray ``sys.exit()`` stops.
+
+A thread looks four times a second how long the loop has been busy since it last looked for what is ready, and tells
+which piece of code keeps it from everything else. In it nothing of the loop is touched: it reads the stack of the
+loop's thread, as a debugger does. Times are of the monotonic clock.
+"""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable
-from typing import Any, TypeVar, final
+import selectors
+import sys
+import sysconfig
+import threading
+import time
+import traceback
+from collections.abc import Awaitable, Mapping
+from pathlib import Path
+from types import FrameType, TracebackType
+from typing import Any, Final, Self, TypeVar, final
 
-from homebot.loop_watch import LoopWatch, WatchedSelector
+from homebot.logger import get_logger
 
-__all__ = ["ProductionLoop"]
+__all__ = ["LoopWatch", "ProductionLoop", "WatchedSelector"]
+
+BLOCKED = "runtime.loop_blocked"
+FREE_AGAIN = "runtime.loop_free_again"
+EXITED = "runtime.task_exited"
+
+BLOCKED_AFTER = 1.0
+AT_START = 10.0
+"""Seconds likewise until :meth:`LoopWatch.has_started`: modules and files are read before anything is served."""
+
+_LOOK_EVERY = 0.25
+_MOST_FRAMES = 20
+
+_OURS: Final = str(Path(__file__).parent)
+_LIBRARIES: Final = tuple(
+    dict.fromkeys(sysconfig.get_paths()[name] for name in ("stdlib", "platstdlib", "purelib", "platlib"))
+)
+
+_log = get_logger(node="/homebot")
+
+
+@final
+class WatchedSelector(selectors.DefaultSelector):
+    """The selector of an event loop that knows since when the loop is busy.
+
+    Attributes:
+        busy_since: Reading of the monotonic clock when it last had something ready; None while the loop waits.
+    """
+
+    busy_since: float | None = None
+
+    def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
+        """As of any selector."""
+        self.busy_since = None
+        try:
+            return super().select(timeout)
+        finally:
+            self.busy_since = time.monotonic()
+
+
+@final
+class LoopWatch:
+    """``with LoopWatch(loop, selector) as watch``, in the thread in which the loop runs.
+
+    Args:
+        loop: The event loop.
+        selector: Its selector.
+
+    Attributes:
+        blocked_after: Seconds of one turn of the loop from which on it counts as blocked.
+        blocks: How often it was blocked.
+        longest: How long at most, in seconds.
+        last: What blocked it last, in words.
+        exits: How often a task or callback outside of all parts of homebot called ``sys.exit()``.
+        exited: The last of them, in words.
+    """
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, selector: WatchedSelector) -> None:
+        self.blocks = 0
+        self.longest = 0.0
+        self.last = ""
+        self.exits = 0
+        self.exited = ""
+        self._exited_at = 0.0
+        self._selector = selector
+        self.blocked_after = AT_START
+        self._last_at = 0.0
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._watch, name="loop watch", daemon=True)
+        self._loop = loop
+        self._loop_thread = 0
+
+    def has_started(self) -> None:
+        """From now on others wait while the loop is blocked."""
+        self.blocked_after = BLOCKED_AFTER
+
+    def seconds_since_block(self) -> float:
+        """Return the time since the loop was last blocked."""
+        return time.monotonic() - self._last_at
+
+    def seconds_since_exit(self) -> float:
+        """Return the time since something last called ``sys.exit()``."""
+        return time.monotonic() - self._exited_at
+
+    def record_exit(self, error: SystemExit) -> None:
+        """Count and tell that *error* came out of a task or callback which no part of homebot runs."""
+        self.exits += 1
+        self._exited_at = time.monotonic()
+        trace = traceback.extract_tb(error.__traceback__)
+        where = f" in {trace[-1].filename}:{trace[-1].lineno} ({trace[-1].name})" if trace else ""
+        self.exited = f"sys.exit({error.code!r}){where}"
+        _log.error(
+            EXITED, message=f"a task called {self.exited}; the task has ended, and homebot continues", exc_info=error
+        )
+
+    def __enter__(self) -> Self:
+        self._loop_thread = threading.get_ident()
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stop.set()
+        self._thread.join(BLOCKED_AFTER)
+
+    def _watch(self) -> None:
+        since: float | None = None  # the turn of the loop that was told as blocked
+        turn: float | None = None
+        starved = 0.0  # seconds of this turn in which the computer let nothing of this process run
+        looked, used = time.monotonic(), time.process_time()
+        while not self._stop.wait(_LOOK_EVERY):
+            busy_since = self._selector.busy_since
+            now, cpu = time.monotonic(), time.process_time()
+            if busy_since != turn:
+                turn, starved = busy_since, 0.0
+            starved += max(0.0, now - looked - _LOOK_EVERY - (cpu - used))
+            looked, used = now, cpu
+            if since is not None:
+                if busy_since == since:
+                    self._note(now, now - since)
+                else:
+                    self._report_free(min(busy_since or now, now) - since)
+                    since = None
+            if since is None and busy_since is not None and now - busy_since - starved >= self.blocked_after:
+                stack = self._stack()
+                if self._selector.busy_since == busy_since:  # else the stack is that of another turn
+                    since = busy_since
+                    self._report_blocked(now, now - busy_since, stack)
+                del stack  # and with it all that the frames hold
+
+    def _stack(self) -> list[FrameType]:
+        """The frames of the loop's thread, the innermost first."""
+        frames: Mapping[int, FrameType] = sys._current_frames()  # noqa: SLF001 - public but for its name, as documented
+        frame = frames.get(self._loop_thread)
+        stack = []
+        while frame is not None:
+            stack.append(frame)
+            frame = frame.f_back
+        return stack
+
+    def _report_blocked(self, now: float, seconds: float, stack: list[FrameType]) -> None:
+        task = asyncio.current_task(self._loop)
+        who = "a callback" if task is None else task.get_name()
+        frame = next((one for one in stack if _is_ours_or_the_users(one)), stack[0] if stack else None)
+        self.last = who if frame is None else f"{who} in {_place(frame)}"
+        self.blocks += 1
+        self._note(now, seconds)
+        _log.error(
+            BLOCKED,
+            message=f"the event loop has been blocked for {seconds:.1f} s by {self.last}: nothing else can run; "
+            "let it await, or run it in a thread",
+            blocks=self.blocks,
+            stack=[_place(one) for one in stack[:_MOST_FRAMES]],
+        )
+
+    def _note(self, now: float, seconds: float) -> None:
+        self._last_at = now
+        self.longest = max(self.longest, seconds)
+
+    def _report_free(self, seconds: float) -> None:
+        _log.warning(
+            FREE_AGAIN,
+            message=f"the event loop runs again; it was blocked for {seconds:.1f} s by {self.last}",
+            seconds=round(seconds, 3),
+        )
+
+
+def _place(frame: FrameType) -> str:
+    return f"{frame.f_code.co_filename}:{frame.f_lineno} ({frame.f_code.co_name})"
+
+
+def _is_ours_or_the_users(frame: FrameType) -> bool:
+    file = frame.f_code.co_filename
+    return file.startswith(_OURS) or not (file.startswith((*_LIBRARIES, "<")))
+
 
 T = TypeVar("T")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from homebot.config import parse_config
-from homebot.runtime.index_place import index_place
+from homebot.runtime.plan import index_place
 
 
 @pytest.fixture(autouse=True)

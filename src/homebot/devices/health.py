@@ -6,8 +6,7 @@ from typing import ClassVar
 
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.fields import UInt32, UInt64
-from homebot.messages.message import Message
-from homebot.messages.service_type import ServiceType
+from homebot.messages.message import Message, ServiceType
 
 __all__ = ["Count", "GetHealth", "HealthRequest", "HealthResponse", "PartFailure", "Quarantine"]
 

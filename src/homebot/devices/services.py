@@ -7,8 +7,7 @@ from homebot.devices.query.terms import QueryTerm
 from homebot.devices.raw import RawMessage
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.fields import UInt32
-from homebot.messages.message import Message
-from homebot.messages.service_type import ServiceType
+from homebot.messages.message import Message, ServiceType
 
 __all__ = [
     "AnnouncedOn",

@@ -17,6 +17,7 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel, ConfigDict, Field
 
+from homebot.clock import SLICE
 from homebot.devices import (
     DEVICE_CHANGES,
     DEVICE_STATES,
@@ -34,7 +35,6 @@ from homebot.errors import TypeMismatchError
 from homebot.graph import DurabilityPolicy, EndpointInfo, EntityKind, Node, QoSProfile, Subscription
 from homebot.isolation import run_as
 from homebot.log import LogLimit
-from homebot.time_slice import SLICE
 from homebot.units import Seconds
 
 __all__ = ["Directory", "DirectorySettings"]

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import anyio
 from anyio import to_thread
 
+from homebot.clock import TimeSlice
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone
 from homebot.discovery.index import DeviceIndex
@@ -20,7 +21,6 @@ from homebot.discovery.record import Records, entry_record, read_entry, read_tom
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
-from homebot.time_slice import TimeSlice
 
 if TYPE_CHECKING:
     from homebot.discovery.store import IndexFile

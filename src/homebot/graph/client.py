@@ -23,8 +23,7 @@ from homebot.errors import (
 from homebot.graph.endpoint import EndpointInfo, EntityKind
 from homebot.graph.service import Service, ServiceSlot
 from homebot.isolation import crash_of, error_text, is_cancelled
-from homebot.messages.message import Message
-from homebot.messages.service_type import ServiceType
+from homebot.messages.message import Message, ServiceType
 
 __all__ = ["Client"]
 

@@ -18,8 +18,7 @@ from homebot.graph.mailbox import Mailbox
 from homebot.graph.service import ServiceSlot
 from homebot.graph.topic import Topic
 from homebot.log import LogLimit
-from homebot.messages.message import Message
-from homebot.messages.service_type import ServiceType
+from homebot.messages.message import Message, ServiceType
 
 if TYPE_CHECKING:
     from homebot.graph.node import Node

@@ -43,9 +43,8 @@ from homebot.graph.timer import Timer
 from homebot.isolation import crash_of, is_cancelled, isolated, only_cause, uncancel
 from homebot.logger import get_logger
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.message import Message
+from homebot.messages.message import Message, ServiceType
 from homebot.messages.rcl_interfaces import ParameterEvent
-from homebot.messages.service_type import ServiceType
 from homebot.names import expand_name, full_node_name
 
 __all__ = ["Node"]

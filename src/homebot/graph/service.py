@@ -13,8 +13,7 @@ from typing import Any, Generic, TypeAlias, TypeVar
 
 from homebot.errors import ServiceGoneError, ServiceUnavailableError, UsageError
 from homebot.graph.endpoint import EndpointInfo, EntityKind
-from homebot.messages.message import Message
-from homebot.messages.service_type import ServiceType
+from homebot.messages.message import Message, ServiceType
 
 __all__ = ["Handler", "Service", "ServiceSlot"]
 

@@ -1,15 +1,16 @@
-"""The base of every message on the graph."""
+"""The base of every message on the graph, and the type of a service: a request and a response."""
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Self
+from dataclasses import dataclass
+from typing import Any, ClassVar, Generic, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
 from pydantic_core import CoreSchema
 
 from homebot.errors import UsageError
 
-__all__ = ["Message"]
+__all__ = ["Message", "ServiceType"]
 
 
 def _bound_integers(schema: Any) -> None:
@@ -105,3 +106,22 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of what is 
 
 
 _set_fields = object.__setattr__
+
+
+RequestT = TypeVar("RequestT", bound=Message)
+ResponseT = TypeVar("ResponseT", bound=Message)
+
+
+@dataclass(frozen=True)
+class ServiceType(Generic[RequestT, ResponseT]):
+    """The request and response messages of a service, as ROS's generated ``Trigger.Request`` and ``Trigger.Response``.
+
+    Attributes:
+        ros_type: The full ROS name, ``package/srv/Name``.
+        Request: The type of a request.
+        Response: The type of a response.
+    """
+
+    ros_type: str
+    Request: type[RequestT]
+    Response: type[ResponseT]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.messages.message import Message
-from homebot.messages.service_type import ServiceType
+from homebot.messages.message import Message, ServiceType
 
 __all__ = ["SetBool", "SetBoolRequest", "SetBoolResponse", "SuccessResponse", "Trigger", "TriggerRequest"]
 

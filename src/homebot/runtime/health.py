@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
 from homebot.graph import Graph, Node
-from homebot.loop_watch import LoopWatch
 from homebot.messages.builtin_interfaces import Time
+from homebot.production_loop import LoopWatch
 from homebot.runtime.supervisor import Supervisor
 
 __all__ = ["RuntimeHealth"]

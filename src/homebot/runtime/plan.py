@@ -3,21 +3,49 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Generic, TypeVar
 
-from pydantic import BaseModel
+from pydantic import BaseModel, SecretStr, model_validator
 
+from homebot.addresses import is_loopback
 from homebot.apps import App
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.bridges.rosbridge.admission import is_loopback
-from homebot.config import Config, Table, parse_settings
+from homebot.config import Config, FilePath, Table, parse_settings, read_secret
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
 from homebot.plugins import load_plugin
-from homebot.runtime.door_table import DoorTable
 
-__all__ = ["Plan", "PlannedComponent", "make_plan"]
+__all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_plan"]
+
+
+class DoorTable(DoorSettings):
+    """The keys of the table ``[door]``.
+
+    Attributes:
+        token_file: File whose first line is the token, for nobody else to read.
+    """
+
+    token_file: FilePath | None = None
+
+    @model_validator(mode="after")
+    def _check_token(self) -> DoorTable:
+        if self.token is not None and self.token_file is not None:
+            raise ValueError("give token or token_file, not both")
+        return self
+
+    def settings(self) -> DoorSettings:
+        """Return the door's settings, with the token read from where it is kept.
+
+        Raises:
+            UsageError: The file cannot be read, or its first line is empty.
+        """
+        values = {name: value for name, value in self if name != "token_file"}
+        if self.token_file is not None:
+            values["token"] = SecretStr(read_secret(self.token_file))
+        return DoorSettings(**values)
+
 
 GATEWAYS = "homebot.gateways"
 APPS = "homebot.apps"
@@ -87,6 +115,23 @@ def make_plan(config: Config) -> Plan:
         discovery=parse_settings(DirectorySettings, config.discovery, source, "discovery", config.folder),
         door=_door(config),
     )
+
+
+def index_place(config: Config) -> Path:
+    """Return where the index of *config* is kept.
+
+    The network is that of the first gateway: the broker's host and port without any credentials, ``embedded`` for
+    homebot's own broker, else the gateway's name.
+
+    Raises:
+        ConfigError: As :func:`make_plan`.
+    """
+    from homebot.discovery.store import index_path  # noqa: PLC0415 - only where an index is kept
+
+    plan = make_plan(config)
+    for gateway in plan.gateways:
+        return index_path(plan.home, gateway.kind.network(gateway.settings) or gateway.name)
+    return index_path(plan.home, "none")
 
 
 def _app(base: type[App], name: str, table: Table, config: Config) -> PlannedComponent[App]:

@@ -29,8 +29,8 @@ from homebot.gateways import Gateway, GatewayContext, HostService
 from homebot.graph import Graph, Node, RosoutFeed
 from homebot.isolation import run_as
 from homebot.logger import get_logger, observed_lines
-from homebot.loop_watch import LoopWatch
 from homebot.plugins import plugin_names
+from homebot.production_loop import LoopWatch
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
 from homebot.runtime.plan import PlannedComponent, make_plan

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import anyio
 
-from homebot.bridges.rosbridge.admission import is_loopback
+from homebot.addresses import is_loopback
 from homebot.config import Config, Table, parse_config, parse_settings
 from homebot.errors import ClosedError, InvalidNameError, PluginError, UsageError
 from homebot.gateways.mqtt import MqttGateway

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from structlog.testing import capture_logs
 
-from homebot.bridges.rosbridge.client_error_log import ClientErrorLog
+from homebot.bridges.rosbridge.common import ClientErrorLog
 from homebot.clock import ManualClock
 from homebot.graph import Graph, Node
 
 
 async def test_mistakes_of_many_clients_are_told_and_a_flood_of_them_is_counted() -> None:
     clock = ManualClock()
-    complaints = ClientErrorLog(Node(Graph(clock), "door"))
+    error_log = ClientErrorLog(Node(Graph(clock), "door"))
     with capture_logs() as logs:
         for number in range(25):
-            complaints.log("refused 10.0.0.1", "door.refused", f"10.0.0.1:{number} did wrong")
-        complaints.log("refused 10.0.0.2", "door.refused", "10.0.0.2:1 did wrong")
+            error_log.log("refused 10.0.0.1", "door.refused", f"10.0.0.1:{number} did wrong")
+        error_log.log("refused 10.0.0.2", "door.refused", "10.0.0.2:1 did wrong")
         clock.advance(10)
-        complaints.log("refused 10.0.0.1", "door.refused", "10.0.0.1:99 did wrong")
+        error_log.log("refused 10.0.0.1", "door.refused", "10.0.0.1:99 did wrong")
     assert len(logs) == 22
     assert logs[-2]["message"] == "10.0.0.2:1 did wrong"
     assert logs[-1]["message"] == "10.0.0.1:99 did wrong (and 5 more like this)"

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from homebot.errors import RefusedError
 from homebot.graph import EndpointInfo, EntityKind, Graph
-from homebot.messages.message import Message
-from homebot.messages.service_type import ServiceType
+from homebot.messages.message import Message, ServiceType
 
 __all__ = [
     "FindEndpoints",

@@ -9,8 +9,7 @@ from homebot.bridges.rosapi.typedefs import absolute, unique
 from homebot.graph import EntityKind, Graph
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.fields import Int32, UInt8, UInt32
-from homebot.messages.message import Message
-from homebot.messages.service_type import ServiceType
+from homebot.messages.message import Message, ServiceType
 from homebot.names import is_hidden
 
 __all__ = [

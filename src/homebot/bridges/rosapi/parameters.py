@@ -10,8 +10,7 @@ from typing import Any
 
 from homebot.errors import ParameterError
 from homebot.graph import Graph, ParameterSet
-from homebot.messages.message import Message
-from homebot.messages.service_type import ServiceType
+from homebot.messages.message import Message, ServiceType
 from homebot.strict_json import parse_strict
 
 __all__ = [

@@ -10,8 +10,7 @@ from collections.abc import Iterator
 from homebot.bridges.rosapi.typedefs import TypeDef, absolute, typedefs_of, unique
 from homebot.bridges.rosbridge.types import find_service_type, same_type
 from homebot.graph import EndpointInfo, EntityKind, Graph
-from homebot.messages.message import Message
-from homebot.messages.service_type import ServiceType
+from homebot.messages.message import Message, ServiceType
 from homebot.names import is_hidden
 
 __all__ = [

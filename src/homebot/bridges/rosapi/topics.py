@@ -9,8 +9,7 @@ from homebot.bridges.rosapi.typedefs import TypeDef, absolute, typedefs_of, uniq
 from homebot.bridges.rosbridge.types import find_message_type, same_type
 from homebot.graph import EntityKind, Graph
 from homebot.messages.definition import definition_text
-from homebot.messages.message import Message
-from homebot.messages.service_type import ServiceType
+from homebot.messages.message import Message, ServiceType
 from homebot.names import is_hidden
 
 __all__ = [

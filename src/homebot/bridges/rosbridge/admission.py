@@ -11,19 +11,10 @@ import ipaddress
 from collections.abc import Sequence
 from urllib.parse import parse_qs, urlsplit
 
+from homebot.addresses import is_loopback
 from homebot.bridges.rosbridge.settings import DoorSettings
 
-__all__ = ["is_loopback", "refusal", "token_of"]
-
-
-def is_loopback(host: str) -> bool:
-    """Return whether *host* is ``localhost`` or a loopback address; brackets around an IPv6 address are fine."""
-    if host.lower() in {"localhost", "localhost."}:
-        return True
-    try:
-        return _address(host).is_loopback
-    except ValueError:
-        return False
+__all__ = ["refusal", "token_of"]
 
 
 def refusal(settings: DoorSettings, hosts: Sequence[str], origins: Sequence[str]) -> str | None:

@@ -1,18 +1,108 @@
-"""State that all clients of a door share."""
+"""State that all clients of the door share: counters, the log of their mistakes, and the door's parts."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from homebot.bridges.rosbridge.backlog import DoorBacklog
-from homebot.bridges.rosbridge.client_error_log import ClientErrorLog
-from homebot.bridges.rosbridge.counters import DoorCounters
-from homebot.bridges.rosbridge.expected_topics import ExpectedTopics
 from homebot.bridges.rosbridge.settings import DoorSettings
+from homebot.bridges.rosbridge.subscriptions import ExpectedTopics
 from homebot.bridges.rosbridge.turns import Turns
 from homebot.graph import Node
+from homebot.log import LogLimit
 
-__all__ = ["Common"]
+__all__ = ["ClientErrorLog", "Common", "DoorCounters", "operation_text"]
+
+
+@dataclass(slots=True)
+class DoorCounters:
+    """Numbers that only grow.
+
+    Attributes:
+        clients: Clients that were let in.
+        turned_away: Connections that were not: too many, a foreign page, a wrong token.
+        wrong_tokens: Tokens that were not the right one.
+        frames: Frames that clients sent.
+        requests_refused: Of those, what was refused.
+        slowed_down: Frames that had to wait because their client sends too many.
+        clients_cut: Clients cut off because they took no bytes.
+    """
+
+    clients: int = 0
+    turned_away: int = 0
+    wrong_tokens: int = 0
+    frames: int = 0
+    requests_refused: int = 0
+    slowed_down: int = 0
+    clients_cut: int = 0
+
+
+_LINES = 20  # of one kind in ten seconds
+_LONGEST = 300  # a client may send a text of a megabyte
+_LONGEST_NAME = 100
+
+_DEEDS = {
+    "advertise": "advertising",
+    "unadvertise": "unadvertising",
+    "publish": "publishing on",
+    "subscribe": "subscribing to",
+    "unsubscribe": "unsubscribing from",
+    "call_service": "calling",
+    "service_response": "answering a call of",
+    "advertise_service": "offering",
+    "unadvertise_service": "withdrawing",
+}
+
+
+class ClientErrorLog:
+    """Logs what clients do wrong.
+
+    Args:
+        node: In whose name.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._log = node.log
+        self._limit = LogLimit(node.graph.clock, burst=_LINES)
+
+    def log(
+        self,
+        kind: str,
+        event: str,
+        message: str,
+        *,
+        level: Literal["warning", "error"] = "warning",
+        error: BaseException | None = None,
+        **facts: str | int,
+    ) -> None:
+        """Log one line, unless there were 20 of its *kind* in the last ten seconds.
+
+        Args:
+            kind: What counts together, such as one client's mistakes.
+            event: The constant name.
+            message: The same in plain words; cut, as are the texts among the facts, to 300 characters.
+            level: How bad it is.
+            error: Shown with its traceback.
+            facts: What is known.
+        """
+        if (held_back := self._limit.allows(kind)) is None:
+            return
+        more = f" (and {held_back} more like this)" if held_back else ""
+        known: dict[str, object] = {key: _short(fact) if isinstance(fact, str) else fact for key, fact in facts.items()}
+        if error is not None:
+            known["exc_info"] = error
+        write = self._log.error if level == "error" else self._log.warning
+        write(event, message=f"{_short(message)}{more}", held_back=held_back, **known)
+
+
+def operation_text(op: str, name: str) -> str:
+    """Return an operation in words, such as ``publishing on /t``; an operation without a name stays as it is."""
+    return f"{_DEEDS.get(op, op)} {_short(name, _LONGEST_NAME)}" if name else op
+
+
+def _short(text: str, longest: int = _LONGEST) -> str:
+    return text if len(text) <= longest else f"{text[: longest - 1]}…"
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +116,7 @@ class Common:
         backlog: What waits for all clients.
         expected: Topics to come.
         counters: What is counted.
-        complaints: Where the log hears of what clients do wrong.
+        error_log: Logs what clients do wrong.
     """
 
     node: Node
@@ -35,7 +125,7 @@ class Common:
     backlog: DoorBacklog
     expected: ExpectedTopics
     counters: DoorCounters
-    complaints: ClientErrorLog
+    error_log: ClientErrorLog
 
     def held_by_all(self) -> int:
         """Return how many entities all clients together hold on the graph."""

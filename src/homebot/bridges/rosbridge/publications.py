@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from homebot.bridges.rosbridge.protocol import Advertise, Identifier, PublishOperation, Unadvertise
-from homebot.bridges.rosbridge.types import message_type_of_topic
-from homebot.bridges.rosbridge.values import message_from_client
+from homebot.bridges.rosbridge.types import message_from_client, message_type_of_topic
 from homebot.errors import PeerError
 from homebot.graph import DurabilityPolicy, Node, Publisher, QoSProfile, qos_profile_latched
 from homebot.messages.message import Message

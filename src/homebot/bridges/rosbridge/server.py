@@ -20,16 +20,15 @@ from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
-from homebot.bridges.rosbridge.admission import is_loopback, is_token, refusal, token_of
+from homebot.addresses import is_loopback
+from homebot.bridges.rosbridge.admission import is_token, refusal, token_of
 from homebot.bridges.rosbridge.backlog import DoorBacklog
-from homebot.bridges.rosbridge.client_error_log import ClientErrorLog
-from homebot.bridges.rosbridge.common import Common
+from homebot.bridges.rosbridge.common import ClientErrorLog, Common, DoorCounters
 from homebot.bridges.rosbridge.connection import DoorConnection
-from homebot.bridges.rosbridge.counters import DoorCounters
-from homebot.bridges.rosbridge.expected_topics import ExpectedTopics
+from homebot.bridges.rosbridge.guards import TokenGuard
 from homebot.bridges.rosbridge.session import ClientSession
 from homebot.bridges.rosbridge.settings import DoorSettings
-from homebot.bridges.rosbridge.token_guard import TokenGuard
+from homebot.bridges.rosbridge.subscriptions import ExpectedTopics
 from homebot.bridges.rosbridge.turns import Turns
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.errors import ConfigError, LinkError
@@ -66,14 +65,14 @@ class Door:
             )
         self._node = node
         self._settings = settings
-        self._complaints = ClientErrorLog(node)
+        self._error_log = ClientErrorLog(node)
         self._counters = DoorCounters()
         self._backlog = DoorBacklog(settings.max_waiting_bytes_of_all)
         self._turns = Turns()
         self._expected = ExpectedTopics(node.graph)
         self._guard = TokenGuard()
         self._common = Common(
-            node, settings, self._turns, self._backlog, self._expected, self._counters, self._complaints
+            node, settings, self._turns, self._backlog, self._expected, self._counters, self._error_log
         )
         self._sessions: dict[ServerConnection, ClientSession] = {}
         self._arriving: dict[DoorConnection, None] = {}
@@ -127,7 +126,7 @@ class Door:
     async def _listen(self) -> Server:
         settings = self._settings
         log = logging.Logger("door", logging.ERROR)  # noqa: LOG001  # of this door alone; it leads into our own log
-        log.addHandler(_LibraryLog(self._complaints))
+        log.addHandler(_LibraryLog(self._error_log))
         try:
             return await serve(
                 self._serve,
@@ -183,7 +182,7 @@ class Door:
     def _turn_away(self, connection: ServerConnection, status: HTTPStatus, problem: str) -> Response:
         client = _address_of(connection)
         self._counters.turned_away += 1
-        self._complaints.log(
+        self._error_log.log(
             f"rejected {client.rpartition(':')[0]}",
             "door.turned_away",
             f"{client} was rejected: {problem}",
@@ -225,20 +224,20 @@ class Door:
 class _LibraryLog(logging.Handler):
     """Brings what the WebSocket library has to say into our log, limited."""
 
-    def __init__(self, complaints: ClientErrorLog) -> None:
+    def __init__(self, error_log: ClientErrorLog) -> None:
         super().__init__()
-        self._complaints = complaints
+        self._error_log = error_log
 
     def emit(self, record: logging.LogRecord) -> None:
         error = record.exc_info[1] if record.exc_info else None
         if record.msg == "connection handler failed":
-            self._complaints.log(
+            self._error_log.log(
                 record.msg, "door.session_crashed", "a client's session crashed", level="error", error=error
             )
         else:
             problem = str(error or record.msg)
             message = f"a client of the rosbridge server did not speak WebSocket: {problem}"
-            self._complaints.log(record.msg, "door.handshake_failed", message, problem=problem)
+            self._error_log.log(record.msg, "door.handshake_failed", message, problem=problem)
 
 
 async def _texts(connection: ServerConnection) -> AsyncIterator[str]:

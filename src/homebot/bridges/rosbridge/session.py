@@ -14,9 +14,8 @@ import anyio
 from anyio.abc import TaskGroup
 
 from homebot.bridges.rosbridge.backlog import Backlog
-from homebot.bridges.rosbridge.calls import call_service
-from homebot.bridges.rosbridge.client_error_log import operation_text
-from homebot.bridges.rosbridge.common import Common
+from homebot.bridges.rosbridge.common import Common, operation_text
+from homebot.bridges.rosbridge.guards import FrameRate
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
     ActionOperation,
@@ -39,9 +38,8 @@ from homebot.bridges.rosbridge.protocol import (
     service_failure,
     status_frame,
 )
-from homebot.bridges.rosbridge.provided import ProvidedServices
 from homebot.bridges.rosbridge.publications import Publications
-from homebot.bridges.rosbridge.rate import FrameRate
+from homebot.bridges.rosbridge.services import ProvidedServices, call_service
 from homebot.bridges.rosbridge.subscriptions import Subscriptions
 from homebot.bridges.rosbridge.turns import Turns
 from homebot.errors import HomebotError, LinkError, PeerError
@@ -129,13 +127,13 @@ class ClientSession:
             error_text = (
                 f": {_refusal(exc.op, exc.target, exc.problem)}" if exc.op else f" sent a frame that {exc.problem}"
             )
-            self._complain(error_text, exc.op or "frame", exc.problem)
+            self._log_error(error_text, exc.op or "frame", exc.problem)
             self._answer(exc.op, exc.id, exc.target, str(exc))
             return
         try:
             self._do(op, holdings)
         except HomebotError as exc:
-            self._complain(f": {_refusal(op.op, op.name, str(exc))}", op.op, str(exc))
+            self._log_error(f": {_refusal(op.op, op.name, str(exc))}", op.op, str(exc))
             self._answer(op.op, op.id, op.name, str(exc))
 
     def _do(self, op: Operation, holdings: _Holdings) -> None:
@@ -209,7 +207,7 @@ class ClientSession:
         if self._slowness.allows("") is not None:
             limit = f"more than {self._settings.max_frames_per_second} frames a second"
             self._remark("warning", f"{limit} came from this client: it is slowed down to that", None)
-            self._common.complaints.log(
+            self._common.error_log.log(
                 f"slowed down {self._client.rpartition(':')[0]}",
                 "door.slowed_down",
                 f"{self._client} sends {limit}: it is slowed down to that",
@@ -219,13 +217,13 @@ class ClientSession:
     def _report_type_mismatch(self, op: SubscribeOperation, problem: str) -> None:
         """Tell that a topic came which the client waited for, and that it is another than expected."""
         error_text = f": {_refusal(op.op, op.name, problem)}, now that it is there"
-        self._complain(error_text, op.op, problem, event="door.late_topic_unfit")
+        self._log_error(error_text, op.op, problem, event="door.late_topic_unfit")
         self._remark("error", problem, op.id)
 
-    def _complain(self, error_text: str, op: str, problem: str, *, event: str = "door.refused") -> None:
+    def _log_error(self, error_text: str, op: str, problem: str, *, event: str = "door.refused") -> None:
         self.refused += 1
         self._common.counters.requests_refused += 1
-        self._common.complaints.log(
+        self._common.error_log.log(
             f"refused {self._client.rpartition(':')[0]}",
             event,
             f"{self._client}{error_text}",

@@ -1,18 +1,31 @@
-"""Python classes by ROS type name; ``std_msgs/String`` and ``std_msgs/msg/String`` are both accepted."""
+"""Python classes by ROS type name, and messages as clients write them.
+
+``std_msgs/String`` and ``std_msgs/msg/String`` are both accepted, and so is ROS 1's spelling of time (``secs``,
+``nsecs``).
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from homebot import devices
 from homebot.errors import PeerError, TypeMismatchError
 from homebot.graph import Graph
 from homebot.messages import builtin_interfaces, rcl_interfaces, std_msgs, std_srvs
-from homebot.messages.definition import nested_types
-from homebot.messages.message import Message
-from homebot.messages.service_type import ServiceType
+from homebot.messages.builtin_interfaces import Duration, Time
+from homebot.messages.definition import FieldDefinition, fields_of, nested_types
+from homebot.messages.json import message_from_json
+from homebot.messages.message import Message, ServiceType
 
-__all__ = ["find_message_type", "find_service_type", "message_type_of_topic", "same_type", "service_type_of"]
+__all__ = [
+    "find_message_type",
+    "find_service_type",
+    "message_from_client",
+    "message_type_of_topic",
+    "same_type",
+    "service_type_of",
+]
 
 _MESSAGES: tuple[type[Message], ...] = (
     builtin_interfaces.Duration,
@@ -133,3 +146,30 @@ def _unknown(kind: str, ros_type: str, known: list[str]) -> PeerError:
     similar = get_close_matches(ros_type[:_LONGEST_TYPE], known, n=3, cutoff=0.5)  # it takes the square of the length
     hint = f"; similar: {', '.join(similar)}" if similar else ""
     return PeerError(f"{kind} type {ros_type[:_LONGEST_TYPE]!r} is not known here{hint}")
+
+
+_ROS2_NAMES = {"secs": "sec", "nsecs": "nanosec"}
+
+
+def message_from_client(message_type: type[Message], value: Mapping[str, object]) -> Message:
+    """Return the message that the JSON object *value* spells.
+
+    Raises:
+        TypeMismatchError: A field is missing, unknown, or of another type; the message names it and its value.
+    """
+    return message_from_json(message_type, _in_ros2(message_type, value))
+
+
+def _in_ros2(message_type: type[Message], value: Mapping[str, object]) -> dict[str, object]:
+    if message_type in {Time, Duration}:
+        return {_ROS2_NAMES.get(name, name): item for name, item in value.items()}
+    fields = {field.name: field for field in fields_of(message_type)}
+    return {name: _element(fields[name], item) if name in fields else item for name, item in value.items()}
+
+
+def _element(field: FieldDefinition, value: object) -> object:
+    if field.message is None:
+        return value
+    if isinstance(value, list):
+        return [_element(field, item) for item in value]
+    return _in_ros2(field.message, value) if isinstance(value, dict) else value

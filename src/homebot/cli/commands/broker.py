@@ -7,13 +7,13 @@ import ssl
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+from homebot.addresses import is_loopback
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import read_secret
 from homebot.errors import InvalidNameError, UsageError
 from homebot.log import configure_logging
 from homebot.logger import get_logger
 from homebot.mqtt.broker import Broker
-from homebot.mqtt.broker.authentication import is_loopback
 from homebot.mqtt.broker.stats import loss_text
 from homebot.mqtt.certificate import load_certificate
 from homebot.mqtt.topics import validate_filter

@@ -62,7 +62,7 @@ def _run_apart(options: argparse.Namespace, config: Config, house: World | None,
 def _index_file(config: Config) -> Path:
     """Return the file of the index, moved from where it was in earlier versions."""
     from homebot.discovery.store import take_over  # noqa: PLC0415 - a simulated house is not remembered
-    from homebot.runtime.index_place import index_place  # noqa: PLC0415 - as above
+    from homebot.runtime.plan import index_place  # noqa: PLC0415 - as above
 
     index_file = index_place(config)
     take_over(index_file)

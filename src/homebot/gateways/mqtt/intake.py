@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from functools import cache, partial
 from typing import TypeGuard
 
-from homebot.clock import Clock
+from homebot.clock import Clock, TimeSlice
 from homebot.conventions.convention import Convention, SlicedConvention
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceRequest, DeviceWithdrawn
 from homebot.conventions.payload import noting_duplicates
@@ -19,7 +19,6 @@ from homebot.gateways.announced.scheduler import Scheduler
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryChange
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.mqtt.message import MqttMessage
-from homebot.time_slice import TimeSlice
 
 __all__ = ["AnnouncementHandler"]
 

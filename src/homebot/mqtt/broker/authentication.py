@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import hmac
-import ipaddress
 import secrets
 from collections.abc import Mapping
 from typing import final
 
 from homebot.mqtt.packets import ReasonCode
 
-__all__ = ["Authentication", "is_loopback"]
+__all__ = ["Authentication"]
 
 
 _NOBODYS = bytes(32)
@@ -52,13 +51,3 @@ class Authentication:
 
     def _digest(self, password: bytes) -> bytes:
         return hmac.digest(self._key, password, "sha256")
-
-
-def is_loopback(host: str) -> bool:
-    """Return whether *host* surely means this computer only; a name other than ``localhost`` does not."""
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False

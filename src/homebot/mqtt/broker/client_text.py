@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from homebot.addresses import network_of
+
 __all__ = ["client_text", "host_of", "short"]
 
-_IPV6_PREFIX = 4  # groups of 16 bits; a household has all addresses behind them
 _LONGEST = 100  # a client may choose a name or topic of 65,535 bytes
 
 
@@ -14,16 +15,8 @@ def client_text(client_id: str | None, address: str) -> str:
 
 
 def host_of(address: str) -> str:
-    """The host of ``HOST:PORT``, as far as one owner has it: of IPv6 the first 64 bits."""
-    host = address.rpartition(":")[0].removeprefix("::ffff:")
-    return ":".join(_expanded(host)[:_IPV6_PREFIX]) if ":" in host else host
-
-
-def _expanded(host: str) -> list[str]:
-    """The eight groups of an IPv6 address."""
-    before, gap, after = host.partition("::")
-    head, tail = before.split(":") if before else [], after.split(":") if after else []
-    return head + ["0"] * (8 - len(head) - len(tail)) + tail if gap else head
+    """Return the host of ``HOST:PORT``, as far as one owner has it."""
+    return network_of(address.rpartition(":")[0])
 
 
 def short(text: str) -> str:

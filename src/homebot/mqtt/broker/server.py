@@ -12,9 +12,9 @@ from typing import final
 
 import anyio
 
+from homebot.addresses import is_loopback
 from homebot.clock import Clock
 from homebot.errors import LinkError, UsageError
-from homebot.mqtt.broker.authentication import is_loopback
 from homebot.mqtt.broker.base import EmbeddedBroker
 from homebot.mqtt.broker.connection import BrokerConnection, Sockets
 from homebot.mqtt.broker.housekeeping import Housekeeping

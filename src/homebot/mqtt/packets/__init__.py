@@ -4,8 +4,7 @@ Sources: MQTT 3.1 (IBM and Eurotech, 2010), MQTT 3.1.1 (OASIS, 2014), MQTT 5.0 (
 """
 
 from homebot.mqtt.packets.codec import Packet, decode, encode
-from homebot.mqtt.packets.connect import Connack, Connect, Will
-from homebot.mqtt.packets.disconnect import Auth, Disconnect, Pingreq, Pingresp
+from homebot.mqtt.packets.connect import Auth, Connack, Connect, Disconnect, Pingreq, Pingresp, Will
 from homebot.mqtt.packets.properties import NO_PROPERTIES, PacketType, Properties
 from homebot.mqtt.packets.publish import Acknowledgement, Puback, Pubcomp, Publish, Pubrec, Pubrel
 from homebot.mqtt.packets.reader import MAX_PACKET_SIZE, PacketReader

@@ -5,21 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from homebot.mqtt.packets.connect import (
+    Auth,
     Connack,
     Connect,
-    decode_connack,
-    decode_connect,
-    encode_connack,
-    encode_connect,
-)
-from homebot.mqtt.packets.disconnect import (
-    Auth,
     Disconnect,
     Pingreq,
     Pingresp,
     decode_auth,
+    decode_connack,
+    decode_connect,
     decode_disconnect,
     encode_auth,
+    encode_connack,
+    encode_connect,
     encode_disconnect,
 )
 from homebot.mqtt.packets.properties import PacketType

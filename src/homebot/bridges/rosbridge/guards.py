@@ -1,4 +1,4 @@
-"""Brake for guessing: the time that a token has to wait before it is looked at. No I/O.
+"""Guards against clients that ask too much: a delay for guessed tokens, and a limit on frames. No I/O.
 
 The right token and wrong ones wait alike, else whoever guesses would only have to hang up early. An address may be
 wrong a few times for nothing. After that each of its tokens waits, longer with each wrong one, and only a few may wait
@@ -7,12 +7,13 @@ at a time; so an address tries four tokens a second at most, and its honest clie
 
 from __future__ import annotations
 
-import ipaddress
 from collections import OrderedDict
 from dataclasses import dataclass
 from typing import final
 
-__all__ = ["TokenGuard"]
+from homebot.addresses import network_of
+
+__all__ = ["FrameRate", "TokenGuard"]
 
 _FREE = 5
 _FIRST_DELAY, _LONGEST_DELAY = 0.1, 1.0
@@ -22,8 +23,6 @@ _FORGIVEN_EVERY = 10.0
 _MOST_WRONG = 20
 _MOST_WAITING = 4
 _MOST_ADDRESSES = 1000
-_IPV6_PREFIX = 64
-"""Bits of an IPv6 address that belong to one customer; the rest anybody may choose."""
 
 
 @dataclass(slots=True)
@@ -62,7 +61,7 @@ class TokenGuard:
 
     def end(self, address: str, now: float, *, waited: bool, was_wrong: bool) -> None:
         """Note how the attempt ended; one that was given up is not wrong."""
-        key = _network(address)
+        key = network_of(address)
         attempts = self._of(address, now)
         if attempts is not None and waited:
             attempts.waiting = max(0, attempts.waiting - 1)
@@ -81,7 +80,7 @@ class TokenGuard:
         return tuple(address for address, attempts in known if attempts is not None and attempts.wrong >= _FREE)
 
     def _of(self, address: str, now: float) -> _Attempts | None:
-        key = _network(address)
+        key = network_of(address)
         attempts = self._attempts.get(key)
         if attempts is None:
             return None
@@ -94,13 +93,20 @@ class TokenGuard:
         return attempts
 
 
-def _network(address: str) -> str:
-    try:
-        known = ipaddress.ip_address(address.partition("%")[0])
-    except ValueError:
-        return address
-    if isinstance(known, ipaddress.IPv6Address):
-        if known.ipv4_mapped is not None:
-            return str(known.ipv4_mapped)
-        return str(ipaddress.ip_network((known, _IPV6_PREFIX), strict=False))
-    return str(known)
+@final
+class FrameRate:
+    """Says how long a client's next frame has to wait so that it sends no more than *limit* a second on average.
+
+    A client that was quiet may send the frames of a whole second at once.
+    """
+
+    def __init__(self, limit: int, now: float) -> None:
+        self._limit = limit
+        self._tokens = float(limit)
+        self._filled_at = now
+
+    def take(self, now: float) -> float:
+        """Count one frame; return the seconds to wait before it is handled, mostly 0."""
+        self._tokens = min(float(self._limit), self._tokens + (now - self._filled_at) * self._limit) - 1
+        self._filled_at = now
+        return max(0.0, -self._tokens / self._limit)

@@ -1,0 +1,211 @@
+"""Service calls that a client makes, and the services that it provides to everybody on the graph."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from typing import Any
+
+from homebot.bridges.rosbridge.outbox import Outbox
+from homebot.bridges.rosbridge.protocol import (
+    AdvertiseService,
+    CallService,
+    Frame,
+    ServiceResponse,
+    UnadvertiseService,
+    service_failure,
+    service_request,
+    service_success,
+)
+from homebot.bridges.rosbridge.types import message_from_client, service_type_of
+from homebot.devices.query import Or, QueryTerm, query_terms
+from homebot.devices.services import QueryDevicesResponse
+from homebot.errors import (
+    HomebotError,
+    PeerError,
+    RefusedError,
+    ServiceFailedError,
+    ServiceUnavailableError,
+    TypeMismatchError,
+    UsageError,
+)
+from homebot.graph import EntityKind, Node, Service
+from homebot.isolation import error_text
+from homebot.messages.definition import fields_of
+from homebot.messages.json import message_to_json
+from homebot.messages.message import Message, ServiceType
+
+__all__ = ["ProvidedServices", "call_service", "parse_queries", "refusal"]
+
+
+def parse_queries(
+    request_type: type[Message], values: Mapping[str, object]
+) -> tuple[Mapping[str, object], UsageError | None]:
+    """Return *values* of a request with the terms of each query that is text, and what is wrong with one.
+
+    In the place of a query that cannot be parsed stands one that nothing matches.
+    """
+    problem: UsageError | None = None
+    parsed: dict[str, object] = {}
+    for field in fields_of(request_type):
+        text = values.get(field.name)
+        if field.message is QueryTerm and isinstance(text, str):
+            from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - loaded with the first text
+
+            try:
+                parsed[field.name] = query_terms(parse_query(text))
+            except UsageError as exc:
+                parsed[field.name], problem = query_terms(Or(())), exc
+    return {**values, **parsed}, problem
+
+
+def refusal(service: str, response: Message, problem: UsageError) -> Message:
+    """Return the answer of *service* to a text that is no query, given its *response* to one that nothing matches.
+
+    Raises:
+        ServiceFailedError: A call of the service fails for such a text.
+    """
+    if isinstance(response, QueryDevicesResponse):
+        return response.model_copy(update={"success": False, "message": str(problem)})
+    raise ServiceFailedError(service, error_text(problem)) from problem
+
+
+_DEFAULT_TIMEOUT = 5.0
+_MAX_TIMEOUT = 3600.0
+_MOST, _LONGEST = 200, 100  # names compared, and of how many characters: a client may ask again and again
+
+
+async def call_service(node: Node, op: CallService) -> Frame:
+    """Make the call *op* on the graph of *node* and return the frame that answers it, be it a failure."""
+    try:
+        return service_success(op.service, op.id, await _call(node, op))
+    except ServiceFailedError as exc:
+        return service_failure(op.service, op.id, exc.reason)
+    except ServiceUnavailableError as exc:
+        return service_failure(op.service, op.id, _unavailable(node, exc))
+    except HomebotError as exc:
+        return service_failure(op.service, op.id, str(exc))
+
+
+async def _call(node: Node, op: CallService) -> Message:
+    name = node.resolve_name(op.service, "service name")
+    service_type = node.graph.get_service_type(name)
+    if service_type is None:
+        raise ServiceUnavailableError(name)
+    values, problem = parse_queries(service_type.Request, _values(service_type.Request, op.args))
+    request = message_from_client(service_type.Request, values)
+    timeout = min(op.timeout, _MAX_TIMEOUT) if op.timeout > 0 else _DEFAULT_TIMEOUT
+    # A client of its own for each call: one that is kept would hold the name's type after the server is gone.
+    client = node.create_client(service_type, name)
+    try:
+        response: Message = await client.call(request, timeout)
+        return response if problem is None else refusal(name, response, problem)
+    finally:
+        client.close()
+
+
+def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
+    """Return the error for a program outside, which has no client object to wait with."""
+    if node.graph.get_endpoints(kind=EntityKind.SERVICE, name=error.service):
+        return str(error)
+    known = [info.name for info in node.graph.get_endpoints(kind=EntityKind.SERVICE)]
+    from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.similar
+
+    similar = get_close_matches(error.service[:_LONGEST], known, n=1, cutoff=0.7) if len(known) <= _MOST else []
+    hint = f"did you mean {similar[0]}?" if similar else "/rosapi/services lists all"
+    return f"service {error.service} has no server now; {hint}"
+
+
+def _values(request_type: type[Message], args: dict[str, Any] | list[Any]) -> dict[str, Any]:
+    if isinstance(args, dict):
+        return args
+    names = [field.name for field in fields_of(request_type)]
+    if len(args) > len(names):
+        raise TypeMismatchError(f"{request_type.ros_type} has {len(names)} fields, got {len(args)} values")
+    return dict(zip(names, args, strict=False))
+
+
+class ProvidedServices:
+    """The services that one client provides, under the names that the client uses.
+
+    Args:
+        node: The node that serves in the client's stead.
+        limit: Calls that the client may owe an answer to; one more fails at once.
+        outbox: Takes frames to the client.
+    """
+
+    def __init__(self, node: Node, limit: int, outbox: Outbox) -> None:
+        self._node = node
+        self._limit = limit
+        self._outbox = outbox
+        self._services: dict[str, Service[Any, Any]] = {}
+        self._pending: dict[str, asyncio.Future[ServiceResponse]] = {}
+        self._calls = 0
+
+    def __len__(self) -> int:
+        return len(self._services)
+
+    def advertise(self, op: AdvertiseService) -> None:
+        """Offer a service of the client; the same once more is fine.
+
+        Raises:
+            InvalidNameError: The name is illegal.
+            DuplicateNameError: Somebody else serves it.
+            TypeMismatchError: It is of another type.
+            PeerError: The type is unknown.
+        """
+        service_type = service_type_of(self._node.graph, self._node.resolve_name(op.service, "service name"), op.type)
+        if op.service in self._services:
+            return
+
+        async def ask(request: Message) -> Message:
+            return await self._ask(op.service, service_type, request)
+
+        self._services[op.service] = self._node.create_service(service_type, op.service, ask, concurrent=True)
+
+    def unadvertise(self, op: UnadvertiseService) -> None:
+        """Withdraw a service; calls under way fail.
+
+        Raises:
+            PeerError: The client does not provide it.
+        """
+        service = self._services.pop(op.service, None)
+        if service is None:
+            raise PeerError(f"service {op.service} is not provided by this client")
+        service.close()
+
+    def answer(self, op: ServiceResponse) -> None:
+        """Take the client's answer to a call.
+
+        Raises:
+            PeerError: No call waits for it.
+        """
+        pending = self._pending.get(str(op.id))
+        if pending is None or pending.done():
+            raise PeerError(f"no call of {op.service} with the id {op.id!r} waits for a response (any more)")
+        pending.set_result(op)
+
+    def close_one(self) -> bool:
+        """Withdraw one service, whose calls under way fail; return whether there was one."""
+        if not self._services:
+            return False
+        self._services.popitem()[1].close()
+        return True
+
+    async def _ask(self, name: str, service_type: ServiceType[Any, Any], request: Message) -> Message:
+        if len(self._pending) >= self._limit:
+            raise RefusedError(f"the call of {name}", f"its provider has {self._limit} calls waiting already")
+        if not self._outbox.has_room:
+            raise RefusedError(f"the call of {name}", "its provider does not read its messages")
+        self._calls += 1
+        identifier = f"service_request:{name}:{self._calls}"
+        pending = self._pending[identifier] = asyncio.get_running_loop().create_future()
+        try:
+            self._outbox.answer(service_request(name, identifier, message_to_json(request)))
+            response = await pending
+        finally:
+            del self._pending[identifier]
+        if not response.result:
+            raise RefusedError(f"the call of {name}", str(response.values or "its provider gave no reason")[:500])
+        values = response.values if isinstance(response.values, dict) else {}
+        return message_from_client(service_type.Response, values)
