@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from homebot.conventions.thesis.parts import thesis_part
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
-from homebot.devices.text.decode import decode_text
-from homebot.devices.text.encode import decode_command, encode_command
+from homebot.devices.text.commands import decode_command, encode_command
+from homebot.devices.text.states import decode_text
 from homebot.devices.value import PlainValue
 from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor

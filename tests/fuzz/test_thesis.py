@@ -11,8 +11,8 @@ from homebot.conventions.thesis import Thesis, ThesisSettings
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Part
-from homebot.devices.text.decode import decoder_for
-from homebot.devices.text.encode import decode_command, encode_command
+from homebot.devices.text.commands import decode_command, encode_command
+from homebot.devices.text.states import decoder_for
 from homebot.errors import RefusedError, WireError
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from homebot.devices import Device, RawMessage
 from homebot.devices.handles import Light
 from homebot.devices.names import read_text_address
 from homebot.devices.part import Capability, Part
-from homebot.devices.text.decode import decode_text
-from homebot.devices.text.speaking_part import speaking_part
+from homebot.devices.text.address import sending_part
+from homebot.devices.text.states import decode_text
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError, RefusedError, ServiceError, WireError
 from homebot.graph import Node
@@ -104,7 +104,7 @@ class LightService(App):
         Raises:
             WireError: It is no word of a lamp.
         """
-        part = speaking_part(lamp, message)
+        part = sending_part(lamp, message)
         values = decode_text(message.text(), _ANY_LAMP if part is None else part.part)
         if not values:
             raise WireError(f"{message.address} says neither on nor off", message.payload)

@@ -12,7 +12,7 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import NoReturn, TypeAlias, TypeVar
 
-from homebot.devices.text.vocabulary import says_unknown
+from homebot.devices.text.states import says_unknown
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.numbers import to_number

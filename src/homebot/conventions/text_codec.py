@@ -5,8 +5,8 @@ from __future__ import annotations
 from homebot.conventions.description import Publication
 from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.devices.part import Part
-from homebot.devices.text.decode import decoder_for
-from homebot.devices.text.encode import decode_command, encode_command
+from homebot.devices.text.commands import decode_command, encode_command
+from homebot.devices.text.states import decoder_for
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 

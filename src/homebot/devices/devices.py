@@ -25,7 +25,7 @@ from homebot.devices.services import (
     SubscribeToTopicRequest,
     SubscribeToTopicResponse,
 )
-from homebot.devices.text.route import command_address, others_at
+from homebot.devices.text.address import command_address, others_at
 from homebot.errors import ClosedError, InvalidNameError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node, Publisher, Subscription, qos_profile_latched
 from homebot.graph.service_watch import watch_services

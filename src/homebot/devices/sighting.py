@@ -27,7 +27,7 @@ class Sighting(Message):
         service_type: What it offers, in its own word; of a device that is described, what the first part is that is
             neither setting nor diagnosis.
         address: Where it speaks. Of a device that is described, the words address of that part; see
-            :mod:`homebot.devices.text.encode`.
+            :mod:`homebot.devices.text.commands`.
         command_address: Where it listens; empty when it takes no commands. Of a device that is described likewise.
         metadata: Further facts, for example ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
         convention: By which convention it was announced; empty where there is one only.

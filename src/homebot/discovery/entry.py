@@ -18,7 +18,7 @@ from homebot.devices import (
 )
 from homebot.devices.device_types import wanted_types
 from homebot.devices.names import text_address
-from homebot.devices.text.encode import accepts_text
+from homebot.devices.text.commands import accepts_text
 from homebot.devices.value import PlainValue, Value
 from homebot.discovery.echoes import Echoes
 from homebot.discovery.merging.part_ids import NO_IDS, PartIds, lost_ids

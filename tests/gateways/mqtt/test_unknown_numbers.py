@@ -16,7 +16,7 @@ from homebot.conventions.shelly import Shelly, ShellySettings
 from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
 from homebot.conventions.thesis.parts import thesis_part
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
-from homebot.devices.text.decode import decode_text
+from homebot.devices.text.states import decode_text
 from homebot.devices.value import PlainValue
 from homebot.wot.mqtt import ThingDescriptions, ThingSettings
 

@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, TextEndpoint
 from homebot.devices import KeyValue, Sighting
 from homebot.devices.names import text_address
-from homebot.devices.text.encode import accepts_text, main_part
+from homebot.devices.text.commands import accepts_text, main_part
 from homebot.gateways.announced.last_messages import PartTexts
 from homebot.gateways.announced.reachability import ReachabilityReader
 from homebot.messages import Time

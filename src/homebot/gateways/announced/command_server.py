@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable
 from typing import TypeAlias
 
 from homebot.devices.command import Command, SendCommand, SendCommandResponse
-from homebot.devices.text.encode import decode_command
+from homebot.devices.text.commands import decode_command
 from homebot.devices.value import Value
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError
 from homebot.gateways.announced.announcement import AnnouncedPart
@@ -61,7 +61,7 @@ class CommandServer:
         return SendCommandResponse(success=True)
 
     async def tell(self, key: str, part_id: str, text: str) -> None:
-        """Carry out what *text* means to a part; see :mod:`homebot.devices.text.encode`.
+        """Carry out what *text* means to a part; see :mod:`homebot.devices.text.commands`.
 
         Raises:
             RefusedError: The gateway only observes, the part takes no such text, or as :data:`Perform`.

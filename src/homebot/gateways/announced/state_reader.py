@@ -16,7 +16,7 @@ from homebot.conventions.payload import MAX_STATE_BYTES
 from homebot.devices import RawMessage
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.report import Reading
-from homebot.devices.text.encode import encode_state
+from homebot.devices.text.states import encode_state
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 from homebot.gateways.announced.counters import GatewayCounters

@@ -7,7 +7,7 @@ import math
 from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
-from homebot.devices.text.vocabulary import bounds_of
+from homebot.devices.text.states import bounds_of
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 

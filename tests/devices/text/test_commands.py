@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from homebot.devices.names import is_text_address, read_text_address, text_address
 from homebot.devices.part import Capability, Part
-from homebot.devices.text.decode import decode_text
-from homebot.devices.text.encode import decode_command, encode_command, encode_state, main_part
+from homebot.devices.text.commands import decode_command, encode_command, main_part
+from homebot.devices.text.states import decode_text, encode_state
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 

@@ -1,0 +1,84 @@
+"""Parts of a device by the addresses of its texts. Pure."""
+
+from __future__ import annotations
+
+from homebot.devices.device import Device, DevicePart, Endpoint
+from homebot.devices.names import is_text_address, read_text_address, text_address
+from homebot.devices.raw import RawMessage
+from homebot.devices.text.commands import decode_command
+from homebot.errors import RefusedError
+
+__all__ = ["command_address", "others_at", "sending_part"]
+
+
+def command_address(device: Device, endpoint: Endpoint, text: str) -> str:
+    """Return the address to which *text* is sent for *endpoint* of *device*.
+
+    It is the endpoint's own, unless another of several routes to the part, of the same gateway, is the best that takes
+    the command.
+    """
+    address = endpoint.command_address
+    part = _part_of(device, endpoint) if is_text_address(address) else None
+    if part is None or len(part.routes) == 1:
+        return address
+    try:
+        capability, _ = decode_command(text, part.part)
+    except RefusedError:
+        return address  # the error of its gateway names the texts that it takes
+    for route in part.routes:
+        if route.gateway == endpoint.gateway and route.can(capability):
+            return text_address(route.key, route.part)
+    return address
+
+
+def others_at(device: Device, address: str, text: str) -> tuple[str, ...]:
+    """Return the names of the parts that also take *text*, which goes to the part at *address*: the other gangs.
+
+    They are of the same type and category as that part.
+    """
+    target = _part_at(device, address) if is_text_address(address) else None
+    if target is None:
+        return ()
+    return tuple(
+        one.part.name or one.id
+        for one in device.parts
+        if one is not target
+        and one.part.service_type == target.part.service_type
+        and one.part.category == target.part.category
+        and _takes(one, text)
+    )
+
+
+def sending_part(device: Device, message: RawMessage) -> DevicePart | None:
+    """Return the part of *device* that sent *message*; None where that is not known."""
+    place = read_text_address(message.address)
+    for part in device.parts:
+        for route in part.routes:
+            is_it = route.key == message.key if place is None else (route.key, route.part) == place
+            if is_it and route.gateway == message.gateway:
+                return part
+    return None
+
+
+def _takes(part: DevicePart, text: str) -> bool:
+    try:
+        decode_command(text, part.part)
+    except RefusedError:
+        return False
+    return True
+
+
+def _part_at(device: Device, address: str) -> DevicePart | None:
+    for part in device.parts:
+        if any(text_address(route.key, route.part) == address for route in part.routes):
+            return part
+    return None
+
+
+def _part_of(device: Device, endpoint: Endpoint) -> DevicePart | None:
+    for part in device.parts:
+        for route in part.routes:
+            is_there = route.gateway == endpoint.gateway
+            if is_there and text_address(route.key, route.part) == endpoint.command_address:
+                return part
+    return None

@@ -1,0 +1,225 @@
+"""Text form of states, the same for every convention. Pure.
+
+The texts are those of the thesis's topics: ``on``, ``off``, ``open``, ``closed``, ``motion``, ``clear``, ``locked``, a
+brightness or a position from ``0`` to ``1``, ``2700 K``, a measured number.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Final, TypeAlias
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.part import Capability, Part
+from homebot.devices.value import PlainValue
+from homebot.numbers import to_number
+
+__all__ = [
+    "BOOL_WORDS",
+    "FRACTION_CAPABILITIES",
+    "OPENING_WORDS",
+    "PRIORITY",
+    "SPEED_WORDS",
+    "Decoded",
+    "TextDecoder",
+    "bounds_of",
+    "decode_text",
+    "decoder_for",
+    "encode_state",
+    "encode_value",
+    "percent",
+    "says_unknown",
+]
+
+
+FRACTION_CAPABILITIES: Final = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
+"""Percentages whose text is 0 to 1."""
+
+SPEED_WORDS: Final = frozenset({"level", "fan_speed"})
+"""Capabilities that are 0 only when off."""
+
+_UNKNOWN: Final = frozenset({"none", "null", "unknown", "unavailable"})
+
+_LONGEST_UNKNOWN: Final = 40
+
+OPENING_WORDS: Final = ("movement", "valve")
+
+PRIORITY: Final = ("lock", "on_off", "occupancy", "contact", "vacuum", "mower", "alarm", "local_temperature")
+"""The capability whose value is the text of a message with several; movements come next, by a rule of their own."""
+
+BOOL_WORDS: Final[Mapping[str, tuple[str, str]]] = {"occupancy": ("clear", "motion"), "contact": ("closed", "open")}
+"""Texts for false and true; ``off`` and ``on`` for any other capability."""
+
+Decoded: TypeAlias = Mapping[str, PlainValue]
+"""Values by capability."""
+
+_NOTHING: Decoded = MappingProxyType({})
+
+_LONGEST = 255
+"""Bytes of a text that is none of a list."""
+
+
+def encode_state(readings: Mapping[str, PlainValue]) -> str | None:
+    """Return the text for the values of one message of a part; None where none of them has one.
+
+    Args:
+        readings: Values by capability.
+    """
+    for name in PRIORITY:
+        if readings.get(name) is not None:
+            return encode_value(name, readings[name])
+    if (opening := _opening(readings)) is not None:
+        return opening
+    for name, value in readings.items():
+        if (text := encode_value(name, value)) is not None:
+            return text
+    return None
+
+
+def encode_value(name: str, value: PlainValue) -> str | None:
+    """Return the text for one value of the capability *name*; None where it has none."""
+    match value:
+        case None | tuple():
+            return None
+        case bool():
+            return BOOL_WORDS.get(name, ("off", "on"))[value]
+        case str():
+            return value
+        case _ if name in FRACTION_CAPABILITIES:
+            return _digits(value / 100)
+        case _ if name == "color_temperature":
+            return f"{_digits(value)} K"
+        case _:
+            return _digits(value)
+
+
+class TextDecoder:
+    """Decoder of the texts of a part, ready to be looked up, so that any other payload costs next to nothing.
+
+    It is the reverse of :func:`encode_state`. Values that follow count as well: with ``0.4`` a lamp is on, with
+    ``closed`` a cover is at 0 %. A bare number is of the first capability, in the order of :func:`encode_state`, whose
+    bounds it keeps. ``nan`` and its like in the place of a measurement mean that it is unknown.
+
+    Args:
+        capabilities: The capabilities of the part.
+    """
+
+    def __init__(self, capabilities: tuple[Capability, ...]) -> None:
+        readable = {one.name: one for one in capabilities if one.readable}
+        self._names = frozenset(readable)
+        self._texts: dict[bytes, Decoded] = {}
+        self._numbers: list[tuple[str, float, float]] = []
+        self._kelvin: tuple[float, float] | None = None
+        self._text_capability = ""
+        self._measured = ""
+        for name in dict.fromkeys((*(one for one in (*PRIORITY, *OPENING_WORDS) if one in readable), *readable)):
+            self._learn(name, readable[name])
+
+    def decode(self, text: bytes) -> Decoded:
+        """Return the values in *text*; none where it is no text of the part."""
+        found = self._texts.get(text)
+        if found is not None:
+            return found
+        number = to_number(text)
+        if number is not None:
+            for name, low, high in self._numbers:
+                if low <= number <= high:
+                    return self._values(name, percent(number) if name in FRACTION_CAPABILITIES else number)
+        elif self._kelvin is not None and text.endswith(b" K"):
+            number = to_number(text[:-2])
+            if number is not None and self._kelvin[0] <= number <= self._kelvin[1]:
+                return self._values("color_temperature", number)
+        if self._text_capability:
+            return self._any_text(text)
+        return {self._measured: None} if self._measured and says_unknown(text) else _NOTHING
+
+    def _learn(self, name: str, capability: Capability) -> None:
+        known = CAPABILITIES.get(name)
+        kind = known.kind if known else ""
+        if kind == "bool":
+            for value, text in enumerate(BOOL_WORDS.get(name, ("off", "on"))):
+                self._texts.setdefault(text.encode(), self._values(name, bool(value)))
+        elif kind == "text":
+            options = capability.options or (known.options if known else ())
+            for text in options:
+                self._texts.setdefault(text.encode(errors="replace"), self._values(name, text))
+            self._text_capability = self._text_capability or ("" if options else name)
+        elif kind == "number":
+            low, high = bounds_of(capability)
+            if name == "color_temperature":
+                self._kelvin = low, high
+            else:
+                share = 100 if name in FRACTION_CAPABILITIES else 1
+                self._numbers.append((name, low / share, high / share))
+                self._measured = self._measured or ("" if capability.settable else name)
+
+    def _values(self, name: str, value: PlainValue) -> Decoded:
+        return {name: value, **{other: what for other, what in _implied(name, value) if other in self._names}}
+
+    def _any_text(self, text: bytes) -> Decoded:
+        if not 0 < len(text) <= _LONGEST:
+            return _NOTHING
+        try:
+            return {self._text_capability: text.decode()}
+        except UnicodeDecodeError:
+            return _NOTHING
+
+
+@lru_cache(maxsize=1000)
+def decoder_for(capabilities: tuple[Capability, ...]) -> TextDecoder:
+    """Return the decoder that parts with *capabilities* share."""
+    return TextDecoder(capabilities)
+
+
+def decode_text(text: str, part: Part) -> Decoded:
+    """Return the values in a *text* of *part*; see :class:`TextDecoder`."""
+    return decoder_for(part.capabilities).decode(text.encode(errors="replace"))
+
+
+def bounds_of(capability: Capability) -> tuple[float, float]:
+    """Return the smallest and the largest value of *capability*; infinite where none is known."""
+    known = CAPABILITIES.get(capability.name)
+    bounds = capability.bounds or (known.bounds if known else ())
+    return (bounds[0], bounds[-1]) if bounds else (-math.inf, math.inf)
+
+
+def says_unknown(text: str | bytes) -> bool:
+    """Return whether *text*, in the place of a number, means that there is none: NaN and its like, or a word."""
+    if len(text) > _LONGEST_UNKNOWN:
+        return False
+    try:
+        return not math.isfinite(float(text))
+    except ValueError:
+        word = text.decode(errors="replace") if isinstance(text, bytes) else text
+        return word.strip().lower() in _UNKNOWN
+
+
+def percent(share: float) -> float:
+    """Return *share* in percent, as short as it was written: 0.07 is 7 %, not 7.000000000000001."""
+    return round(share * 100, 9)
+
+
+def _opening(readings: Mapping[str, PlainValue]) -> str | None:
+    """Return the direction while it moves; at rest ``closed`` or ``open``, or the position between the two."""
+    movement = next((readings[name] for name in OPENING_WORDS if readings.get(name) is not None), None)
+    position = readings.get("position")
+    if movement in {"opening", "closing"} or not isinstance(position, float):
+        return movement if isinstance(movement, str) else None
+    return {0.0: "closed", 100.0: "open"}.get(position) or _digits(position / 100)
+
+
+def _digits(value: float) -> str:
+    return f"{round(value, 3) + 0.0:.3f}".rstrip("0").rstrip(".")
+
+
+def _implied(name: str, value: PlainValue) -> Iterator[tuple[str, PlainValue]]:
+    if name in SPEED_WORDS and isinstance(value, float):
+        yield "on_off", value > 0
+    if name == "position" and isinstance(value, float):
+        movement = {0.0: "closed", 100.0: "open"}.get(value, "stopped")
+        yield from ((one, movement) for one in OPENING_WORDS)
+    if name in OPENING_WORDS and value in {"open", "closed"}:
+        yield "position", 100.0 if value == "open" else 0.0
