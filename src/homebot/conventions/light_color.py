@@ -11,7 +11,6 @@ from __future__ import annotations
 import colorsys
 import math
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 from typing import TypeAlias
 
 __all__ = [
@@ -33,7 +32,7 @@ Channels: TypeAlias = tuple[float, ...]
 KelvinRange: TypeAlias = tuple[int, int]
 """Warmest and coldest white."""
 
-CHANNELS: Mapping[str, str] = MappingProxyType({"hs": "hs", "xy": "xy", "rgb": "rgb", "rgbw": "rgbw", "rgbww": "rgbcw"})
+CHANNELS: Mapping[str, str] = {"hs": "hs", "xy": "xy", "rgb": "rgb", "rgbw": "rgbw", "rgbww": "rgbcw"}
 """The colour modes, and the letters of their channels."""
 
 

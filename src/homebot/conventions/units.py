@@ -9,7 +9,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from types import MappingProxyType
 from typing import NamedTuple
 
 from homebot.devices.capabilities import CAPABILITIES
@@ -143,68 +142,66 @@ _MICRO = Conversion(0.0, 1.0, 1e6)
 _KILO = Conversion(0.0, 1e3, 1.0)
 _MEGA = Conversion(0.0, 1e6, 1.0)
 _MASS_IN_AIR: Mapping[str, Conversion] = {"mg/m³": _KILO, "ug/m³": _SAME, "ug/m3": _SAME, "\u00b5g/m3": _SAME}
-_UNITS: Mapping[str, Mapping[str, Conversion]] = MappingProxyType(
-    {
-        "current": {"mA": _MILLI, "\u00b5A": _MICRO, "kA": _KILO},
-        "energy": {
-            "mWh": Conversion(0.0, 1.0, 1e6),
-            "Wh": _MILLI,
-            "MWh": _KILO,
-            "GWh": _MEGA,
-            "TWh": Conversion(0.0, 1e9, 1.0),
-            "J": Conversion(0.0, 1.0, 3.6e6),
-            "kJ": Conversion(0.0, 1.0, 3.6e3),
-            "MJ": Conversion(0.0, 1.0, 3.6),
-            "GJ": Conversion(0.0, 1e3, 3.6),
-            "cal": Conversion(0.0, 4.184, 3.6e6),
-            "kcal": Conversion(0.0, 4.184, 3.6e3),
-            "Mcal": Conversion(0.0, 4.184, 3.6),
-            "Gcal": Conversion(0.0, 4184.0, 3.6),
-        },
-        "flow": {
-            "L/h": _MILLI,
-            "L/min": Conversion(0.0, 60.0, 1e3),
-            "L/s": Conversion(0.0, 3.6, 1.0),
-            "mL/s": Conversion(0.0, 3.6, 1e3),
-            "m³/s": Conversion(0.0, 3600.0, 1.0),
-            "m³/min": Conversion(0.0, 60.0, 1.0),
-            "m3/h": _SAME,
-            "ft³/min": Conversion(0.0, 60 * 0.028316846592, 1.0),
-            "gal/min": Conversion(0.0, 60 * 0.003785411784, 1.0),
-        },
-        "frequency": {"mHz": _MILLI, "kHz": _KILO, "MHz": _MEGA, "GHz": Conversion(0.0, 1e9, 1.0)},
-        "illuminance": {"lux": _SAME, "Lux": _SAME, "klx": _KILO},
-        "power": {
-            "mW": _MILLI,
-            "kW": _KILO,
-            "MW": _MEGA,
-            "GW": Conversion(0.0, 1e9, 1.0),
-            "TW": Conversion(0.0, 1e12, 1.0),
-        },
-        "pressure": {
-            "Pa": Conversion(0.0, 1.0, 100.0),
-            "kPa": Conversion(0.0, 10.0, 1.0),
-            "MPa": Conversion(0.0, 1e4, 1.0),
-            "mbar": _SAME,
-            "cbar": Conversion(0.0, 10.0, 1.0),
-            "bar": _KILO,
-            "mmHg": Conversion(0.0, 1.333223874150, 1.0),
-            "inHg": Conversion(0.0, 33.8638864034, 1.0),
-            "psi": Conversion(0.0, 68.9475729317, 1.0),
-        },
-        "temperature": {
-            "°F": Conversion(32.0, 1.0, 1.8),
-            "F": Conversion(32.0, 1.0, 1.8),
-            "K": Conversion(273.15, 1.0, 1.0),
-            "C": _SAME,
-        },
-        "voltage": {"mV": _MILLI, "\u00b5V": _MICRO, "kV": _KILO, "MV": _MEGA},
-        "pm1": _MASS_IN_AIR,
-        "pm10": _MASS_IN_AIR,
-        "pm25": _MASS_IN_AIR,
-        "volatile_organic_compounds": _MASS_IN_AIR,
-        "carbon_dioxide": {"ppb": _MILLI},
-        "carbon_monoxide": {"ppb": _MILLI},
-    }
-)
+_UNITS: Mapping[str, Mapping[str, Conversion]] = {
+    "current": {"mA": _MILLI, "\u00b5A": _MICRO, "kA": _KILO},
+    "energy": {
+        "mWh": Conversion(0.0, 1.0, 1e6),
+        "Wh": _MILLI,
+        "MWh": _KILO,
+        "GWh": _MEGA,
+        "TWh": Conversion(0.0, 1e9, 1.0),
+        "J": Conversion(0.0, 1.0, 3.6e6),
+        "kJ": Conversion(0.0, 1.0, 3.6e3),
+        "MJ": Conversion(0.0, 1.0, 3.6),
+        "GJ": Conversion(0.0, 1e3, 3.6),
+        "cal": Conversion(0.0, 4.184, 3.6e6),
+        "kcal": Conversion(0.0, 4.184, 3.6e3),
+        "Mcal": Conversion(0.0, 4.184, 3.6),
+        "Gcal": Conversion(0.0, 4184.0, 3.6),
+    },
+    "flow": {
+        "L/h": _MILLI,
+        "L/min": Conversion(0.0, 60.0, 1e3),
+        "L/s": Conversion(0.0, 3.6, 1.0),
+        "mL/s": Conversion(0.0, 3.6, 1e3),
+        "m³/s": Conversion(0.0, 3600.0, 1.0),
+        "m³/min": Conversion(0.0, 60.0, 1.0),
+        "m3/h": _SAME,
+        "ft³/min": Conversion(0.0, 60 * 0.028316846592, 1.0),
+        "gal/min": Conversion(0.0, 60 * 0.003785411784, 1.0),
+    },
+    "frequency": {"mHz": _MILLI, "kHz": _KILO, "MHz": _MEGA, "GHz": Conversion(0.0, 1e9, 1.0)},
+    "illuminance": {"lux": _SAME, "Lux": _SAME, "klx": _KILO},
+    "power": {
+        "mW": _MILLI,
+        "kW": _KILO,
+        "MW": _MEGA,
+        "GW": Conversion(0.0, 1e9, 1.0),
+        "TW": Conversion(0.0, 1e12, 1.0),
+    },
+    "pressure": {
+        "Pa": Conversion(0.0, 1.0, 100.0),
+        "kPa": Conversion(0.0, 10.0, 1.0),
+        "MPa": Conversion(0.0, 1e4, 1.0),
+        "mbar": _SAME,
+        "cbar": Conversion(0.0, 10.0, 1.0),
+        "bar": _KILO,
+        "mmHg": Conversion(0.0, 1.333223874150, 1.0),
+        "inHg": Conversion(0.0, 33.8638864034, 1.0),
+        "psi": Conversion(0.0, 68.9475729317, 1.0),
+    },
+    "temperature": {
+        "°F": Conversion(32.0, 1.0, 1.8),
+        "F": Conversion(32.0, 1.0, 1.8),
+        "K": Conversion(273.15, 1.0, 1.0),
+        "C": _SAME,
+    },
+    "voltage": {"mV": _MILLI, "\u00b5V": _MICRO, "kV": _KILO, "MV": _MEGA},
+    "pm1": _MASS_IN_AIR,
+    "pm10": _MASS_IN_AIR,
+    "pm25": _MASS_IN_AIR,
+    "volatile_organic_compounds": _MASS_IN_AIR,
+    "carbon_dioxide": {"ppb": _MILLI},
+    "carbon_monoxide": {"ppb": _MILLI},
+}
 """Capability to unit to conversion into the vocabulary's unit."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 from typing import TypeAlias
 
 from homebot.conventions.description import DescribedPart
@@ -38,39 +37,37 @@ __all__ = ["BUILDERS", "Builder"]
 Builder: TypeAlias = Callable[[DiscoveryConfig], DescribedPart]
 """Makes a part of a component's config; raises WireError where Home Assistant would refuse the config."""
 
-BUILDERS: Mapping[str, Builder] = MappingProxyType(
-    {
-        "alarm_control_panel": build_alarm_control_panel,
-        "binary_sensor": build_binary_sensor,
-        "button": build_button,
-        "camera": build_camera,
-        "climate": build_climate,
-        "cover": build_cover,
-        "date": build_moment,
-        "datetime": build_moment,
-        "device_automation": build_trigger,
-        "device_tracker": build_device_tracker,
-        "event": build_event,
-        "fan": build_fan,
-        "humidifier": build_humidifier,
-        "image": build_image,
-        "lawn_mower": build_lawn_mower,
-        "light": build_light,
-        "lock": build_lock,
-        "notify": build_notify,
-        "number": build_number,
-        "scene": build_scene,
-        "select": build_select,
-        "sensor": build_sensor,
-        "siren": build_siren,
-        "switch": build_switch,
-        "tag": build_tag,
-        "text": build_text,
-        "time": build_moment,
-        "update": build_update,
-        "vacuum": build_vacuum,
-        "valve": build_valve,
-        "water_heater": build_water_heater,
-    }
-)
+BUILDERS: Mapping[str, Builder] = {
+    "alarm_control_panel": build_alarm_control_panel,
+    "binary_sensor": build_binary_sensor,
+    "button": build_button,
+    "camera": build_camera,
+    "climate": build_climate,
+    "cover": build_cover,
+    "date": build_moment,
+    "datetime": build_moment,
+    "device_automation": build_trigger,
+    "device_tracker": build_device_tracker,
+    "event": build_event,
+    "fan": build_fan,
+    "humidifier": build_humidifier,
+    "image": build_image,
+    "lawn_mower": build_lawn_mower,
+    "light": build_light,
+    "lock": build_lock,
+    "notify": build_notify,
+    "number": build_number,
+    "scene": build_scene,
+    "select": build_select,
+    "sensor": build_sensor,
+    "siren": build_siren,
+    "switch": build_switch,
+    "tag": build_tag,
+    "text": build_text,
+    "time": build_moment,
+    "update": build_update,
+    "vacuum": build_vacuum,
+    "valve": build_valve,
+    "water_heater": build_water_heater,
+}
 """By component. One that is not here is ignored quietly."""

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from datetime import date, datetime, time
-from types import MappingProxyType
 from typing import TypeAlias
 
 from homebot.conventions.description import DescribedPart, Publication
@@ -54,6 +53,8 @@ def build_moment(config: DiscoveryConfig) -> DescribedPart:
 
 _LONGEST = 64
 _Parser: TypeAlias = Callable[[str], date | time | datetime]
-_PARSERS: Mapping[str, _Parser] = MappingProxyType(
-    {"date": date.fromisoformat, "datetime": datetime.fromisoformat, "time": time.fromisoformat}
-)
+_PARSERS: Mapping[str, _Parser] = {
+    "date": date.fromisoformat,
+    "datetime": datetime.fromisoformat,
+    "time": time.fromisoformat,
+}

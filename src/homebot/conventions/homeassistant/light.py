@@ -6,7 +6,6 @@ Source: Home Assistant core 2025.4, ``components/mqtt/light/__init__.py``.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
@@ -28,6 +27,8 @@ def build_light(config: DiscoveryConfig) -> DescribedPart:
     return builder(config)
 
 
-_SCHEMAS: Mapping[str, Callable[[DiscoveryConfig], DescribedPart]] = MappingProxyType(
-    {"basic": build_basic_light, "json": build_json_light, "template": build_template_light}
-)
+_SCHEMAS: Mapping[str, Callable[[DiscoveryConfig], DescribedPart]] = {
+    "basic": build_basic_light,
+    "json": build_json_light,
+    "template": build_template_light,
+}

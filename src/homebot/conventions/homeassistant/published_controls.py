@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from types import MappingProxyType
 
 from homebot.conventions.homeassistant.conversion import fields_of, number_of
 from homebot.conventions.homeassistant.published_entity import (
@@ -221,15 +220,13 @@ def publish_vacuum(_part: Part, available: Available, topics: EntityTopics) -> E
     return (entity,)
 
 
-_VACUUM: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        "start": ("cleaning", "start"),
-        "pause": ("paused", "pause"),
-        "stop": ("idle", "stop"),
-        "return_to_base": ("returning", "return_home"),
-        "clean_spot": ("spot", "clean_spot"),
-    }
-)
+_VACUUM: Mapping[str, tuple[str, str]] = {
+    "start": ("cleaning", "start"),
+    "pause": ("paused", "pause"),
+    "stop": ("idle", "stop"),
+    "return_to_base": ("returning", "return_home"),
+    "clean_spot": ("spot", "clean_spot"),
+}
 """By payload: what it orders, and the feature that says so."""
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from types import MappingProxyType
 
 from homebot.conventions.homeassistant.binary_sensor import CONDITION_CLASSES
 from homebot.conventions.homeassistant.published_entity import (
@@ -40,13 +39,11 @@ def publish_single(part: Part, capability: Capability, topics: EntityTopics) -> 
     return (_watched(part, capability, topics),) if capability.readable else ()
 
 
-_BUTTONS: Mapping[str, tuple[str, Mapping[str, object]]] = MappingProxyType(
-    {
-        "push": ("button", {"payload_press": "PRESS"}),
-        "locate": ("button", {"payload_press": "PRESS", "device_class": "identify"}),
-        "scene": ("scene", {"payload_on": "PRESS"}),
-    }
-)
+_BUTTONS: Mapping[str, tuple[str, Mapping[str, object]]] = {
+    "push": ("button", {"payload_press": "PRESS"}),
+    "locate": ("button", {"payload_press": "PRESS", "device_class": "identify"}),
+    "scene": ("scene", {"payload_on": "PRESS"}),
+}
 """Capabilities that are pressed or called: the component, and its fields."""
 
 
@@ -121,7 +118,7 @@ def _watched(part: Part, capability: Capability, topics: EntityTopics) -> Publis
     return entity
 
 
-_USUAL_CLASSES: Mapping[str, str] = MappingProxyType({"contact": "opening", "occupancy": "occupancy"})
+_USUAL_CLASSES: Mapping[str, str] = {"contact": "opening", "occupancy": "occupancy"}
 """Of several classes, the one that says least besides."""
 
 _EVENTS = frozenset({"press", "scan"})

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from types import MappingProxyType
 
 from homebot.conventions.units import Quantity, conversion_of
 from homebot.devices.capabilities import CAPABILITIES
@@ -67,50 +66,44 @@ _OF_THEIR_OWN = (
     "wind_direction",
     "wind_speed",
 )
-_CLASSES: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        **dict.fromkeys(_OF_THEIR_OWN, _OTHER),
-        "apparent_power": (_METER, "measurement"),
-        "aqi": (_AIR, "air_quality_index"),
-        "atmospheric_pressure": ("pressure_sensor", "pressure"),
-        "battery": ("x_battery", "battery"),
-        "carbon_dioxide": (_AIR, "carbon_dioxide"),
-        "carbon_monoxide": (_AIR, "carbon_monoxide"),
-        "current": (_METER, "current"),
-        "energy": (_METER, "energy"),
-        "frequency": ("x_sensor", "frequency"),
-        "humidity": ("humidity_sensor", "humidity"),
-        "illuminance": ("light_sensor", "illuminance"),
-        "moisture": ("soil_sensor", "soil_moisture"),
-        "nitrogen_dioxide": (_AIR, "measurement"),
-        "nitrogen_monoxide": (_AIR, "measurement"),
-        "nitrous_oxide": (_AIR, "measurement"),
-        "ozone": (_AIR, "measurement"),
-        "pm1": (_AIR, "pm1"),
-        "pm10": (_AIR, "pm10"),
-        "pm25": (_AIR, "pm25"),
-        "pm4": (_AIR, "measurement"),
-        "power": (_METER, "power"),
-        "power_factor": (_METER, "measurement"),
-        "pressure": ("pressure_sensor", "pressure"),
-        "reactive_energy": (_METER, "measurement"),
-        "reactive_power": (_METER, "measurement"),
-        "signal_strength": ("x_sensor", "signal_strength"),
-        "sulphur_dioxide": (_AIR, "measurement"),
-        "temperature": ("temperature_sensor", "temperature"),
-        "volatile_organic_compounds": (_AIR, "volatile_organic_compounds"),
-        "volatile_organic_compounds_parts": (_AIR, "volatile_organic_compounds"),
-        "voltage": (_METER, "voltage"),
-        "volume_flow_rate": ("flow_sensor", "flow"),
-    }
-)
+_CLASSES: Mapping[str, tuple[str, str]] = {
+    **dict.fromkeys(_OF_THEIR_OWN, _OTHER),
+    "apparent_power": (_METER, "measurement"),
+    "aqi": (_AIR, "air_quality_index"),
+    "atmospheric_pressure": ("pressure_sensor", "pressure"),
+    "battery": ("x_battery", "battery"),
+    "carbon_dioxide": (_AIR, "carbon_dioxide"),
+    "carbon_monoxide": (_AIR, "carbon_monoxide"),
+    "current": (_METER, "current"),
+    "energy": (_METER, "energy"),
+    "frequency": ("x_sensor", "frequency"),
+    "humidity": ("humidity_sensor", "humidity"),
+    "illuminance": ("light_sensor", "illuminance"),
+    "moisture": ("soil_sensor", "soil_moisture"),
+    "nitrogen_dioxide": (_AIR, "measurement"),
+    "nitrogen_monoxide": (_AIR, "measurement"),
+    "nitrous_oxide": (_AIR, "measurement"),
+    "ozone": (_AIR, "measurement"),
+    "pm1": (_AIR, "pm1"),
+    "pm10": (_AIR, "pm10"),
+    "pm25": (_AIR, "pm25"),
+    "pm4": (_AIR, "measurement"),
+    "power": (_METER, "power"),
+    "power_factor": (_METER, "measurement"),
+    "pressure": ("pressure_sensor", "pressure"),
+    "reactive_energy": (_METER, "measurement"),
+    "reactive_power": (_METER, "measurement"),
+    "signal_strength": ("x_sensor", "signal_strength"),
+    "sulphur_dioxide": (_AIR, "measurement"),
+    "temperature": ("temperature_sensor", "temperature"),
+    "volatile_organic_compounds": (_AIR, "volatile_organic_compounds"),
+    "volatile_organic_compounds_parts": (_AIR, "volatile_organic_compounds"),
+    "voltage": (_METER, "voltage"),
+    "volume_flow_rate": ("flow_sensor", "flow"),
+}
 """Class to service type and capability."""
 
-QUANTITY_CLASSES: Mapping[str, str] = MappingProxyType(
-    {
-        capability: name
-        for name, (_, capability) in sorted(_CLASSES.items(), reverse=True)
-        if capability != "measurement"
-    }
-)
+QUANTITY_CLASSES: Mapping[str, str] = {
+    capability: name for name, (_, capability) in sorted(_CLASSES.items(), reverse=True) if capability != "measurement"
+}
 """The other way round: the class that says a capability."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 
 from homebot.conventions.description import Availability
 from homebot.conventions.payload import shown
@@ -192,9 +191,14 @@ class HomieDevice:
     facts: Mapping[str, str] = field(default_factory=dict)
 
 
-STATES: Mapping[str, bool | None] = MappingProxyType(
-    {"init": None, "ready": True, "sleeping": True, "alert": True, "disconnected": False, "lost": False}
-)
+STATES: Mapping[str, bool | None] = {
+    "init": None,
+    "ready": True,
+    "sleeping": True,
+    "alert": True,
+    "disconnected": False,
+    "lost": False,
+}
 """Reachability of a device by its state; a sleeping one takes commands when it wakes, one that starts says neither."""
 
 

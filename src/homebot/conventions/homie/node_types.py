@@ -12,7 +12,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 
 from homebot.conventions.homie.model import HomieNode
 
@@ -53,39 +52,34 @@ _SWITCH = {"state": "on_off"}
 _LEVEL = {"value": "level", "brightness": "level"}
 _COLOR = {"color": "color", "color-temperature": "color_temperature"}
 
-KINDS: Mapping[str, Kind] = MappingProxyType(
-    {
-        "switch": Kind("switch", _SWITCH),
-        "level": Kind("light", _LEVEL),
-        "dimmer": Kind("light", _LEVEL),
-        "color": Kind("light", _COLOR),
-        "colorlight": Kind("light", _COLOR),
-        "light": Kind("light", {**_SWITCH, "brightness": "level", **_COLOR}),
-        "shutter": Kind("window_covering", {"position": "position", "tilt": "tilt", "action": "move"}, tag="shutter"),
-        "garage-door": Kind("closure", {"state": "movement", "action": "move"}, tag="garage"),
-        "lock": Kind("door_lock", {"state": "lock", "action": "lock_action"}),
-        "valve": Kind("water_valve", {"state": "valve"}),
-        "thermostat": Kind(
-            "thermostat",
-            {"set-temperature": "heating_setpoint", "mode": "thermostat_mode", "temperature": "local_temperature"},
-        ),
-        "fan": Kind("fan", {"speed": "fan_mode", "state": "on_off"}),
-        "motion": Kind(condition="occupancy"),
-        "contact": Kind(condition="contact"),
-        "water": Kind(condition="water_leak"),
-        "smoke": Kind(condition="smoke"),
-        "co": Kind(condition="carbon_monoxide_alarm"),
-        "vibration": Kind(condition="vibration"),
-        "tilt": Kind(condition="state"),
-        "battery": Kind(roles={"battery-level": "battery", "low-battery": "battery_low"}),
-        "maintenance": Kind(roles={"battery-level": "battery", "low-battery": "battery_low"}),
-        "button": Kind(roles={"action": "press"}),
-        **{
-            name: Kind()
-            for name in ("climate", "weather", "illuminance", "powermeter", "air-quality", "numeric", "scene")
-        },
-    }
-)
+KINDS: Mapping[str, Kind] = {
+    "switch": Kind("switch", _SWITCH),
+    "level": Kind("light", _LEVEL),
+    "dimmer": Kind("light", _LEVEL),
+    "color": Kind("light", _COLOR),
+    "colorlight": Kind("light", _COLOR),
+    "light": Kind("light", {**_SWITCH, "brightness": "level", **_COLOR}),
+    "shutter": Kind("window_covering", {"position": "position", "tilt": "tilt", "action": "move"}, tag="shutter"),
+    "garage-door": Kind("closure", {"state": "movement", "action": "move"}, tag="garage"),
+    "lock": Kind("door_lock", {"state": "lock", "action": "lock_action"}),
+    "valve": Kind("water_valve", {"state": "valve"}),
+    "thermostat": Kind(
+        "thermostat",
+        {"set-temperature": "heating_setpoint", "mode": "thermostat_mode", "temperature": "local_temperature"},
+    ),
+    "fan": Kind("fan", {"speed": "fan_mode", "state": "on_off"}),
+    "motion": Kind(condition="occupancy"),
+    "contact": Kind(condition="contact"),
+    "water": Kind(condition="water_leak"),
+    "smoke": Kind(condition="smoke"),
+    "co": Kind(condition="carbon_monoxide_alarm"),
+    "vibration": Kind(condition="vibration"),
+    "tilt": Kind(condition="state"),
+    "battery": Kind(roles={"battery-level": "battery", "low-battery": "battery_low"}),
+    "maintenance": Kind(roles={"battery-level": "battery", "low-battery": "battery_low"}),
+    "button": Kind(roles={"action": "press"}),
+    **{name: Kind() for name in ("climate", "weather", "illuminance", "powermeter", "air-quality", "numeric", "scene")},
+}
 """Kinds by the name at the end of a node's type."""
 
 _DECLARED = re.compile(
@@ -131,101 +125,27 @@ def tokens_in(*texts: str) -> frozenset[str]:
 
 
 _BESIDE = frozenset(
-    {"alarm", "auto", "automatic", "away", "backlight", "beep", "behavior", "behaviour", "boost", "button", "buzzer"}
-    | {"calibration", "child", "comfort", "correction", "day", "default", "delay", "delta", "detection", "difference"}
-    | {
-        "display",
-        "duration",
-        "eco",
-        "enable",
-        "enabled",
-        "firmware",
-        "frost",
-        "holiday",
-        "humidity",
-        "hysteresis",
-        "identify",
-    }
-    | {
-        "indicator",
-        "interval",
-        "key",
-        "keypad",
-        "keys",
-        "limit",
-        "lockout",
-        "max",
-        "maximum",
-        "memory",
-        "min",
-        "minimum",
-    }
-    | {
-        "mute",
-        "night",
-        "offset",
-        "panel",
-        "protection",
-        "ramp",
-        "rate",
-        "reset",
-        "restart",
-        "runtime",
-        "schedule",
-        "screen",
-    }
-    | {
-        "sensitivity",
-        "sound",
-        "speaker",
-        "standby",
-        "startup",
-        "status",
-        "threshold",
-        "time",
-        "timeout",
-        "timer",
-        "travel",
-    }
-    | {"tone", "transition", "update", "vibration", "volume", "water"}
+    {"alarm", "auto", "automatic", "away", "backlight", "beep", "behavior", "behaviour", "boost", "button"}
+    | {"buzzer", "calibration", "child", "comfort", "correction", "day", "default", "delay", "delta", "detection"}
+    | {"difference", "display", "duration", "eco", "enable", "enabled", "firmware", "frost", "holiday", "humidity"}
+    | {"hysteresis", "identify", "indicator", "interval", "key", "keypad", "keys", "limit", "lockout", "max"}
+    | {"maximum", "memory", "min", "minimum", "mute", "night", "offset", "panel", "protection", "ramp", "rate"}
+    | {"reset", "restart", "runtime", "schedule", "screen", "sensitivity", "sound", "speaker", "standby", "startup"}
+    | {"status", "threshold", "time", "timeout", "timer", "tone", "transition", "travel", "update", "vibration"}
+    | {"volume", "water"}
 )
 """A property of these is a setting, or of something else than its node is there for."""
 
 _SETTINGS = frozenset(
-    {
-        "backlight",
-        "calibration",
-        "child",
-        "display",
-        "firmware",
-        "hysteresis",
-        "identify",
-        "indicator",
-        "keypad",
-        "keys",
-    }
-    | {"lockout", "offset", "reset", "schedule", "screen", "sensitivity", "threshold", "update"}
+    {"backlight", "calibration", "child", "display", "firmware", "hysteresis", "identify", "indicator", "keypad"}
+    | {"keys", "lockout", "offset", "reset", "schedule", "screen", "sensitivity", "threshold", "update"}
 )
 """A node of these is there for setting up."""
 
 _OBJECTS = frozenset(
-    {"attached", "bell", "boiler", "box", "button", "connected", "dock", "empty", "enabled", "filter", "full", "grade"}
-    | {
-        "heater",
-        "heating",
-        "hot",
-        "installed",
-        "level",
-        "light",
-        "lock",
-        "locked",
-        "low",
-        "meter",
-        "mode",
-        "mop",
-        "opener",
-    }
-    | {"pump", "supply", "tank", "temperature", "usage", "valve", "watertank"}
+    {"attached", "bell", "boiler", "box", "button", "connected", "dock", "empty", "enabled", "filter", "full"}
+    | {"grade", "heater", "heating", "hot", "installed", "level", "light", "lock", "locked", "low", "meter", "mode"}
+    | {"mop", "opener", "pump", "supply", "tank", "temperature", "usage", "valve", "watertank"}
 )
 """Things that can have water, gas or a door without that being a condition of them."""
 
@@ -245,37 +165,19 @@ def is_setting(tokens: frozenset[str]) -> bool:
     return not tokens.isdisjoint(_SETTINGS)
 
 
-_BY_UNIT: Mapping[str, str] = MappingProxyType(
-    {
-        "°C": "temperature",
-        "°F": "temperature",
-        "C": "temperature",
-        "F": "temperature",
-        "W": "power",
-        "kW": "power",
-        "mW": "power",
-        "kWh": "energy",
-        "Wh": "energy",
-        "MWh": "energy",
-        "V": "voltage",
-        "mV": "voltage",
-        "A": "current",
-        "mA": "current",
-        "kA": "current",
-        "Hz": "frequency",
-        "lx": "illuminance",
-        "hPa": "pressure",
-        "mbar": "pressure",
-        "Pa": "pressure",
-        "kPa": "pressure",
-        "bar": "pressure",
-        "psi": "pressure",
-        "dBm": "signal_strength",
-        "m³/h": "flow",
-        "L/h": "flow",
-        "L/min": "flow",
-    }
-)
+_UNITS: Mapping[str, tuple[str, ...]] = {
+    "temperature": ("°C", "°F", "C", "F"),
+    "power": ("W", "kW", "mW"),
+    "energy": ("kWh", "Wh", "MWh"),
+    "voltage": ("V", "mV"),
+    "current": ("A", "mA", "kA"),
+    "frequency": ("Hz",),
+    "illuminance": ("lx",),
+    "pressure": ("hPa", "mbar", "Pa", "kPa", "bar", "psi"),
+    "signal_strength": ("dBm",),
+    "flow": ("m³/h", "L/h", "L/min"),
+}
+_BY_UNIT: Mapping[str, str] = {one: capability for capability, names in _UNITS.items() for one in names}
 
 _BY_TOKEN: tuple[tuple[str, str, frozenset[str]], ...] = (
     ("battery", "battery", frozenset({"", "%"})),
@@ -301,27 +203,18 @@ _NO_MEASURE = frozenset({"color", "colour", "count", "cycles", "health", "time"}
 _SHORT = 4
 """A longer word also counts where another begins with it, as ``battery`` in ``batterystate``."""
 
-CONDITIONS: Mapping[str, str] = MappingProxyType(
-    {
-        "motion": "occupancy",
-        "occupancy": "occupancy",
-        "presence": "occupancy",
-        "contact": "contact",
-        "door": "contact",
-        "window": "contact",
-        "open": "contact",
-        "water": "water_leak",
-        "leak": "water_leak",
-        "flood": "water_leak",
-        "smoke": "smoke",
-        "co": "carbon_monoxide_alarm",
-        "gas": "gas",
-        "vibration": "vibration",
-        "tamper": "tamper",
-        "sabotage": "tamper",
-        "rain": "rain",
-    }
-)
+_CONDITION_TOKENS: Mapping[str, tuple[str, ...]] = {
+    "occupancy": ("motion", "occupancy", "presence"),
+    "contact": ("contact", "door", "window", "open"),
+    "water_leak": ("water", "leak", "flood"),
+    "smoke": ("smoke",),
+    "carbon_monoxide_alarm": ("co",),
+    "gas": ("gas",),
+    "vibration": ("vibration",),
+    "tamper": ("tamper", "sabotage"),
+    "rain": ("rain",),
+}
+CONDITIONS: Mapping[str, str] = {one: capability for capability, names in _CONDITION_TOKENS.items() for one in names}
 """Capabilities of boolean properties, by a token of their name."""
 
 

@@ -88,22 +88,8 @@ def _may_be_of_a_lamp(node: NodeRoles) -> bool:
 
 
 _GENERAL = frozenset(
-    {
-        "brightness",
-        "channel",
-        "color",
-        "colour",
-        "ct",
-        "dim",
-        "level",
-        "main",
-        "on",
-        "onoff",
-        "output",
-        "power",
-        "state",
-    }
-    | {"switch", "temperature", "value", "white"}
+    {"brightness", "channel", "color", "colour", "ct", "dim", "level", "main", "on", "onoff", "output", "power"}
+    | {"state", "switch", "temperature", "value", "white"}
 )
 
 

@@ -6,7 +6,6 @@ Source: Shelly Gen2+ API, components BTHomeDevice and BTHomeSensor; BTHome v2, o
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings
@@ -127,11 +126,9 @@ _MEASURED: Mapping[str, tuple[int, ...]] = {
 }
 """Numbers of no capability of their own, by their unit."""
 
-_OBJECTS: Mapping[int, tuple[str, str]] = MappingProxyType(
-    {
-        **{one: (capability, "") for one, capability in _CONDITIONS.items()},
-        **{one: (capability, "") for capability, ids in _QUANTITIES.items() for one in ids},
-        **{one: ("measurement", unit) for unit, ids in _MEASURED.items() for one in ids},
-    }
-)
+_OBJECTS: Mapping[int, tuple[str, str]] = {
+    **{one: (capability, "") for one, capability in _CONDITIONS.items()},
+    **{one: (capability, "") for capability, ids in _QUANTITIES.items() for one in ids},
+    **{one: ("measurement", unit) for unit, ids in _MEASURED.items() for one in ids},
+}
 """Capability and unit of each object id."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 from homebot.conventions.command_values import (
     Publications,
@@ -144,15 +143,13 @@ class _LightKind:
     modes: tuple[str, str] | None = None
 
 
-LIGHTS: Mapping[str, _LightKind] = MappingProxyType(
-    {
-        "light": _LightKind("Light"),
-        "cct": _LightKind("CCT", has_white=True),
-        "rgb": _LightKind("RGB", has_color=True),
-        "rgbw": _LightKind("RGBW", has_color=True),
-        "rgbcct": _LightKind("RGBCCT", has_white=True, has_color=True, modes=("cct", "rgb")),
-    }
-)
+LIGHTS: Mapping[str, _LightKind] = {
+    "light": _LightKind("Light"),
+    "cct": _LightKind("CCT", has_white=True),
+    "rgb": _LightKind("RGB", has_color=True),
+    "rgbw": _LightKind("RGBW", has_color=True),
+    "rgbcct": _LightKind("RGBCCT", has_white=True, has_color=True, modes=("cct", "rgb")),
+}
 """The components that are lamps."""
 
 

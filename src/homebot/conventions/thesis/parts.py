@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from types import MappingProxyType
 
 from homebot.devices.device_types import wanted_types
 from homebot.devices.part import Capability, Part
@@ -28,47 +27,43 @@ class _ServiceTypeKind:
 
 _OPENING = ("movement", "position")
 
-_KINDS: Mapping[str, _ServiceTypeKind] = MappingProxyType(
-    {
-        "light": _ServiceTypeKind(("on_off", "level", "color_temperature")),
-        "plug": _ServiceTypeKind(("on_off",)),
-        "switch": _ServiceTypeKind(("on_off",)),
-        "siren": _ServiceTypeKind(("on_off",)),
-        "pump": _ServiceTypeKind(("on_off",)),
-        "fan": _ServiceTypeKind(("on_off", "fan_speed")),
-        "window_covering": _ServiceTypeKind(_OPENING),
-        "closure": _ServiceTypeKind(_OPENING),
-        "door_lock": _ServiceTypeKind(("lock",)),
-        "water_valve": _ServiceTypeKind(("valve", "position")),
-        "thermostat": _ServiceTypeKind(("heating_setpoint",), ("local_temperature",)),
-        "contact_sensor": _ServiceTypeKind((), ("contact",)),
-        "occupancy_sensor": _ServiceTypeKind((), ("occupancy",)),
-        "temperature_sensor": _ServiceTypeKind((), ("temperature",)),
-        "humidity_sensor": _ServiceTypeKind((), ("humidity",)),
-        "light_sensor": _ServiceTypeKind((), ("illuminance",)),
-        "pressure_sensor": _ServiceTypeKind((), ("pressure",)),
-        "flow_sensor": _ServiceTypeKind((), ("flow",)),
-        "soil_sensor": _ServiceTypeKind((), ("soil_moisture",)),
-        "smoke_co_alarm": _ServiceTypeKind((), ("smoke",)),
-        "water_leak_detector": _ServiceTypeKind((), ("water_leak",)),
-        "rain_sensor": _ServiceTypeKind((), ("rain",)),
-        "water_freeze_detector": _ServiceTypeKind((), ("freeze",)),
-        "electrical_meter": _ServiceTypeKind((), ("power",)),
-        "x_battery": _ServiceTypeKind((), ("battery",)),
-        "x_robot": _ServiceTypeKind((), ("value",)),
-        "x_tracker": _ServiceTypeKind((), ("place",)),
-        "x_sensor": _ServiceTypeKind((), ("value",)),
-        "x_binary_sensor": _ServiceTypeKind((), ("state",)),
-    }
-)
+_KINDS: Mapping[str, _ServiceTypeKind] = {
+    "light": _ServiceTypeKind(("on_off", "level", "color_temperature")),
+    "plug": _ServiceTypeKind(("on_off",)),
+    "switch": _ServiceTypeKind(("on_off",)),
+    "siren": _ServiceTypeKind(("on_off",)),
+    "pump": _ServiceTypeKind(("on_off",)),
+    "fan": _ServiceTypeKind(("on_off", "fan_speed")),
+    "window_covering": _ServiceTypeKind(_OPENING),
+    "closure": _ServiceTypeKind(_OPENING),
+    "door_lock": _ServiceTypeKind(("lock",)),
+    "water_valve": _ServiceTypeKind(("valve", "position")),
+    "thermostat": _ServiceTypeKind(("heating_setpoint",), ("local_temperature",)),
+    "contact_sensor": _ServiceTypeKind((), ("contact",)),
+    "occupancy_sensor": _ServiceTypeKind((), ("occupancy",)),
+    "temperature_sensor": _ServiceTypeKind((), ("temperature",)),
+    "humidity_sensor": _ServiceTypeKind((), ("humidity",)),
+    "light_sensor": _ServiceTypeKind((), ("illuminance",)),
+    "pressure_sensor": _ServiceTypeKind((), ("pressure",)),
+    "flow_sensor": _ServiceTypeKind((), ("flow",)),
+    "soil_sensor": _ServiceTypeKind((), ("soil_moisture",)),
+    "smoke_co_alarm": _ServiceTypeKind((), ("smoke",)),
+    "water_leak_detector": _ServiceTypeKind((), ("water_leak",)),
+    "rain_sensor": _ServiceTypeKind((), ("rain",)),
+    "water_freeze_detector": _ServiceTypeKind((), ("freeze",)),
+    "electrical_meter": _ServiceTypeKind((), ("power",)),
+    "x_battery": _ServiceTypeKind((), ("battery",)),
+    "x_robot": _ServiceTypeKind((), ("value",)),
+    "x_tracker": _ServiceTypeKind((), ("place",)),
+    "x_sensor": _ServiceTypeKind((), ("value",)),
+    "x_binary_sensor": _ServiceTypeKind((), ("state",)),
+}
 
-_CLEARED: Mapping[frozenset[str], tuple[str, str]] = MappingProxyType(
-    {
-        wanted_types("window"): ("closure", "window"),
-        wanted_types("door"): ("closure", "door"),
-        wanted_types("climate"): ("thermostat", ""),
-    }
-)
+_CLEARED: Mapping[frozenset[str], tuple[str, str]] = {
+    wanted_types("window"): ("closure", "window"),
+    wanted_types("door"): ("closure", "door"),
+    wanted_types("climate"): ("thermostat", ""),
+}
 """Type and tag of what may mean several things."""
 
 
