@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from homebot.conventions.description import AutoExpiry, DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.payload import NO_READINGS, Readings
+from homebot.conventions.payload import meaning_reader
 
 __all__ = ["CONDITION_CLASSES", "build_binary_sensor"]
 
@@ -25,9 +25,7 @@ def build_binary_sensor(config: DiscoveryConfig) -> DescribedPart:
         config.text("payload_on", "ON"): True,
     }
 
-    def read(text: str) -> Readings:
-        return {capability: states[text]} if text in states and text.strip() else NO_READINGS
-
+    read = meaning_reader(capability, {text: state for text, state in states.items() if text.strip()})
     entity = Entity(config, service_type)
     if entity.read_text_from(source, read):
         entity.add_capability(capability)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.entity import Entity, add_push
+from homebot.conventions.homeassistant.entity import Entity
 
 __all__ = ["build_button", "build_scene"]
 
@@ -17,14 +17,14 @@ def build_button(config: DiscoveryConfig) -> DescribedPart:
     command = config.required_command()
     payload = config.text("payload_press", "PRESS")
     entity = Entity(config, "x_setting")
-    add_push(entity, "push", command, payload)
+    entity.add_push("push", command, payload)
     if config.text("device_class") == "identify":
-        add_push(entity, "locate", command, payload)
+        entity.add_push("locate", command, payload)
     return entity.build()
 
 
 def build_scene(config: DiscoveryConfig) -> DescribedPart:
     """Describe a scene."""
     entity = Entity(config, "x_scene")
-    add_push(entity, "scene", config.required_command(template_key=""), config.text("payload_on", "ON"))
+    entity.add_push("scene", config.required_command(template_key=""), config.text("payload_on", "ON"))
     return entity.build()

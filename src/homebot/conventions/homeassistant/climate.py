@@ -10,7 +10,7 @@ from functools import partial
 from homebot.conventions.command_values import require_bool
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.entity import Entity, add_choice, add_number
+from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.temperature import (
     TargetMode,
     add_temperatures,
@@ -34,15 +34,15 @@ def build_climate(config: DiscoveryConfig) -> DescribedPart:
     add_temperatures(entity, config, modes, target_mode)
     _add_humidity(entity, config)
     mode = config.command("mode_command_topic", "mode_command_template")
-    add_choice(
-        entity, "thermostat_mode", source_of(config, "mode_state"), mode, modes, on_command=target_mode.take_command
+    entity.add_choice(
+        "thermostat_mode", source_of(config, "mode_state"), mode, modes, on_command=target_mode.take_command
     )
     _add_switch(entity, config, mode, modes, target_mode)
-    add_choice(entity, "thermostat_action", source_at(config, "action_topic", "action_template"), None, _ACTIONS)
+    entity.add_choice("thermostat_action", source_at(config, "action_topic", "action_template"), None, _ACTIONS)
     for name, default in _CHOICES.items():
         command = config.command(f"{name}_command_topic", f"{name}_command_template")
         options = config.options(f"{name}s") if config.has(f"{name}s") else default
-        add_choice(entity, name, source_of(config, f"{name}_state"), command, options)
+        entity.add_choice(name, source_of(config, f"{name}_state"), command, options)
     _add_preset(entity, config)
     return entity.build()
 
@@ -68,7 +68,7 @@ def _modes(config: DiscoveryConfig) -> tuple[str, ...]:
 
 
 def _add_humidity(entity: Entity, config: DiscoveryConfig) -> None:
-    add_number(entity, "humidity", source_of(config, "current_humidity"), None, unit="%")
+    entity.add_number("humidity", source_of(config, "current_humidity"), None, unit="%")
     command = config.command("target_humidity_command_topic", "target_humidity_command_template")
     source = source_of(config, "target_humidity_state")
     least, most = config.number("min_humidity", 30.0), config.number("max_humidity", 99.0)
@@ -76,7 +76,7 @@ def _add_humidity(entity: Entity, config: DiscoveryConfig) -> None:
         raise WireError(f"climate: max_humidity is {most:g}, not above min_humidity {least:g} and at most 100")
     if source is not None and command is None:
         raise WireError("climate: target_humidity_state_topic is there without target_humidity_command_topic")
-    add_number(entity, "humidity_setpoint", source, command, bounds=(least, most), unit="%", to_device=int)
+    entity.add_number("humidity_setpoint", source, command, bounds=(least, most), unit="%", to_device=int)
 
 
 def _add_switch(
@@ -93,7 +93,7 @@ def _add_switch(
         is_on = require_bool("on_off", value)
         if is_on not in texts:
             raise RefusedError(f"on_off {shown(value)}", f"none of its modes is that: {', '.join(modes)[:_SHOWN]}")
-        publications = (command.publication(texts[is_on]),) if command else ()
+        publications = command.publish(texts[is_on]) if command else ()
         if power is None:
             target_mode.take_command(texts[is_on])
         return publications
@@ -123,4 +123,4 @@ def _add_preset(entity: Entity, config: DiscoveryConfig) -> None:
     command = config.command("preset_mode_command_topic", "preset_mode_command_template")
     if presets and command is not None:
         source = source_at(config, "preset_mode_state_topic", "preset_mode_value_template")
-        add_choice(entity, "preset_mode", source, command, ("none", *presets), meanings={"None": "none"})
+        entity.add_choice("preset_mode", source, command, ("none", *presets), meanings={"None": "none"})

@@ -142,7 +142,7 @@ def _mover(config: DiscoveryConfig, command: CommandTopic | None) -> Writer | No
 def _move(
     command: CommandTopic, payloads: Mapping[str, str], value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
-    return (command.publication(payloads[require_option("movement", value, payloads)]),)
+    return command.publish(payloads[require_option("movement", value, payloads)])
 
 
 def _setter(name: str, command: CommandTopic | None, scale: Scale, variables: Mapping[str, object]) -> Writer | None:
@@ -153,6 +153,6 @@ def _setter(name: str, command: CommandTopic | None, scale: Scale, variables: Ma
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         percent = round(require_number(name, value, 0, 100, "%"))
-        return (command.publication(round(scale.value(percent)), {seen_as: percent, **variables}),)
+        return command.publish(round(scale.value(percent)), {seen_as: percent, **variables})
 
     return write

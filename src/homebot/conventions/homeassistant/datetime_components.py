@@ -43,11 +43,10 @@ def build_moment(config: DiscoveryConfig) -> DescribedPart:
             raise RefusedError(f"text {shown(value)}", f"it takes a {kind} as ISO 8601 has it")
         if kind == "datetime" and datetime.fromisoformat(moment).tzinfo is None:
             raise RefusedError(f"text {shown(value)}", "it takes a datetime with its time zone")
-        return (command.publication(moment),)
+        return command.publish(moment)
 
     entity = Entity(config, "x_setting", kind)
-    entity.add_capability("text", readable=entity.read_text_from(config.source("state_topic"), read), writer=write)
-    entity.add_commands(command)
+    entity.add_value("text", config.source("state_topic"), read, command, write)
     return entity.build()
 
 

@@ -31,7 +31,7 @@ def build_device_tracker(config: DiscoveryConfig) -> DescribedPart:
         return {"place": places[text] if text in places else clean_text(text, _LONGEST)}
 
     entity = Entity(config, "x_tracker", config.clean_text("source_type"))
-    entity.add_capability("place", readable=entity.read_text_from(source, read))
+    entity.add_value("place", source, read)
     return entity.build()
 
 

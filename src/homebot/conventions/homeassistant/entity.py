@@ -6,20 +6,23 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TypeVar
 
-from homebot.conventions.command_values import require_bool, require_number, require_option
+from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer, push_writer
 from homebot.conventions.description import AutoExpiry, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
 from homebot.conventions.part_builder import PartBuilder
-from homebot.conventions.payload import NO_READINGS, Readings, clean_text, read_number, shown
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, meaning_reader, read_number, shown
 from homebot.devices.part import Category
-from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError, WireError
+from homebot.errors import WireError
 
-__all__ = ["Entity", "add_choice", "add_flag", "add_number", "add_push"]
+__all__ = ["Entity"]
 
 
 ReadT = TypeVar("ReadT")
+ValueT = TypeVar("ValueT")
+
+_UNKNOWN: Mapping[str, str | None] = {"None": None}
+_WIDE = (-1e15, 1e15)
 
 
 class Entity(PartBuilder[StateMessage]):
@@ -68,6 +71,101 @@ class Entity(PartBuilder[StateMessage]):
         """Name the topics that the part listens on."""
         self.add_command_topics(*(one.topic for one in commands if one is not None))
 
+    def add_value(
+        self,
+        name: str,
+        source: ValueSource | None,
+        read: Callable[[str], Readings],
+        command: CommandTopic | None = None,
+        writer: Writer | None = None,
+        *,
+        unit: str = "",
+        bounds: tuple[float, ...] = (),
+        options: tuple[str, ...] = (),
+    ) -> None:
+        """Have the capability *name*: readable where it has a *source*, settable where it has a *command*."""
+        readable = self.read_text_from(source, read)
+        writer = writer if command else None
+        self.add_capability(name, readable=readable, writer=writer, unit=unit, bounds=bounds, options=options)
+        self.add_commands(command)
+
+    def add_choice(
+        self,
+        name: str,
+        source: ValueSource | None,
+        command: CommandTopic | None,
+        options: tuple[str, ...],
+        meanings: Mapping[str, str | None] = _UNKNOWN,
+        on_command: Callable[[str], None] = lambda _option: None,
+    ) -> None:
+        """Have one of *options*; others are neither read nor commanded.
+
+        Args:
+            name: Of the capability.
+            source: The source of its state; None where it has none.
+            command: The topic of its commands; None where it takes none.
+            options: Its options.
+            meanings: Meanings of further texts.
+            on_command: Called with each option that is commanded.
+        """
+        if not options:
+            return
+
+        def write(option: str) -> tuple[Publication, ...]:
+            publications = command.publish(option) if command else ()
+            on_command(option)
+            return publications
+
+        read = meaning_reader(name, _not_empty({**{option: option for option in options}, **meanings}))
+        self.add_value(name, source, read, command, option_writer(name, options, write), options=options)
+
+    def add_flag(
+        self,
+        name: str,
+        source: ValueSource | None,
+        command: CommandTopic | None,
+        payloads: Mapping[bool, str],
+        states: Mapping[str, bool | None] | None = None,
+    ) -> None:
+        """Be told true and false by *payloads*, and report them by *states*, or else by the same payloads."""
+        if states is None:
+            states = _not_empty({"None": None, payloads[False]: False, payloads[True]: True})
+        writer = bool_writer(name, lambda on: command.publish(payloads[on]) if command else ())
+        self.add_value(name, source, meaning_reader(name, states), command, writer)
+
+    def add_number(
+        self,
+        name: str,
+        source: ValueSource | None,
+        command: CommandTopic | None,
+        *,
+        bounds: tuple[float, float] = _WIDE,
+        unit: str = "",
+        unknown: str = "None",
+        from_device: Callable[[float], float | None] = float,
+        to_device: Callable[[float], float] = float,
+    ) -> None:
+        """Have a number.
+
+        Args:
+            name: Of the capability.
+            source: The source of its state; None where it has none.
+            command: The topic of its commands; None where it takes none.
+            bounds: Smallest and largest number that it takes.
+            unit: Of the numbers, outside of the device.
+            unknown: The text for unknown.
+            from_device: Converts a number of the device; None where that cannot be.
+            to_device: Converts a number for the device.
+        """
+        read = partial(read_number, name, unknown=unknown, convert=from_device)
+        writer = number_writer(name, bounds, unit, lambda number: command.publish(to_device(number)) if command else ())
+        self.add_value(name, source, read, command, writer, unit=unit, bounds=bounds if command else ())
+
+    def add_push(self, name: str, command: CommandTopic, payload: str) -> None:
+        """Be told true, and nothing else: the part does something and has no state."""
+        self.add_capability(name, readable=False, writer=push_writer(name, lambda: command.publish(payload)))
+        self.add_commands(command)
+
     def _add_reader(
         self,
         source: ValueSource | None,
@@ -114,120 +212,5 @@ def _read_raw(encoding: str, message: StateMessage) -> Readings:
 _WIDE = (-1e15, 1e15)
 
 
-def add_choice(
-    entity: Entity,
-    name: str,
-    source: ValueSource | None,
-    command: CommandTopic | None,
-    options: tuple[str, ...],
-    meanings: Mapping[str, str | None] | None = None,
-    on_command: Callable[[str], None] = lambda _option: None,
-) -> None:
-    """Let *entity* have one of *options*; others are neither read nor commanded.
-
-    Args:
-        entity: Whose.
-        name: Of the capability.
-        source: The source of its state; None where it has none.
-        command: The topic of its commands; None where it takes none.
-        options: Its options.
-        meanings: Meanings of further texts; by default ``None`` means that it is unknown.
-        on_command: Called with each option that is commanded.
-    """
-    if not options:
-        return
-    known: dict[str, str | None] = {
-        **{option: option for option in options},
-        **(_UNKNOWN if meanings is None else meanings),
-    }
-
-    def read(text: str) -> Readings:
-        return {name: known[text]} if text and text in known else NO_READINGS
-
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        option = require_option(name, value, options)
-        publications = (command.publication(option),) if command else ()
-        on_command(option)
-        return publications
-
-    entity.add_capability(
-        name, readable=entity.read_text_from(source, read), writer=write if command else None, options=options
-    )
-    entity.add_commands(command)
-
-
-def add_flag(
-    entity: Entity,
-    name: str,
-    source: ValueSource | None,
-    command: CommandTopic | None,
-    payloads: Mapping[bool, str],
-) -> None:
-    """Let *entity* be on or off, by its *payloads*; ``None`` means that it is unknown."""
-    states: dict[str, bool | None] = {"None": None, payloads[False]: False, payloads[True]: True}
-
-    def read(text: str) -> Readings:
-        return {name: states[text]} if text and text in states else NO_READINGS
-
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        payload = payloads[require_bool(name, value)]
-        return (command.publication(payload),) if command else ()
-
-    entity.add_capability(name, readable=entity.read_text_from(source, read), writer=write if command else None)
-    entity.add_commands(command)
-
-
-def add_number(
-    entity: Entity,
-    name: str,
-    source: ValueSource | None,
-    command: CommandTopic | None,
-    *,
-    bounds: tuple[float, float] = _WIDE,
-    unit: str = "",
-    unknown: str = "None",
-    from_device: Callable[[float], float | None] = float,
-    to_device: Callable[[float], float] = float,
-) -> None:
-    """Let *entity* have a number.
-
-    Args:
-        entity: Whose.
-        name: Of the capability.
-        source: The source of its state; None where it has none.
-        command: The topic of its commands; None where it takes none.
-        bounds: Smallest and largest number that it takes.
-        unit: Of the numbers, outside of the device.
-        unknown: The text for unknown.
-        from_device: Converts a number of the device; None where that cannot be.
-        to_device: Converts a number for the device.
-    """
-    read = partial(read_number, name, unknown=unknown, convert=from_device)
-
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        number = to_device(require_number(name, value, *bounds, unit))
-        return (command.publication(number),) if command else ()
-
-    entity.add_capability(
-        name,
-        readable=entity.read_text_from(source, read),
-        writer=write if command else None,
-        unit=unit,
-        bounds=bounds if command else (),
-    )
-    entity.add_commands(command)
-
-
-def add_push(entity: Entity, name: str, command: CommandTopic, payload: str) -> None:
-    """Let *entity* be told true, and nothing else: it does something and has no state."""
-
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        if value is not True:
-            raise RefusedError(f"{name} {shown(value)}", "it takes true alone")
-        return (command.publication(payload),)
-
-    entity.add_capability(name, readable=False, writer=write)
-    entity.add_commands(command)
-
-
-_UNKNOWN: Mapping[str, str | None] = {"None": None}
+def _not_empty(meanings: Mapping[str, ValueT]) -> Mapping[str, ValueT]:
+    return {text: meaning for text, meaning in meanings.items() if text}

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.entity import Entity, add_choice, add_flag, add_number
+from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.payload import shown
 from homebot.errors import WireError
 
@@ -20,15 +20,12 @@ def build_humidifier(config: DiscoveryConfig) -> DescribedPart:
     """Describe a humidifier; its tag says whether it takes the water out."""
     entity = Entity(config, "x_humidifier", config.clean_text("device_class") or "humidifier")
     payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
-    add_flag(
-        entity, "on_off", config.source("state_topic", "state_value_template"), config.required_command(), payloads
-    )
+    entity.add_flag("on_off", config.source("state_topic", "state_value_template"), config.required_command(), payloads)
     least, most = config.number("min_humidity", 0.0), config.number("max_humidity", 100.0)
     if not 0 <= least < most <= 100:
         raise WireError(f"humidifier: max_humidity is {most:g}, not above min_humidity {least:g} and at most 100")
     unknown = config.text("payload_reset_humidity", "None")
-    add_number(
-        entity,
+    entity.add_number(
         "humidity_setpoint",
         config.source("target_humidity_state_topic", "target_humidity_state_template"),
         config.required_command("target_humidity_command_topic", "target_humidity_command_template"),
@@ -38,8 +35,7 @@ def build_humidifier(config: DiscoveryConfig) -> DescribedPart:
         from_device=_whole_within(least, most),
         to_device=int,
     )
-    add_number(
-        entity,
+    entity.add_number(
         "humidity",
         config.source("current_humidity_topic", "current_humidity_template"),
         None,
@@ -51,8 +47,7 @@ def build_humidifier(config: DiscoveryConfig) -> DescribedPart:
     no_mode = config.text("payload_reset_mode", "None")
     if no_mode in modes:
         raise WireError(f"humidifier: modes has {shown(no_mode)}, which means that the mode is unknown")
-    add_choice(
-        entity,
+    entity.add_choice(
         "humidifier_mode",
         config.source("mode_state_topic", "mode_state_template"),
         config.command("mode_command_topic", "mode_command_template"),

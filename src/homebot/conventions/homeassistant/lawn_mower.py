@@ -5,12 +5,11 @@ Source: Home Assistant core 2025.4, ``components/mqtt/lawn_mower.py``.
 
 from __future__ import annotations
 
-from homebot.conventions.command_values import require_option
+from homebot.conventions.command_values import option_writer
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.payload import NO_READINGS, Readings
-from homebot.devices.value import PlainValue
 
 __all__ = ["build_lawn_mower"]
 
@@ -28,13 +27,14 @@ def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
             return {"mower": None}
         return {"mower": text} if text in _STATES else NO_READINGS
 
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        command, action = commands[require_option("mower", value, commands)]
-        return (command.publication(action),)
+    def publish(state: str) -> tuple[Publication, ...]:
+        command, action = commands[state]
+        return command.publish(action)
 
     entity = Entity(config, "x_lawn_mower")
     source = config.source("activity_state_topic", "activity_value_template")
-    entity.add_capability("mower", readable=entity.read_text_from(source, read), writer=write if commands else None)
+    writer = option_writer("mower", commands, publish) if commands else None
+    entity.add_capability("mower", readable=entity.read_text_from(source, read), writer=writer)
     entity.add_commands(*(command for command, _ in commands.values()))
     return entity.build()
 

@@ -230,7 +230,7 @@ class _BasicLightCommands:
 
     def publish(self, command: LightCommand) -> tuple[Publication, ...]:
         if not command.on:
-            return (self.command.publication(self.payload_off),)
+            return self.command.publish(self.payload_off)
         on = self.command.publication(self.payload_on)
         values = self._values(command)
         if self.order == "first":

@@ -73,7 +73,7 @@ def _publish(command: CommandTopic, scale: int, in_kelvin: bool, light: LightCom
         message["color_temp"] = light.kelvin if in_kelvin else kelvin_mired(light.kelvin)
     if light.effect:
         message["effect"] = light.effect
-    return (command.publication(json.dumps(message, ensure_ascii=False, separators=(",", ":"))),)
+    return command.publish(json.dumps(message, ensure_ascii=False, separators=(",", ":")))
 
 
 @dataclass(frozen=True, slots=True)

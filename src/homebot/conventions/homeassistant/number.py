@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.entity import Entity, add_number
+from homebot.conventions.homeassistant.entity import Entity
 from homebot.errors import WireError
 
 __all__ = ["build_number"]
@@ -23,8 +23,7 @@ def build_number(config: DiscoveryConfig) -> DescribedPart:
         return number if least <= number <= most else None
 
     entity = Entity(config, "x_setting")
-    add_number(
-        entity,
+    entity.add_number(
         "number",
         config.source("state_topic"),
         config.required_command(),

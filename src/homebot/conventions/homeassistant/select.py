@@ -5,12 +5,11 @@ Source: Home Assistant core 2025.4, ``components/mqtt/select.py``.
 
 from __future__ import annotations
 
-from homebot.conventions.command_values import require_option
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.command_values import option_writer
+from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.payload import NO_READINGS, Readings
-from homebot.devices.value import PlainValue
+from homebot.conventions.payload import Readings, meaning_reader
 from homebot.errors import WireError
 
 __all__ = ["build_select"]
@@ -21,20 +20,13 @@ def build_select(config: DiscoveryConfig) -> DescribedPart:
     if not config.has("options"):
         raise WireError("select: options is None, not a list of texts")
     options = config.options("options")
-    known = frozenset(options)
     command = config.required_command()
+    read_option = meaning_reader("option", {option: option for option in options if option.strip()})
 
     def read(text: str) -> Readings:
-        if text.lower() == "none":
-            return {"option": None}
-        return {"option": text} if text.strip() and text in known else NO_READINGS
-
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (command.publication(require_option("option", value, options)),)
+        return {"option": None} if text.lower() == "none" else read_option(text)
 
     entity = Entity(config, "x_setting")
-    entity.add_capability(
-        "option", readable=entity.read_text_from(config.source("state_topic"), read), writer=write, options=options
-    )
-    entity.add_commands(command)
+    writer = option_writer("option", options, command.publish)
+    entity.add_value("option", config.source("state_topic"), read, command, writer, options=options)
     return entity.build()

@@ -71,7 +71,7 @@ class _SirenCommands:
         command = self.on if on else self.off
         variables = {"state": self.payloads[on], **fields}
         if command.template is None:
-            return (command.publication(json.dumps(variables, ensure_ascii=False, separators=(",", ":"))),)
+            return command.publish(json.dumps(variables, ensure_ascii=False, separators=(",", ":")))
         publication = command.publication(self.payloads[on], variables)
         if publication.payload in _EMPTY_PAYLOADS:
             raise RefusedError(f"a command on {command.topic}", "its template makes nothing of it")

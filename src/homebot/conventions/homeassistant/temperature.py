@@ -13,7 +13,7 @@ from functools import partial
 from homebot.conventions.command_values import require_number
 from homebot.conventions.description import Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.entity import Entity, add_number
+from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
 from homebot.conventions.payload import NO_READINGS, Readings, read_number, shown
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
@@ -132,8 +132,7 @@ def add_temperatures(entity: Entity, config: DiscoveryConfig, modes: tuple[str, 
         _add_both(entity, config, modes, mode, limits, by_single)
     else:
         for name, key in _ENDS.items() if has_pair else ((name, _SINGLE) for name in by_single):
-            add_number(
-                entity,
+            entity.add_number(
                 name,
                 source_of(config, f"{key}_state"),
                 _command(config, key),
@@ -142,7 +141,7 @@ def add_temperatures(entity: Entity, config: DiscoveryConfig, modes: tuple[str, 
                 from_device=thermometer.celsius,
                 to_device=limits.number,
             )
-    add_number(entity, "local_temperature", measured, None, unit="°C", from_device=thermometer.celsius)
+    entity.add_number("local_temperature", measured, None, unit="°C", from_device=thermometer.celsius)
 
 
 _SINGLE = "temperature"
@@ -233,7 +232,7 @@ class _Targets:
         command = self.commands.get(self._key(name))
         if command is None:
             raise RefusedError(f"{name} in mode {self.mode.mode or 'unknown'}", "it has no such target in that mode")
-        return (command.publication(number),)
+        return command.publish(number)
 
     def _key(self, name: str) -> str:
         """Return which target is *name* now; empty where none is."""

@@ -53,7 +53,7 @@ def _build_setting(config: DiscoveryConfig, least: int, most: int, read: _Read |
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         if not isinstance(value, str) or not least <= len(value) <= most:
             raise RefusedError("text", f"it takes a text of {least} to {most} characters")
-        return (command.publication(value),)
+        return command.publish(value)
 
     entity = Entity(config, "x_setting")
     is_readable = read is not None and entity.read_text_from(config.source("state_topic"), read)

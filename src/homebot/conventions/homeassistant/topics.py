@@ -237,6 +237,10 @@ class CommandTopic:
             raise RefusedError(f"a command on {self.topic}", f"it cannot be written in {self.encoding}") from None
         return Publication(self.topic, payload, self.qos, self.retain)
 
+    def publish(self, value: object, variables: Mapping[str, object] = _NO_VARIABLES) -> tuple[Publication, ...]:
+        """Return :meth:`publication` alone, as writers do."""
+        return (self.publication(value, variables),)
+
     def publication_with_code(
         self, value: object, code: str, variables: Mapping[str, object] = _NO_VARIABLES
     ) -> Publication:

@@ -12,7 +12,7 @@ from homebot.conventions.command_values import require_option
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import fields_of, number_of
-from homebot.conventions.homeassistant.entity import Entity, add_push
+from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic
 from homebot.conventions.payload import Readings, clean_text
 from homebot.devices.value import PlainValue
@@ -42,7 +42,7 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     if has_battery:
         entity.add_capability("battery", readable=is_readable, unit="%")
     if "locate" in features and command:
-        add_push(entity, "locate", command, config.text("payload_locate", "locate"))
+        entity.add_push("locate", command, config.text("payload_locate", "locate"))
     entity.add_commands(command, set_speed if speeds else None)
     return entity.build()
 
@@ -80,10 +80,10 @@ def _read(text: str, *, has_speed: bool, has_battery: bool) -> Readings:
 def _set_state(
     command: CommandTopic, payloads: Mapping[str, str], value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
-    return (command.publication(payloads[require_option("vacuum", value, payloads)]),)
+    return command.publish(payloads[require_option("vacuum", value, payloads)])
 
 
 def _set_speed(
     command: CommandTopic, speeds: tuple[str, ...], value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
-    return (command.publication(require_option("fan_mode", value, speeds)),)
+    return command.publish(require_option("fan_mode", value, speeds))

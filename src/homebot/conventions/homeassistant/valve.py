@@ -113,9 +113,9 @@ class _ValveCommands:
         state = require_option("valve", value, self.payloads)
         if self.scale is not None and state != "stopped":
             return self.set_position(100.0 if state == "open" else 0.0, transition)
-        return (self.command.publication(self.payloads[state]),)
+        return self.command.publish(self.payloads[state])
 
     def set_position(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         percent = round(require_number("position", value, 0, 100, "%"))
         scaled = percent if self.scale is None else round(self.scale.value(percent))
-        return (self.command.publication(scaled, {"position": percent, **self.variables}),)
+        return self.command.publish(scaled, {"position": percent, **self.variables})

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.entity import Entity, add_choice, add_flag, add_number
+from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.temperature import Thermometer, read_thermometer, source_of
 
 __all__ = ["build_water_heater"]
@@ -18,8 +18,7 @@ def build_water_heater(config: DiscoveryConfig) -> DescribedPart:
     thermometer = read_thermometer(config)
     limits = thermometer.limits(config, *_CELSIUS)
     entity = Entity(config, "water_heater")
-    add_number(
-        entity,
+    entity.add_number(
         "heating_setpoint",
         source_of(config, "temperature_state"),
         config.command("temperature_command_topic", "temperature_command_template"),
@@ -29,12 +28,12 @@ def build_water_heater(config: DiscoveryConfig) -> DescribedPart:
         to_device=limits.number,
     )
     measured = source_of(config, "current_temperature")
-    add_number(entity, "local_temperature", measured, None, unit="°C", from_device=thermometer.celsius)
+    entity.add_number("local_temperature", measured, None, unit="°C", from_device=thermometer.celsius)
     mode = config.command("mode_command_topic", "mode_command_template")
     modes = config.options("modes") if config.has("modes") else _MODES
-    add_choice(entity, "water_heater_mode", source_of(config, "mode_state"), mode, modes)
+    entity.add_choice("water_heater_mode", source_of(config, "mode_state"), mode, modes)
     payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
-    add_flag(entity, "on_off", None, config.command("power_command_topic", "power_command_template"), payloads)
+    entity.add_flag("on_off", None, config.command("power_command_topic", "power_command_template"), payloads)
     return entity.build()
 
 
