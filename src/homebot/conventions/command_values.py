@@ -132,7 +132,7 @@ def push_writer(capability: str, publish: Callable[[], Publications]) -> Writer:
 
     def write(value: PlainValue, _transition: float) -> Publications:
         if value is not True:
-            raise RefusedError(f"{capability} {shown(value)}", "it takes true")
+            raise RefusedError(f"{capability} {shown(value)}", "it takes true alone")
         return publish()
 
     return write

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 
-from homebot.conventions.command_values import Writer, require_number, require_option
+from homebot.conventions.command_values import Writer, number_writer, option_writer
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import Scale, fields_of, number_of
@@ -136,13 +135,9 @@ def _mover(config: DiscoveryConfig, command: CommandTopic | None) -> Writer | No
         for movement, (key, default) in _COMMANDS.items()
         if (payload := config.payload(key, default)) is not None
     }
-    return partial(_move, command, payloads) if command is not None and payloads else None
-
-
-def _move(
-    command: CommandTopic, payloads: Mapping[str, str], value: PlainValue, _transition: float
-) -> tuple[Publication, ...]:
-    return command.publish(payloads[require_option("movement", value, payloads)])
+    if command is None or not payloads:
+        return None
+    return option_writer("movement", payloads, lambda movement: command.publish(payloads[movement]))
 
 
 def _setter(name: str, command: CommandTopic | None, scale: Scale, variables: Mapping[str, object]) -> Writer | None:
@@ -151,8 +146,8 @@ def _setter(name: str, command: CommandTopic | None, scale: Scale, variables: Ma
         return None
     seen_as = "tilt_position" if name == "tilt" else name
 
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        percent = round(require_number(name, value, 0, 100, "%"))
+    def publish(number: float) -> tuple[Publication, ...]:
+        percent = round(number)
         return command.publish(round(scale.value(percent)), {seen_as: percent, **variables})
 
-    return write
+    return number_writer(name, (0, 100), "%", publish)

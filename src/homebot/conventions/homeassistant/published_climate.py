@@ -11,6 +11,8 @@ from homebot.conventions.homeassistant.published_entity import (
     PublishedEntity,
     flag_text,
     number_text,
+    take_choice,
+    take_reported,
     take_settable,
     unknown_text,
 )
@@ -50,8 +52,7 @@ def publish_climate(part: Part, available: Available, topics: EntityTopics) -> E
     _add_targets(entity, available, targets)
     _add_measured(entity, available)
     _add_choices(entity, available)
-    if (action := available.get("thermostat_action")) and action.readable and not action.settable:
-        available.pop("thermostat_action")
+    if take_reported(available, "thermostat_action"):
         entity.add_state("action_topic", "thermostat_action", unknown_text("thermostat_action"))
     return (entity,)
 
@@ -94,16 +95,13 @@ def _add_targets(entity: PublishedEntity, available: Available, targets: dict[st
 
 def _add_measured(entity: PublishedEntity, available: Available) -> None:
     for name, key in (("local_temperature", "current_temperature_topic"), ("humidity", "current_humidity_topic")):
-        if name in available and available[name].readable and not available[name].settable:
-            available.pop(name)
+        if take_reported(available, name):
             entity.add_state(key, name, number_text(name))
 
 
 def _add_choices(entity: PublishedEntity, available: Available) -> None:
     for name in ("fan_mode", "swing_mode"):
-        choice = available.get(name)
-        if choice is not None and choice.settable and choice.options:
-            available.pop(name)
+        if choice := take_choice(available, name):
             entity.config[f"{name}s"] = list(choice.options)
             entity.has(choice, f"{name}_state_topic", unknown_text(name), f"{name}_command_topic")
     preset = available.get("preset_mode")
@@ -132,10 +130,8 @@ def publish_water_heater(part: Part, available: Available, topics: EntityTopics)
             unknown_text("water_heater_mode"),
             "mode_command_topic",
         )
-    measured = available.get("local_temperature")
-    if measured is not None and measured.readable and not measured.settable:
-        available.pop(measured.name)
-        entity.add_state("current_temperature_topic", measured.name, number_text(measured.name))
+    if take_reported(available, "local_temperature"):
+        entity.add_state("current_temperature_topic", "local_temperature", number_text("local_temperature"))
     return (entity,)
 
 
@@ -154,13 +150,9 @@ def publish_humidifier(part: Part, available: Available, topics: EntityTopics) -
     if target.bounds and 0 <= target.bounds[0] < target.bounds[1] <= _MOST_HUMID:
         entity.config |= {"min_humidity": target.bounds[0], "max_humidity": target.bounds[1]}
     entity.has(target, "target_humidity_state_topic", number_text(target.name), "target_humidity_command_topic")
-    measured = available.get("humidity")
-    if measured is not None and measured.readable and not measured.settable:
-        available.pop("humidity")
+    if take_reported(available, "humidity"):
         entity.add_state("current_humidity_topic", "humidity", number_text("humidity"))
-    mode = available.get("humidifier_mode")
-    if mode is not None and mode.settable and mode.options and "None" not in mode.options:
-        available.pop("humidifier_mode")
+    if mode := take_choice(available, "humidifier_mode", unlike="None"):
         entity.config["modes"] = list(mode.options)
         entity.has(mode, "mode_state_topic", unknown_text("humidifier_mode"), "mode_command_topic")
     return (entity,)

@@ -1,6 +1,6 @@
 """Locks, covers, valves, fans, vacuum cleaners, mowers, alarms and sirens that are offered, each as one entity. Pure.
 
-What is ordered is what the vocabulary says can be told, never a word that only reports: nobody orders ``jammed``.
+What is commanded is what the vocabulary says can be set, never a state that is only reported, such as ``jammed``.
 
 Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``: alarm_control_panel.py, cover.py, fan.py,
 lawn_mower.py, lock.py, siren.py, vacuum.py, valve.py.
@@ -22,6 +22,8 @@ from homebot.conventions.homeassistant.published_entity import (
     read_flag,
     read_number,
     read_option,
+    take_choice,
+    take_reported,
     take_settable,
     unknown_text,
 )
@@ -159,8 +161,7 @@ def publish_fan(part: Part, available: Available, topics: EntityTopics) -> Entit
     entity.has(switch, "state_topic", flag_text("on_off"), "command_topic")
     if speed := take_settable(available, "fan_speed"):
         entity.has(speed, "percentage_state_topic", number_text("fan_speed"), "percentage_command_topic")
-    if (preset := available.get("preset_mode")) and preset.settable and preset.options and "None" not in preset.options:
-        available.pop("preset_mode")
+    if preset := take_choice(available, "preset_mode", unlike="None"):
         entity.config["preset_modes"] = list(preset.options)
         entity.has(preset, "preset_mode_state_topic", unknown_text("preset_mode"), "preset_mode_command_topic")
     if swing := take_settable(available, "oscillation"):
@@ -193,17 +194,14 @@ def publish_vacuum(_part: Part, available: Available, topics: EntityTopics) -> E
     entity = PublishedEntity(topics, "vacuum", "", {"supported_features": features})
     taken = {"vacuum"}
     if vacuum.readable:
-        speed, charge = available.get("fan_mode"), available.get("battery")
-        if speed is not None and speed.settable and speed.options:
-            available.pop("fan_mode")
+        if speed := take_choice(available, "fan_mode"):
             taken.add("fan_mode")
             features.append("fan_speed")
             entity.config["fan_speed_list"] = list(speed.options)
             entity.add_command(
                 "set_fan_speed_topic", "fan_mode", read_option("fan_mode", {one: one for one in speed.options})
             )
-        if charge is not None and charge.readable and not charge.settable:
-            available.pop("battery")
+        if take_reported(available, "battery"):
             taken.add("battery")
             features.append("battery")
         entity.add_state("state_topic", "vacuum", _vacuum_text, taken)
@@ -227,7 +225,7 @@ _VACUUM: Mapping[str, tuple[str, str]] = {
     "return_to_base": ("returning", "return_home"),
     "clean_spot": ("spot", "clean_spot"),
 }
-"""By payload: what it orders, and the feature that says so."""
+"""By payload: what it commands, and the feature that says so."""
 
 
 def _vacuum_text(values: Values) -> str:
@@ -258,7 +256,7 @@ _MOWER = {"start_mowing": "mowing", "pause": "paused", "dock": "docked"}
 
 
 def publish_alarm(_part: Part, available: Available, topics: EntityTopics) -> Entities:
-    """Take the alarm. It asks for no code: who may order, may order it."""
+    """Take the alarm. It asks for no code: what may command, may command it."""
     alarm = take_settable(available, "alarm")
     if alarm is None:
         return ()
@@ -290,12 +288,11 @@ def publish_siren(part: Part, available: Available, topics: EntityTopics) -> Ent
     switch = take_settable(available, "on_off")
     if switch is None:
         return ()
-    tone = available.get("siren_tone")
     volume = take_settable(available, "volume")
     entity = PublishedEntity(topics, "siren", "", {"support_volume_set": volume is not None, "support_duration": False})
     tones: tuple[str, ...] = ()
-    if tone is not None and tone.settable and tone.options:
-        tones = available.pop("siren_tone").options
+    if tone := take_choice(available, "siren_tone"):
+        tones = tone.options
         entity.config["available_tones"] = list(tones)
     taken = ("on_off", *(("siren_tone",) if tones else ()), *(("volume",) if volume else ()))
     if switch.readable:

@@ -26,6 +26,8 @@ __all__ = [
     "read_option",
     "reader_of",
     "shortest",
+    "take_choice",
+    "take_reported",
     "take_settable",
     "unknown_text",
 ]
@@ -54,11 +56,11 @@ class EntityTopics:
     base: str
 
     def state(self, name: str) -> str:
-        """Return where the state *name* is told."""
+        """Return the topic of the state *name*."""
         return f"{self.base}/{name}/state"
 
     def command(self, name: str) -> str:
-        """Return where orders to *name* come."""
+        """Return the topic of commands to *name*."""
         return f"{self.base}/{name}/set"
 
 
@@ -191,7 +193,7 @@ def read_option(name: str, payloads: Mapping[str, str]) -> CommandReader:
 
 
 def reader_of(capability: Capability) -> CommandReader:
-    """Return the reader of orders to *capability* in Home Assistant's plain form."""
+    """Return the reader of commands to *capability* in Home Assistant's plain form."""
     known = CAPABILITIES[capability.name]
     if known.kind == "bool":
         return read_flag(capability.name, _SWITCHED)
@@ -207,6 +209,20 @@ def take_settable(available: Available, name: str) -> Capability | None:
     """Take the capability *name* out of *available* where it is there and can be told."""
     known = available.get(name)
     return available.pop(name) if known is not None and known.settable else None
+
+
+def take_reported(available: Available, name: str) -> Capability | None:
+    """Take the capability *name* out of *available* where it is there and only reports."""
+    known = available.get(name)
+    return available.pop(name) if known is not None and known.readable and not known.settable else None
+
+
+def take_choice(available: Available, name: str, unlike: str = "") -> Capability | None:
+    """Take the capability *name* out of *available* where it can be told options, none of which is *unlike*."""
+    known = available.get(name)
+    if known is None or not known.settable or not known.options or (unlike and unlike in known.options):
+        return None
+    return available.pop(name)
 
 
 _SWITCHED = {"ON": True, "OFF": False}

@@ -1,4 +1,4 @@
-"""A lamp that is offered, as a Home Assistant's light of schema ``json``: one object tells it, one orders it. Pure.
+"""A lamp that is offered, as a Home Assistant's light of schema ``json``: one object reports it, one commands it. Pure.
 
 Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt/light/schema_json.py``.
 """

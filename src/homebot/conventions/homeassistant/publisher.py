@@ -74,7 +74,7 @@ _WATCHED = frozenset({"binary_sensor", "sensor"})
 
 
 @dataclass(frozen=True, slots=True)
-class _Order:
+class _CommandRoute:
     """The exposed part that takes the commands of a topic, and their reader."""
 
     offer_id: str
@@ -96,7 +96,7 @@ class HomeAssistantPublisher:
         self._owner = f"homebot_{_slug(owner)}"
         self._base = f"homebot/{_slug(owner)}/offers"
         self._status_topic = status_topic
-        self._orders: dict[str, _Order] = {}
+        self._routes: dict[str, _CommandRoute] = {}
         self._published: dict[str, tuple[tuple[Part, tuple[PublishedEntity, ...]], ...]] = {}
 
     def filters(self) -> tuple[str, ...]:
@@ -135,16 +135,16 @@ class HomeAssistantPublisher:
 
     def take(self, topic: str, payload: bytes) -> tuple[Command, ...]:
         """Return the commands that a message on one of the filters is, in this order; none where it is none."""
-        order = self._orders.get(topic)
-        if order is None or len(payload) > _MAX_COMMAND:
+        route = self._routes.get(topic)
+        if route is None or len(payload) > _MAX_COMMAND:
             return ()
         try:
             text = payload.decode()
         except UnicodeDecodeError:
             return ()
         return tuple(
-            Command(key=order.offer_id, part=order.part_id, capability=name, value=Value.of(value))
-            for name, value in order.read(text).items()
+            Command(key=route.offer_id, part=route.part_id, capability=name, value=Value.of(value))
+            for name, value in route.read(text).items()
         )
 
     def _entities(self, offer: ExposedDevice, part: Part) -> tuple[PublishedEntity, ...]:
@@ -152,7 +152,7 @@ class HomeAssistantPublisher:
 
     def _config(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> tuple[Publication, ...]:
         for topic, read in entity.commands.items():
-            self._orders[topic] = _Order(offer.id, part.id, read)
+            self._routes[topic] = _CommandRoute(offer.id, part.id, read)
         config: dict[str, object] = {
             "device": self._device(offer),
             "origin": {"name": "homebot"},
@@ -171,7 +171,7 @@ class HomeAssistantPublisher:
 
     def _withdrawal(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> tuple[Publication, ...]:
         for topic in entity.commands:
-            self._orders.pop(topic, None)
+            self._routes.pop(topic, None)
         kept = [state.topic for state in entity.states if not state.is_event]
         return tuple(
             Publication(topic, b"", qos=1, retain=True) for topic in (self._config_topic(offer, part, entity), *kept)

@@ -5,15 +5,13 @@ Source: Home Assistant core 2025.4, ``components/mqtt/vacuum.py``.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import partial
 
-from homebot.conventions.command_values import require_option
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.command_values import option_writer
+from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import fields_of, number_of
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.topics import CommandTopic
 from homebot.conventions.payload import Readings, clean_text
 from homebot.devices.value import PlainValue
 
@@ -33,11 +31,12 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     has_battery = "battery" in features
     entity = Entity(config, "robotic_vacuum_cleaner")
     is_readable = entity.read_text_from(source, partial(_read, has_speed=bool(speeds), has_battery=has_battery))
-    entity.add_capability(
-        "vacuum", readable=is_readable, writer=partial(_set_state, command, payloads) if command and payloads else None
-    )
+    writer = None
+    if command and payloads:
+        writer = option_writer("vacuum", payloads, lambda state: command.publish(payloads[state]))
+    entity.add_capability("vacuum", readable=is_readable, writer=writer)
     if speeds:
-        writer = partial(_set_speed, set_speed, speeds) if set_speed else None
+        writer = option_writer("fan_mode", speeds, set_speed.publish) if set_speed else None
         entity.add_capability("fan_mode", readable=is_readable, writer=writer, options=speeds)
     if has_battery:
         entity.add_capability("battery", readable=is_readable, unit="%")
@@ -75,15 +74,3 @@ def _read(text: str, *, has_speed: bool, has_battery: bool) -> Readings:
     if has_battery and number is not None:
         found["battery"] = max(0.0, min(100.0, number))
     return found
-
-
-def _set_state(
-    command: CommandTopic, payloads: Mapping[str, str], value: PlainValue, _transition: float
-) -> tuple[Publication, ...]:
-    return command.publish(payloads[require_option("vacuum", value, payloads)])
-
-
-def _set_speed(
-    command: CommandTopic, speeds: tuple[str, ...], value: PlainValue, _transition: float
-) -> tuple[Publication, ...]:
-    return command.publish(require_option("fan_mode", value, speeds))

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from homebot.conventions.command_values import require_bool, require_option
+from homebot.conventions.command_values import bool_writer, option_writer, require_option
 from homebot.conventions.description import Publication
 from homebot.conventions.homie.model import HomieNode, HomieProperty
 from homebot.conventions.homie.node_types import tokens_in
@@ -38,14 +38,15 @@ Props = Mapping[str, HomieProperty]
 _OPENINGS = ("open", "closed", "opening", "closing", "stopped")
 _MOVEMENTS = {"open": "open", "close": "closed", "closed": "closed", "stop": "stopped", "up": "open", "down": "closed"}
 _MOVES = {"open": ("open", "up"), "closed": ("close", "closed", "down"), "stopped": ("stop", "stopped")}
+_PERCENTS = {"open": 100.0, "closed": 0.0}
 _LOCKS = {True: "locked", False: "unlocked"}
 _LOCK_COMMANDS = {"locked": ("lock", "locked"), "unlocked": ("unlock", "unlocked"), "open": ("open",)}
 _VALVES = {True: "open", False: "closed"}
 
 
 def add_cover(part: BytesPart, props: Props) -> None:
-    """Let *part* be a cover. One without orders in words is moved by its position."""
-    position, state, order = props.get("position"), props.get("movement"), props.get("move")
+    """Let *part* be a cover. One without commands in words is moved by its position."""
+    position, state, command = props.get("position"), props.get("movement"), props.get("move")
     for capability in ("position", "tilt"):
         if capability in props:
             add_percent(part, capability, props[capability])
@@ -56,30 +57,25 @@ def add_cover(part: BytesPart, props: Props) -> None:
         movement = _MOVEMENTS.get(movement, movement)
         return {"movement": movement} if movement in _OPENINGS else NO_READINGS
 
-    def move(prop: HomieProperty, orders: Mapping[str, str], value: PlainValue, _: float) -> tuple[Publication, ...]:
-        return (publication(prop, orders[require_option("movement", value, orders)]),)
-
-    def go(prop: HomieProperty, value: PlainValue, _: float) -> tuple[Publication, ...]:
-        percent = {"open": 100.0, "closed": 0.0}
-        return (percent_written(prop, "position", percent[require_option("movement", value, percent)]),)
-
     if state is not None:
         part.read_from(state.topic, partial(read, state))
-    orders = _options_by_command(order, _MOVES)
+    options = _options_by_command(command, _MOVES)
     writer = None
-    if order is not None and orders:
-        part.add_command_topics(f"{order.topic}/set")
-        writer = partial(move, order, orders)
+    if command is not None and options:
+        part.add_command_topics(f"{command.topic}/set")
+        writer = option_writer("movement", options, lambda movement: (publication(command, options[movement]),))
     elif position is not None and position.is_settable:
-        writer = partial(go, position)
+        writer = option_writer(
+            "movement", _PERCENTS, lambda movement: (percent_written(position, "position", _PERCENTS[movement]),)
+        )
     if state is not None or writer is not None:
         part.add_capability("movement", readable=state is not None, writer=writer, options=_OPENINGS)
 
 
 def add_lock(part: BytesPart, props: Props) -> None:
     """Let *part* be a lock: locked where its state is true."""
-    state, order = props.get("lock"), props.get("lock_action")
-    orders = _options_by_command(order, _LOCK_COMMANDS)
+    state, command = props.get("lock"), props.get("lock_action")
+    commands = _options_by_command(command, _LOCK_COMMANDS)
 
     def read(payload: bytes) -> Readings:
         value = read_plain(state, payload) if state is not None else None
@@ -87,17 +83,17 @@ def add_lock(part: BytesPart, props: Props) -> None:
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         if state is not None and state.is_settable and value != "open":
-            target = require_option("lock", value, ("locked", "unlocked", *(("open",) if "open" in orders else ())))
+            target = require_option("lock", value, ("locked", "unlocked", *(("open",) if "open" in commands else ())))
             return (publication(state, "true" if target == "locked" else "false"),)
-        option = orders[require_option("lock", value, orders)]
-        return () if order is None else (publication(order, option),)
+        option = commands[require_option("lock", value, commands)]
+        return () if command is None else (publication(command, option),)
 
     if state is not None:
         part.read_from(state.topic, read)
-    for prop in (state, order):
+    for prop in (state, command):
         if prop is not None and prop.is_settable:
             part.add_command_topics(f"{prop.topic}/set")
-    is_settable = bool(orders) or (state is not None and state.is_settable)
+    is_settable = bool(commands) or (state is not None and state.is_settable)
     part.add_capability("lock", readable=state is not None, writer=write if is_settable else None)
 
 
@@ -109,15 +105,14 @@ def add_valve(part: BytesPart, props: Props) -> None:
         value = read_plain(state, payload)
         return {"valve": _VALVES[value]} if isinstance(value, bool) else NO_READINGS
 
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (
-            publication(state, "true" if require_option("valve", value, ("open", "closed")) == "open" else "false"),
-        )
+    def publish(target: str) -> tuple[Publication, ...]:
+        return (publication(state, "true" if target == "open" else "false"),)
 
     part.read_from(state.topic, read)
     if state.is_settable:
         part.add_command_topics(f"{state.topic}/set")
-    part.add_capability("valve", writer=write if state.is_settable else None, options=("open", "closed"))
+    writer = option_writer("valve", ("open", "closed"), publish) if state.is_settable else None
+    part.add_capability("valve", writer=writer, options=("open", "closed"))
 
 
 def add_thermostat(part: BytesPart, props: Props) -> None:
@@ -148,11 +143,9 @@ def _add_switch_of_speed(part: BytesPart, speed: HomieProperty) -> None:
         percent = percent_of(speed, payload)
         return NO_READINGS if percent is None else {"on_off": percent > 0}
 
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (percent_written(speed, "fan_speed", 100.0 if require_bool("on_off", value) else 0.0),)
-
     part.read_from(speed.topic, read)
-    part.add_capability("on_off", readable=speed.is_retained, writer=write if speed.is_settable else None)
+    writer = bool_writer("on_off", lambda on: (percent_written(speed, "fan_speed", 100.0 if on else 0.0),))
+    part.add_capability("on_off", readable=speed.is_retained, writer=writer if speed.is_settable else None)
 
 
 def _options_by_command(prop: HomieProperty | None, spellings: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
@@ -172,57 +165,54 @@ class Vacuum:
     """A robot that cleans.
 
     Attributes:
-        node: The node that takes its orders.
-        order: What it does.
+        node: The node that takes its commands.
+        command: What it does.
         state: What it tells of that; None while it does not.
         power: How strong its fan is; None where that cannot be set.
     """
 
     node: HomieNode
-    order: HomieProperty
+    command: HomieProperty
     state: HomieProperty | None
     power: HomieProperty | None
 
     @property
     def props(self) -> tuple[HomieProperty, ...]:
         """All of the above."""
-        return tuple(prop for prop in (self.order, self.state, self.power) if prop is not None)
+        return tuple(prop for prop in (self.command, self.state, self.power) if prop is not None)
 
 
 def find_vacuum(nodes: tuple[NodeRoles, ...]) -> Vacuum | None:
-    """Return the robot, by the words of its orders and its state; None where the device is none.
+    """Return the robot, by the words of its commands and its state; None where the device is none.
 
-    Its state may come later than its orders, which are as clear where they are these four.
+    Its state may come later than its commands, which are as clear where they are these four.
     """
     props = [(node.node, role.prop) for node in nodes for role in node.roles if role.prop.datatype == "enum"]
     states = [prop for _, prop in props if not prop.is_settable and {"docked", "cleaning"} <= set(prop.options)]
-    orders = [(node, prop) for node, prop in props if prop.is_settable and {"START", "HOME"} <= set(prop.options)]
-    if not orders or not (states or set(orders[0][1].options) == set(_ORDERS.values())):
+    commands = [(node, prop) for node, prop in props if prop.is_settable and {"START", "HOME"} <= set(prop.options)]
+    if not commands or not (states or set(commands[0][1].options) == set(_COMMANDS.values())):
         return None
-    node, order = orders[0]
+    node, command = commands[0]
     power = next((prop for one, prop in props if prop.is_settable and "fan" in _spelled(one)), None)
-    return Vacuum(node, order, states[0] if states else None, power)
+    return Vacuum(node, command, states[0] if states else None, power)
 
 
 def build_vacuum(vacuum: Vacuum) -> BytesPart:
     """Describe the robot."""
     part = node_part(vacuum.node, "robotic_vacuum_cleaner", guessed=True)
-    order, state = vacuum.order, vacuum.state
-    orders = {name: option for name, option in _ORDERS.items() if option in order.options}
-
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (publication(order, orders[require_option("vacuum", value, orders)]),)
-
+    command, state = vacuum.command, vacuum.state
+    options = {name: option for name, option in _COMMANDS.items() if option in command.options}
     if state is not None:
         part.read_from(state.topic, lambda payload: _read(state, payload))
-    part.add_command_topics(f"{order.topic}/set")
-    part.add_capability("vacuum", readable=state is not None, writer=write)
+    part.add_command_topics(f"{command.topic}/set")
+    writer = option_writer("vacuum", options, lambda state: (publication(command, options[state]),))
+    part.add_capability("vacuum", readable=state is not None, writer=writer)
     if vacuum.power is not None:
         add_enum(part, "fan_mode", vacuum.power)
     return part
 
 
-_ORDERS = {"cleaning": "START", "paused": "PAUSE", "idle": "STOP", "returning": "HOME"}
+_COMMANDS = {"cleaning": "START", "paused": "PAUSE", "idle": "STOP", "returning": "HOME"}
 _STATES: Mapping[str, str] = {
     "docked": "docked",
     "idle": "idle",

@@ -32,7 +32,7 @@ def is_opening(prop: HomieProperty) -> bool:
 
 
 def is_moving(prop: HomieProperty) -> bool:
-    """Return whether it takes orders to open and to close."""
+    """Return whether it takes commands to open and to close."""
     options = {one.casefold() for one in prop.options}
     return prop.datatype == "enum" and bool(options & {"open", "up"}) and bool(options & {"close", "closed", "down"})
 

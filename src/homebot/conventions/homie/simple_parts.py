@@ -85,7 +85,7 @@ def build_singles(node: NodeRoles) -> Iterator[BytesPart]:
 
 
 def _is_relative(prop: HomieProperty) -> bool:
-    """Return whether it only takes orders that depend on what was before: commands are absolute."""
+    """Return whether it only takes commands that depend on what was before: commands are absolute."""
     return prop.datatype == "enum" and not prop.is_retained and set(prop.options) <= _RELATIVE
 
 

@@ -97,8 +97,8 @@ def _channels(suffixes: frozenset[str]) -> tuple[_Channel, ...]:
         for suffix in suffixes
         if (match := _CHANNEL.fullmatch(suffix)) and int(match["index"]) < MAX_CHANNELS
     }
-    order = tuple(_RESTS)
-    return tuple(sorted(found, key=lambda one: (order.index(one.kind), one.index)))
+    ranks = {kind: rank for rank, kind in enumerate(_RESTS)}
+    return tuple(sorted(found, key=lambda one: (ranks[one.kind], one.index)))
 
 
 def _relay(topics: Gen1Topics, channel: _Channel, _suffixes: frozenset[str], model: Gen1Model | None) -> BytesPart:

@@ -144,7 +144,7 @@ _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
     **dict.fromkeys(VIRTUAL, (build_virtual,)),
     "button": (build_virtual_button,),
 }
-_ORDER = {kind: topics for topics, kind in enumerate(_BUILDERS)}
+_RANKS = {kind: rank for rank, kind in enumerate(_BUILDERS)}
 
 
 def _components(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[ShellyComponent, ...]:
@@ -152,10 +152,10 @@ def _components(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[She
     for key, fields in status.items():
         if len(found) >= MAX_COMPONENTS:
             break
-        if isinstance(fields, dict) and _KEY.fullmatch(key) and key.partition(":")[0] in _ORDER:
+        if isinstance(fields, dict) and _KEY.fullmatch(key) and key.partition(":")[0] in _RANKS:
             settings = config.get(key)
             found.append(ShellyComponent(topics, key, fields, settings if isinstance(settings, dict) else {}))
-    return tuple(sorted(found, key=lambda one: (_ORDER[one.kind], one.index)))
+    return tuple(sorted(found, key=lambda one: (_RANKS[one.kind], one.index)))
 
 
 @dataclass(slots=True)
