@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
+from typing import TypeVar
 
 import anyio
 import pytest
+from anyio import to_thread
 from anyio.abc import SocketAttribute, SocketStream
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
-from homebot.cli.door_client import open_door
-from homebot.errors import HomebotError, LinkError, PeerError, RefusedError, WireError
+from homebot.cli import door_client
+from homebot.cli.door_client import DoorClient, ReceivedMessage, open_door
+from homebot.errors import HomebotError, LinkError, PeerError, RefusedError, ServiceTimeoutError, WireError
+
+T = TypeVar("T")
 
 
 @asynccontextmanager
@@ -29,6 +35,12 @@ async def answering(answer: Callable[[ServerConnection, str], list[str]]) -> Asy
         yield next(iter(server.sockets)).getsockname()[1]
 
 
+def use(port: int, command: Callable[[DoorClient], T]) -> T:
+    """Run *command* with a connection, as commands do: in a thread without an event loop."""
+    with open_door("127.0.0.1", port) as door:
+        return command(door)
+
+
 async def test_another_kind_of_server_is_named() -> None:
     async def greet(stream: SocketStream) -> None:
         async with stream:
@@ -39,8 +51,7 @@ async def test_another_kind_of_server_is_named() -> None:
         tasks.start_soon(listener.serve, greet)
         port = listener.listeners[0].extra(SocketAttribute.local_port)  # noqa: S610  # anyio's, not Django's
         with pytest.raises(LinkError, match=f"the server on 127.0.0.1:{port} is not a homebot"):
-            async with open_door("127.0.0.1", port):
-                pytest.fail("opened")
+            await to_thread.run_sync(use, port, lambda _door: None)
         tasks.cancel_scope.cancel()
 
 
@@ -62,9 +73,9 @@ async def test_a_strange_answer_is_an_error(reply: str, error: type[HomebotError
     def answer(_connection: ServerConnection, frame: str) -> list[str]:
         return [reply] if "call_service" in frame else []
 
-    async with answering(answer) as port, open_door("127.0.0.1", port) as door:
+    async with answering(answer) as port:
         with pytest.raises(error, match=problem):
-            await door.call("/x")
+            await to_thread.run_sync(use, port, lambda door: door.call("/x"))
 
 
 async def test_messages_that_come_while_something_else_is_awaited_are_kept() -> None:
@@ -74,10 +85,11 @@ async def test_messages_that_come_while_something_else_is_awaited_are_kept() -> 
     def answer(_connection: ServerConnection, frame: str) -> list[str]:
         return [message, response] if "call_service" in frame else []
 
-    async with answering(answer) as port, open_door("127.0.0.1", port) as door:
-        assert await door.call("/x") == {}
-        delivery = await door.next()
-    assert (delivery.topic, delivery.message, delivery.lost) == ("/t", {"data": 1}, 2)
+    async with answering(answer) as port:
+        assert await to_thread.run_sync(use, port, lambda door: (door.call("/x"), door.next())) == (
+            {},
+            ReceivedMessage("/t", {"data": 1}, 2),
+        )
 
 
 async def test_a_connection_that_ends_is_an_error() -> None:
@@ -85,6 +97,56 @@ async def test_a_connection_that_ends_is_an_error() -> None:
         connection.transport.abort()
         return []
 
-    async with answering(leave) as port, open_door("127.0.0.1", port) as door:
-        with pytest.raises(LinkError, match="the connection to homebot ended"):
-            await door.next()
+    async with answering(leave) as port:
+        with pytest.raises(LinkError, match="the connection to homebot ended: homebot stopped"):
+            await to_thread.run_sync(use, port, lambda door: (door.settle(), door.settle()))
+
+
+async def test_a_connection_that_ends_while_a_message_is_awaited_says_why() -> None:
+    async def answer(connection: ServerConnection) -> None:
+        await connection.recv()
+        await connection.close(1001, "the house is on fire")
+
+    async with serve(answer, "127.0.0.1", 0) as server:
+        port = next(iter(server.sockets)).getsockname()[1]
+        with pytest.raises(LinkError, match="the connection to homebot ended: the house is on fire"):
+            await to_thread.run_sync(use, port, lambda door: (door.subscribe("/t"), door.next()))
+
+
+async def test_a_message_in_fragments_is_one_message() -> None:
+    async def answer(connection: ServerConnection) -> None:
+        await connection.recv()
+        await connection.send(['{"op":"publish",', '"topic":"/t",', '"msg":{"data":"é"}}'])
+        await connection.wait_closed()
+
+    async with serve(answer, "127.0.0.1", 0) as server:
+        port = next(iter(server.sockets)).getsockname()[1]
+        received = await to_thread.run_sync(use, port, lambda door: (door.subscribe("/t"), door.next())[1])
+    assert received.message == {"data": "é"}
+
+
+async def test_a_server_that_says_nothing_is_not_waited_for_without_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither for a message nor for an answer."""
+    monkeypatch.setattr(door_client, "_GRACE", 0.0)
+    async with answering(lambda _connection, _frame: []) as port:
+        with pytest.raises(TimeoutError):
+            await to_thread.run_sync(use, port, lambda door: door.next(0.05))
+        with pytest.raises(ServiceTimeoutError, match="/x"):
+            await to_thread.run_sync(use, port, lambda door: door.call("/x", timeout=0.05))
+        assert await to_thread.run_sync(use, port, lambda door: [*door.until(0.05)]) == []
+
+
+async def test_answers_that_come_in_another_order_reach_who_asked() -> None:
+    asked: list[str] = []
+
+    def answer(_connection: ServerConnection, frame: str) -> list[str]:
+        asked.append(json.loads(frame)["id"])
+        replies = [{"op": "service_response", "id": one, "result": True, "values": {"of": one}} for one in asked]
+        return [json.dumps(one) for one in reversed(replies)] if len(asked) == 2 else []
+
+    def both(door: DoorClient) -> tuple[object, object]:
+        first, second = door.begin_call("/x"), door.begin_call("/x")
+        return first(), second()
+
+    async with answering(answer) as port:
+        assert await to_thread.run_sync(use, port, both) == ({"of": "call:1"}, {"of": "call:2"})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.cli.commands.hz import rate_text
+from homebot.cli.commands.topic import rate_text
 
 
 def test_a_steady_topic_has_no_deviation() -> None:

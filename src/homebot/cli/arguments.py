@@ -1,4 +1,4 @@
-"""Common ground of the commands' parsers: adding a noun and its verbs, and the types of arguments."""
+"""Common ground of the commands' parsers: commands, shared options, and the types of arguments."""
 
 from __future__ import annotations
 
@@ -6,31 +6,36 @@ import argparse
 import math
 import os
 import re
+from collections.abc import Callable
 from ipaddress import ip_address
-from typing import Protocol
+from typing import Protocol, TypeAlias
 from urllib.parse import urlsplit
 
 from homebot.cli.flow import parse_flow
 from homebot.errors import WireError
 
 __all__ = [
+    "Command",
     "Commands",
     "add_broker_option",
-    "add_command",
     "add_global_options",
-    "add_noun",
-    "add_plain_command",
+    "add_verb",
+    "add_verbs",
     "address",
     "app",
     "broker_url",
     "message",
     "positive",
+    "set_client_command",
+    "set_command",
     "type_or_message",
     "whole",
 ]
 
 DEFAULT_BROKER = "mqtt://localhost:1883"
 DEFAULT_DOOR = "127.0.0.1:9090"
+
+Command: TypeAlias = "Callable[[argparse.Namespace], int]"
 
 _HOST = re.compile(r"[\w.-]+")
 
@@ -44,38 +49,43 @@ class Commands(Protocol):
         *,
         help: str,  # noqa: A002  # argparse's spelling
         description: str,
-        epilog: str | None,
         formatter_class: type[argparse.HelpFormatter],
     ) -> argparse.ArgumentParser:
         """Add a parser."""
         ...
 
 
-def add_noun(commands: Commands, name: str, summary: str, examples: str) -> Commands:
-    """Add the noun *name* to *commands* and return where its verbs go."""
-    parser = _add(commands, name, summary, examples)
+def set_command(parser: argparse.ArgumentParser, command: Command, examples: str) -> None:
+    """Make *parser* the one of *command*, which returns the exit code."""
+    parser.epilog = f"examples:\n{examples}"
+    parser.set_defaults(command=command)
+
+
+def set_client_command(parser: argparse.ArgumentParser, command: Command, examples: str) -> None:
+    """Make *parser* the one of *command*, which connects to a running homebot."""
+    set_command(parser, command, examples)
+    _add_door_options(parser, argparse.SUPPRESS, argparse.SUPPRESS)
+
+
+def add_verbs(parser: argparse.ArgumentParser, examples: str) -> Commands:
+    """Return where the commands below *parser* go, such as ``list`` of ``homebot topic``."""
+    parser.epilog = f"examples:\n{examples}"
     verbs: Commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     return verbs
 
 
-def add_plain_command(
-    commands: Commands, name: str, summary: str, examples: str, function: str
-) -> argparse.ArgumentParser:
-    """Add a command; *function* is what runs it, as ``module:function``."""
-    parser = _add(commands, name, summary, examples)
-    parser.set_defaults(command=function)
-    return parser
-
-
-def add_command(commands: Commands, name: str, summary: str, examples: str, function: str) -> argparse.ArgumentParser:
-    """Add a command that talks through the door; *function* is what runs it, as ``module:function``."""
-    parser = add_plain_command(commands, name, summary, examples, function)
-    _add_door_options(parser, argparse.SUPPRESS, argparse.SUPPRESS)
-    return parser
+def add_verb(verbs: Commands, name: str, summary: str) -> argparse.ArgumentParser:
+    """Add a command to *verbs*."""
+    return verbs.add_parser(
+        name,
+        help=summary,
+        description=f"{summary[0].upper()}{summary[1:]}.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
 
 
 def add_global_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that may stand before any command that talks through the door, and after it as well."""
+    """Add the options that may stand before any command that connects to a running homebot, and after it as well."""
     _add_door_options(parser, os.environ.get("HOMEBOT_DOOR") or DEFAULT_DOOR, None)
 
 
@@ -187,14 +197,4 @@ def _add_door_options(parser: argparse.ArgumentParser, address_default: str, fil
         metavar="FILE",
         default=file_default,
         help="file with the token of the endpoint (default: the token in HOMEBOT_DOOR_TOKEN, if set)",
-    )
-
-
-def _add(commands: Commands, name: str, summary: str, examples: str) -> argparse.ArgumentParser:
-    return commands.add_parser(
-        name,
-        help=summary,
-        description=f"{summary[0].upper()}{summary[1:]}.",
-        epilog=f"examples:\n{examples}" if examples else None,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
 __all__ = ["SHELLS", "PrintCompletion"]
@@ -12,7 +12,27 @@ SHELLS: Final = ("bash", "zsh")
 
 
 class PrintCompletion(argparse.Action):
-    """Prints the completion script of the whole parser for a shell, and ends the program."""
+    """Prints the completion script of the whole parser for a shell, and ends the program.
+
+    Args:
+        option_strings: As argparse makes actions.
+        dest: As above.
+        choices: The shells.
+        whole_parser: Returns the parser with the arguments of all commands.
+        help: As above.
+    """
+
+    def __init__(
+        self,
+        option_strings: Sequence[str],
+        dest: str,
+        *,
+        choices: Sequence[str],
+        whole_parser: Callable[[], argparse.ArgumentParser],
+        help: str,  # noqa: A002 - argparse's spelling
+    ) -> None:
+        super().__init__(option_strings, dest, choices=choices, help=help)
+        self._whole_parser = whole_parser
 
     def __call__(
         self,
@@ -24,11 +44,12 @@ class PrintCompletion(argparse.Action):
         """Print it."""
         import shtab  # noqa: PLC0415 - nobody else needs it
 
-        for action in _actions(parser):
+        whole = self._whole_parser()
+        for action in _actions(whole):
             if action.metavar in {"FILE", "DIR"}:
                 kind = shtab.FILE if action.metavar == "FILE" else shtab.DIRECTORY
                 action.complete = kind  # type: ignore[attr-defined]  # where shtab looks
-        print(shtab.complete(parser, str(values)))
+        print(shtab.complete(whole, str(values)))
         parser.exit()
 
 

@@ -2,117 +2,127 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, field_validator
+from collections.abc import Callable, Sequence
+from typing import TypeVar, cast
 
 from homebot.cli.door_client import DoorClient
+from homebot.cli.records import DeviceRecord, QueryResponseRecord, TimeRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import progress
-from homebot.devices import FIND_DEVICES, QUERY_DEVICES, Device
-from homebot.devices.query import quoted
+from homebot.cli.time_format import to_seconds
+from homebot.devices.names import FIND_DEVICES, QUERY_DEVICES
 from homebot.devices.query.folding import fold
-from homebot.devices.services import FindDevicesResponse, QueryDevicesResponse
+from homebot.devices.query.tokens import quoted
 from homebot.errors import PeerError
-from homebot.messages import Time
-from homebot.messages.json import message_from_json
 from homebot.similar import did_you_mean
 
 __all__ = ["all_devices", "find_devices", "house_time", "named_device", "reasons_for"]
 
+T = TypeVar("T")
+
 _NEAR = 100
 
 _PAGE = 200
-"""Devices in one answer: homebot does nothing else while it spells one out, and a whole house may take seconds."""
+"""Devices in one answer, which take some milliseconds to be put together."""
 
 _ROUNDS = 3
 """Times that all pages are asked for, should devices change places in between so that one slips through."""
 
 
-async def all_devices(door: DoorClient, service_type: str = "") -> tuple[Device, ...]:
-    """Return the devices that offer *service_type*, sorted by id; all where it is empty."""
+def all_devices(door: DoorClient, convert: Callable[[DeviceRecord], T], service_type: str = "") -> list[T]:
+    """Return what *convert* makes of each device that offers *service_type* (all where it is empty), sorted by id."""
+    found: dict[str, T] = {}
     if service_type:
-        answer = await door.call(FIND_DEVICES, {"service_type": service_type})
-        return message_from_json(FindDevicesResponse, answer).devices
-    found: dict[str, Device] = {}
-    for _ in range(_ROUNDS):
-        page = await find_devices(door, "", _PAGE)
-        found |= {one.device.id: one.device for one in page.results}
-        with progress("devices", page.total if page.total > _PAGE else 0) as show:
-            for offset in range(_PAGE, page.total, _PAGE):
-                page = await find_devices(door, "", _PAGE, offset)
-                found |= {one.device.id: one.device for one in page.results}
-                show(len(found))
-        if len(found) >= page.total:
+        answer = door.call(FIND_DEVICES, {"service_type": service_type})
+        found = {one["id"]: convert(one) for one in cast("list[DeviceRecord]", answer["devices"])}
+    for _ in range(0 if service_type else _ROUNDS):
+        total = _add_all(door, convert, found)
+        if len(found) >= total:
             break
-    return tuple(found[one] for one in sorted(found))
+    return [found[one] for one in sorted(found)]
 
 
-async def find_devices(door: DoorClient, query: str, limit: int = 0, offset: int = 0) -> QueryDevicesResponse:
-    """Return what fits *query*, best first; *limit* at most, without the *offset* best.
+def find_devices(door: DoorClient, query: str, limit: int = 0) -> QueryResponseRecord:
+    """Return what fits *query*, best first; *limit* at most.
 
     Raises:
         PeerError: The query is not understood; the message says what of it.
     """
-    answer = await door.call(QUERY_DEVICES, {"query": query, "offset": offset, "limit": limit})
-    found = message_from_json(QueryDevicesResponse, answer)
-    if not found.success:
-        raise PeerError(found.message)
-    return found
+    return _begin_query(door, query, limit, 0)()
 
 
-async def named_device(door: DoorClient, name: str) -> Device:
+def named_device(door: DoorClient, name: str) -> DeviceRecord:
     """Return the one device whose id or name *name* is, whatever the case and accents of a name.
 
     Raises:
         PeerError: There is none, with similar ones named, or there are several, all named.
     """
-    named = _called(name, await _near(door, name))
+    named = _called(name, _near(door, name))
     if len(named) == 1:
         return named[0]
-    devices = await all_devices(door)
+    devices = all_devices(door, lambda device: device)
     named = _called(name, devices)
     if len(named) == 1:
         return named[0]
     if named:
         raise PeerError(
             f"{len(named)} devices are called {name}; give the id of one: "
-            + ", ".join(printable(one.id) for one in named[:10])
+            + ", ".join(printable(one["id"]) for one in named[:10])
         )
-    known = [printable(text) for one in devices for text in (one.id, one.name)]
+    known = [printable(text) for one in devices for text in (one["id"], one["name"])]
     raise PeerError(f"there is no device {name}; {did_you_mean(name, known, '`homebot devices` lists all')}")
 
 
-async def _near(door: DoorClient, name: str) -> tuple[Device, ...]:
+def reasons_for(door: DoorClient, device: DeviceRecord) -> Sequence[str]:
+    """Return why a search for the device's name finds it, and why it stands where it stands."""
+    found = find_devices(door, quoted(device["name"]))
+    return next((one["reasons"] for one in found["results"] if one["device"]["id"] == device["id"]), ())
+
+
+def house_time(door: DoorClient) -> float:
+    """Return what time it is for homebot, in seconds since 1970."""
+    return to_seconds(cast("TimeRecord", door.call("/rosapi/get_time")["time"]))
+
+
+def _add_all(door: DoorClient, convert: Callable[[DeviceRecord], T], found: dict[str, T]) -> int:
+    """Add all devices to *found*, and return how many there are; the next page comes while one is converted."""
+    page = find_devices(door, "", _PAGE)
+    total, offset = page["total"], 0
+    with progress("devices", total if total > _PAGE else 0) as show:
+        while page["results"]:
+            offset += _PAGE
+            following = _begin_query(door, "", _PAGE, offset) if offset < total else None
+            for one in page["results"]:
+                found[one["device"]["id"]] = convert(one["device"])
+            show(len(found))
+            if following is None:
+                break
+            page = following()
+            total = page["total"]
+    return total
+
+
+def _begin_query(door: DoorClient, query: str, limit: int, offset: int) -> Callable[[], QueryResponseRecord]:
+    response = door.begin_call(QUERY_DEVICES, {"query": query, "offset": offset, "limit": limit})
+
+    def page() -> QueryResponseRecord:
+        answer = cast("QueryResponseRecord", response())
+        if not answer["success"]:
+            raise PeerError(answer["message"])
+        return answer
+
+    return page
+
+
+def _near(door: DoorClient, name: str) -> list[DeviceRecord]:
     """Return the devices that a search for *name* finds, without carrying a whole house; none where they are many."""
-    answer = await door.call(QUERY_DEVICES, {"query": quoted(name), "offset": 0, "limit": _NEAR})
-    found = message_from_json(QueryDevicesResponse, answer)
-    return tuple(one.device for one in found.results) if found.total <= _NEAR else ()
+    answer = door.call(QUERY_DEVICES, {"query": quoted(name), "offset": 0, "limit": _NEAR})
+    page = cast("QueryResponseRecord", answer)
+    return [one["device"] for one in page["results"]] if page["total"] <= _NEAR else []
 
 
-def _called(name: str, devices: tuple[Device, ...]) -> list[Device]:
+def _called(name: str, devices: Sequence[DeviceRecord]) -> list[DeviceRecord]:
     """The one whose id *name* is, or all that are called so."""
     wanted = fold(name)
-    own = [one for one in devices if one.id == name]
-    return own or [one for one in devices if wanted in {fold(text) for text in (one.id, one.name, *one.names)}]
-
-
-async def reasons_for(door: DoorClient, device: Device) -> tuple[str, ...]:
-    """Return why a search for the device's name finds it, and why it stands where it stands."""
-    found = await find_devices(door, quoted(device.name))
-    return next((one.reasons for one in found.results if one.device.id == device.id), ())
-
-
-async def house_time(door: DoorClient) -> float:
-    """Return what time it is for homebot, in seconds since 1970."""
-    answer = await door.call("/rosapi/get_time")
-    return _Now.model_validate(answer).time.to_seconds()
-
-
-class _Now(BaseModel):
-    """The answer has the names of ROS 1 for the fields of a time as well."""
-
-    time: Time
-
-    @field_validator("time", mode="before")
-    @classmethod
-    def _of_ros_2(cls, value: dict[str, int]) -> dict[str, int]:
-        return {"sec": value["sec"], "nanosec": value["nanosec"]}
+    own = [one for one in devices if one["id"] == name]
+    return own or [one for one in devices if wanted in {fold(text) for text in (one["id"], one["name"], *one["names"])}]

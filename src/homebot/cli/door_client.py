@@ -1,34 +1,43 @@
-"""The command line's end of the door: a small rosbridge v2 client.
+"""The command line's end of the rosbridge server: a small rosbridge v2 client, without an event loop.
 
 The only file that imports the WebSocket client. Frames are read only while something is awaited here, so one command
-does one thing at a time and needs no task of its own.
+does one thing at a time.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
+import os
+import socket
+import time
 from collections import deque
-from collections.abc import AsyncIterator, Mapping
-from contextlib import asynccontextmanager
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Final, NamedTuple
 
-import anyio
-from websockets.asyncio.client import ClientConnection, connect
-from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidMessage, InvalidStatus
+from websockets.client import ClientProtocol
+from websockets.exceptions import InvalidStatus
+from websockets.frames import Frame, Opcode
+from websockets.http11 import Response
+from websockets.protocol import State
+from websockets.uri import parse_uri
 
-from homebot.errors import LinkError, PeerError, RefusedError, ServiceTimeoutError, WireError
+from homebot.errors import ConfigError, LinkError, PeerError, RefusedError, ServiceTimeoutError, WireError
 
-__all__ = ["DoorClient", "ReceivedMessage", "open_door"]
+__all__ = ["DoorClient", "ReceivedMessage", "open_door", "with_client"]
 
-_MAX_WAITING = 10_000  # messages of topics that come while something else is awaited
-_MAX_FRAME = 64 * 1024 * 1024
-_OPEN_TIMEOUT = 5.0
-_SKIP_AT_MOST = 1.0  # seconds
-_GRACE = 2.0  # seconds by which the door's own time limit may be late
+_MAX_WAITING: Final = 10_000  # messages of topics that come while something else is awaited
+_MAX_FRAME: Final = 64 * 1024 * 1024
+_READ: Final = 256 * 1024
+_OPEN_TIMEOUT: Final = 5.0
+_CLOSE_TIMEOUT: Final = 1.0
+_SKIP_AT_MOST: Final = 1.0  # seconds
+_GRACE: Final = 2.0  # seconds by which the server's own time limit may be late
 
 
-@dataclass(frozen=True, slots=True)
-class ReceivedMessage:
+class ReceivedMessage(NamedTuple):
     """A message of a topic.
 
     Attributes:
@@ -42,23 +51,59 @@ class ReceivedMessage:
     lost: int
 
 
-class DoorClient:
-    """A connection to a running homebot; see :func:`open_door`."""
+def with_client(options: argparse.Namespace, command: Callable[[DoorClient], int]) -> int:
+    """Run *command* with a connection to the homebot that *options* name, and return its exit code.
 
-    def __init__(self, connection: ClientConnection) -> None:
+    Raises:
+        HomebotError: Nobody answers, the server does not let us in, or the command failed.
+    """
+    host, port = options.door
+    with open_door(host, port, _token(options.token_file)) as door:
+        return command(door)
+
+
+@contextmanager
+def open_door(host: str, port: int, token: str = "") -> Iterator[DoorClient]:
+    """Connect to the homebot that listens on *host* and *port*.
+
+    Raises:
+        LinkError: Nobody answers there, or it is no homebot.
+        RefusedError: The server wants another token, or does not let us in.
+    """
+    where = f"{f'[{host}]' if ':' in host else host}:{port}"
+    try:
+        connection = socket.create_connection((host, port), _OPEN_TIMEOUT)
+    except OSError as exc:
+        raise LinkError(f"no homebot is running on {where}; start one with `homebot run`") from exc
+    with connection:
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        client = DoorClient(connection, where)
+        client.shake_hands(token)
+        try:
+            yield client
+        finally:
+            client.close()
+
+
+class DoorClient:
+    """A connection to a running homebot; see :func:`open_door`.
+
+    Args:
+        connection: Connected to the server.
+        where: The server's address, for errors.
+    """
+
+    def __init__(self, connection: socket.socket, where: str) -> None:
         self._connection = connection
+        self._where = where
+        self._protocol = ClientProtocol(parse_uri(f"ws://{where}/"), max_size=_MAX_FRAME)
+        self._frames: deque[Frame] = deque()
         self._waiting: deque[ReceivedMessage] = deque(maxlen=_MAX_WAITING)
+        self._answers: dict[str, dict[str, object]] = {}
         self._calls = 0
 
-    async def report_errors(self) -> None:
-        """Ask to be told when something sent is refused."""
-        await self._send({"op": "set_level", "level": "error"})
-
-    async def call(
-        self,
-        service: str,
-        request: Mapping[str, object] | None = None,
-        timeout: float = 5.0,  # noqa: ASYNC109
+    def call(
+        self, service: str, request: Mapping[str, object] | None = None, timeout: float = 5.0
     ) -> dict[str, object]:
         """Return the response of *service*.
 
@@ -68,43 +113,53 @@ class DoorClient:
             RefusedError: Something sent before was refused.
             LinkError: The connection broke.
         """
+        return self.begin_call(service, request, timeout)()
+
+    def begin_call(
+        self, service: str, request: Mapping[str, object] | None = None, timeout: float = 5.0
+    ) -> Callable[[], dict[str, object]]:
+        """Call *service*, and return what waits for the response, with the errors of :meth:`call`."""
         self._calls += 1
         identifier = f"call:{self._calls}"
         frame = {"op": "call_service", "id": identifier, "service": service, "args": dict(request or {})}
-        await self._send(frame | {"timeout": timeout})
-        try:
-            with anyio.fail_after(timeout + _GRACE):
-                answer = await self._answer(identifier)
-        except TimeoutError:
-            raise ServiceTimeoutError(service, timeout) from None
-        values = answer.get("values")
-        if not answer.get("result") or not isinstance(values, dict):
-            text = str(values)
-            raise PeerError(text if text.startswith("service ") else f"service {service} failed: {text}")
-        return values
+        self._send(frame | {"timeout": timeout})
+        deadline = time.monotonic() + timeout + _GRACE
 
-    async def subscribe(self, topic: str) -> None:
+        def response() -> dict[str, object]:
+            try:
+                answer = self._answer(identifier, deadline)
+            except TimeoutError:
+                raise ServiceTimeoutError(service, timeout) from None
+            values = answer.get("values")
+            if not answer.get("result") or not isinstance(values, dict):
+                text = str(values)
+                raise PeerError(text if text.startswith("service ") else f"service {service} failed: {text}")
+            return values
+
+        return response
+
+    def subscribe(self, topic: str) -> None:
         """Ask for the messages of *topic*; one that does not exist yet is fine."""
-        await self._send({"op": "subscribe", "id": f"subscribing to {topic}", "topic": topic})
+        self._send({"op": "subscribe", "id": f"subscribing to {topic}", "topic": topic})
 
-    async def advertise(self, topic: str, ros_type: str) -> None:
+    def advertise(self, topic: str, ros_type: str) -> None:
         """Announce that messages of *ros_type* will come for *topic*."""
-        await self._send({"op": "advertise", "id": f"advertising {topic}", "topic": topic, "type": ros_type})
+        self._send({"op": "advertise", "id": f"advertising {topic}", "topic": topic, "type": ros_type})
 
-    async def publish(self, topic: str, message: Mapping[str, object]) -> None:
+    def publish(self, topic: str, message: Mapping[str, object]) -> None:
         """Publish *message*; what is wrong with it shows in :meth:`settle`."""
-        await self._send({"op": "publish", "id": f"publishing on {topic}", "topic": topic, "msg": dict(message)})
+        self._send({"op": "publish", "id": f"publishing on {topic}", "topic": topic, "msg": dict(message)})
 
-    async def settle(self) -> None:
+    def settle(self) -> None:
         """Wait until everything sent before has been dealt with.
 
         Raises:
             RefusedError: Some of it was refused.
             LinkError: The connection broke.
         """
-        await self.call("/rosapi/get_time")
+        self.call("/rosapi/get_time")
 
-    async def skip_kept(self) -> None:
+    def skip_kept(self) -> None:
         """Pass over what publishers keep for late joiners, which comes in one go after :meth:`subscribe`.
 
         Live messages that come in between are passed over too.
@@ -113,102 +168,160 @@ class DoorClient:
             RefusedError: Something sent before was refused.
             LinkError: The connection broke.
         """
-        with anyio.move_on_after(_SKIP_AT_MOST):  # a topic that is busy all the time never pauses
-            while True:
-                self._waiting.clear()
-                await self.settle()
-                if not self._waiting:
-                    return
+        ends = time.monotonic() + _SKIP_AT_MOST  # a topic that is busy all the time never pauses
+        self._waiting.clear()
+        self.settle()
+        while self._waiting and time.monotonic() < ends:
+            self._waiting.clear()
+            self.settle()
 
-    async def next(self) -> ReceivedMessage:
+    def next(self, timeout: float | None = None) -> ReceivedMessage:
         """Return the next message of what was subscribed to, waiting for it.
 
         Raises:
+            TimeoutError: None came within *timeout* seconds.
             RefusedError: Something sent before was refused.
             LinkError: The connection broke.
         """
+        deadline = None if timeout is None else time.monotonic() + timeout
         while not self._waiting:
-            await self._read()
+            self._read(deadline)
         return self._waiting.popleft()
 
-    async def _answer(self, identifier: str) -> dict[str, object]:
-        while True:
-            frame = await self._read()
-            if frame.get("op") == "service_response" and frame.get("id") == identifier:
-                return frame
+    def until(self, timeout: float) -> Iterator[ReceivedMessage]:
+        """Yield the messages that come within *timeout* seconds; errors as those of :meth:`next`."""
+        deadline = time.monotonic() + timeout
+        with suppress(TimeoutError):
+            while True:
+                yield self.next(max(0.0, deadline - time.monotonic()))
 
-    async def _read(self) -> dict[str, object]:
-        """Read one frame; a message of a topic is put aside, a refusal is raised."""
+    def shake_hands(self, token: str) -> None:
+        """Begin to speak WebSocket; errors as those of :func:`open_door`."""
+        request = self._protocol.connect()
+        if token:
+            request.headers["Authorization"] = f"Bearer {token}"
+        self._protocol.send_request(request)
+        deadline = time.monotonic() + _OPEN_TIMEOUT
         try:
-            text = await self._connection.recv(decode=True)
-        except ConnectionClosed as exc:
-            raise _ended(exc) from exc
+            self._write()
+            while self._is_in(State.CONNECTING) and self._protocol.handshake_exc is None:
+                self._receive(deadline)
+        except OSError as exc:
+            raise LinkError(f"no homebot is running on {self._where}; start one with `homebot run`") from exc
+        error = self._protocol.handshake_exc
+        if isinstance(error, InvalidStatus):
+            raise RefusedError(f"the connection to homebot on {self._where}", _reason(error.response)) from error
+        if error is not None:
+            raise LinkError(f"the server on {self._where} is not a homebot: {error}") from error
+
+    def close(self) -> None:
+        """Take leave, waiting for the server to do so too, but not for long. Twice is fine."""
+        with suppress(OSError):
+            if self._is_in(State.OPEN):
+                self._protocol.send_close()
+                self._write()
+                deadline = time.monotonic() + _CLOSE_TIMEOUT
+                while not self._is_in(State.CLOSED):
+                    self._receive(deadline)
+
+    def _answer(self, identifier: str, deadline: float) -> dict[str, object]:
+        while identifier not in self._answers:
+            self._read(deadline)
+        return self._answers.pop(identifier)
+
+    def _read(self, deadline: float | None) -> None:
+        """Read one frame; a message of a topic and an answer are put aside, a refusal is raised."""
+        text = self._text(deadline)
         try:
             frame = json.loads(text)
         except ValueError as exc:
-            raise WireError(f"the rosbridge server sent invalid JSON: {text[:60]!r}") from exc
+            raise WireError(f"the rosbridge server sent invalid JSON: {_begin(text)!r}") from exc
         if not isinstance(frame, dict):
-            raise WireError(f"the rosbridge server sent something other than a rosbridge frame: {text[:60]!r}")
-        if frame.get("op") == "status":
-            # Our identifiers say in words what was asked for; the door repeats them.
-            raise RefusedError(str(frame.get("id", "a frame")), str(frame.get("msg")))
-        if frame.get("op") == "publish":
-            lost = frame.get("lost", 0) + (len(self._waiting) == _MAX_WAITING)
-            self._waiting.append(ReceivedMessage(str(frame.get("topic")), frame.get("msg") or {}, lost))
-        return frame
+            raise WireError(f"the rosbridge server sent something other than a rosbridge frame: {_begin(text)!r}")
+        match frame.get("op"):
+            case "status":
+                # Our identifiers say in words what was asked for; the server repeats them.
+                raise RefusedError(str(frame.get("id", "a frame")), str(frame.get("msg")))
+            case "publish":
+                lost = frame.get("lost", 0) + (len(self._waiting) == _MAX_WAITING)
+                self._waiting.append(ReceivedMessage(str(frame.get("topic")), frame.get("msg") or {}, lost))
+            case "service_response":
+                self._answers[str(frame.get("id"))] = frame
 
-    async def _send(self, frame: Mapping[str, object]) -> None:
+    def _text(self, deadline: float | None) -> bytes:
+        """Return the payload of the next message, whatever its fragments."""
+        parts: list[bytes] = []
+        while True:
+            while not self._frames:
+                self._check_open()
+                try:
+                    self._receive(deadline)
+                except TimeoutError:
+                    raise
+                except OSError:
+                    self._protocol.receive_eof()
+            frame = self._frames.popleft()
+            parts.append(bytes(frame.data))
+            if frame.fin:
+                return b"".join(parts)
+
+    def _receive(self, deadline: float | None) -> None:
+        """Take what the server sent, waiting for it until *deadline*; answer what the protocol wants answered."""
+        left = None if deadline is None else deadline - time.monotonic()
+        if left is not None and left <= 0:
+            raise TimeoutError
+        self._connection.settimeout(left)
+        if data := self._connection.recv(_READ):
+            self._protocol.receive_data(data)
+        else:
+            self._protocol.receive_eof()
+        for event in self._protocol.events_received():
+            if isinstance(event, Frame) and event.opcode in {Opcode.TEXT, Opcode.CONT}:
+                self._frames.append(event)
+        with suppress(OSError):  # it left: what it said before counts
+            self._write()
+
+    def _send(self, frame: Mapping[str, object]) -> None:
+        self._check_open()
+        self._protocol.send_text(json.dumps(frame).encode())
         try:
-            await self._connection.send(json.dumps(frame))
-        except ConnectionClosed as exc:
-            raise _ended(exc) from exc
+            self._write()
+        except OSError as exc:
+            raise self._ended() from exc
+
+    def _write(self) -> None:
+        self._connection.settimeout(_OPEN_TIMEOUT)
+        for data in self._protocol.data_to_send():
+            if data:
+                self._connection.sendall(data)
+
+    def _check_open(self) -> None:
+        if not self._is_in(State.OPEN):
+            raise self._ended()
+
+    def _is_in(self, state: State) -> bool:
+        return self._protocol.state is state
+
+    def _ended(self) -> LinkError:
+        received = self._protocol.close_rcvd
+        reason = received.reason if received else ""
+        return LinkError(f"the connection to homebot ended: {reason or 'homebot stopped'}")
 
 
-@asynccontextmanager
-async def open_door(host: str, port: int, token: str = "") -> AsyncIterator[DoorClient]:
-    """Connect to the homebot that listens on *host* and *port*.
-
-    Raises:
-        LinkError: Nobody answers there, or it is no homebot.
-        RefusedError: The door wants another token, or does not let us in.
-    """
-    where = f"{f'[{host}]' if ':' in host else host}:{port}"
-    connection = await _connect(where, token)
-    try:
-        client = DoorClient(connection)
-        await client.report_errors()
-        yield client
-    finally:
-        with anyio.CancelScope(shield=True):
-            await connection.close()
-
-
-async def _connect(where: str, token: str) -> ClientConnection:
-    try:
-        return await connect(
-            f"ws://{where}/",
-            additional_headers={"Authorization": f"Bearer {token}"} if token else None,
-            compression=None,
-            max_size=_MAX_FRAME,
-            open_timeout=_OPEN_TIMEOUT,
-            close_timeout=1.0,
-            proxy=None,
-        )
-    except InvalidStatus as exc:
-        raise RefusedError(f"the connection to homebot on {where}", _reason(exc)) from exc
-    except (OSError, TimeoutError) as exc:
-        raise LinkError(f"no homebot is running on {where}; start one with `homebot run`") from exc
-    except (InvalidHandshake, InvalidMessage) as exc:
-        raise LinkError(f"the server on {where} is not a homebot: {exc}") from exc
-
-
-def _ended(error: ConnectionClosed) -> LinkError:
-    reason = error.rcvd.reason if error.rcvd else ""
-    return LinkError(f"the connection to homebot ended: {reason or 'homebot stopped'}")
-
-
-def _reason(error: InvalidStatus) -> str:
-    body = error.response.body or b""
-    text = body.decode(errors="replace").strip()[:200] or f"HTTP status {error.response.status_code}"
-    hint = "; give it with --token-file or HOMEBOT_DOOR_TOKEN" if error.response.status_code == 401 else ""
+def _reason(response: Response) -> str:
+    text = (response.body or b"").decode(errors="replace").strip()[:200] or f"HTTP status {response.status_code}"
+    hint = "; give it with --token-file or HOMEBOT_DOOR_TOKEN" if response.status_code == 401 else ""
     return f"{text}{hint}"
+
+
+def _begin(text: bytes) -> str:
+    return text.decode(errors="replace")[:60]
+
+
+def _token(file: str | None) -> str:
+    if file is None:
+        return os.environ.get("HOMEBOT_DOOR_TOKEN", "")
+    try:
+        return Path(file).read_text(encoding="utf-8").strip()
+    except (OSError, ValueError) as exc:
+        raise ConfigError("--token-file", file, f"cannot be read: {exc}") from exc

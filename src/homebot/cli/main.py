@@ -1,7 +1,7 @@
-"""The entry of the command line: reads the arguments, runs the command, turns errors into words and exit codes.
+"""The entry of the command line: reads the arguments, runs the command, turns errors into text and exit codes.
 
-Nothing heavy is imported before a command is chosen, so ``--help`` and ``--version`` answer at once. Exit codes:
-0 done, 1 it did not work, 2 the command line is wrong, 130 ended by Ctrl-C.
+Of the commands only the one that is given is imported, so each answers as soon as it can. Exit codes: 0 done, 1 it did
+not work, 2 the command line is wrong, 130 ended by Ctrl-C.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from io import TextIOWrapper
+from typing import Final
 
 import homebot
-from homebot.cli import broker, config, devices, doctor, find, forget, import_thing, node, run, service, show, topic
 from homebot.cli.arguments import add_global_options
 from homebot.cli.completion import SHELLS, PrintCompletion
 from homebot.errors import HomebotError
@@ -24,7 +24,21 @@ from homebot.output import clean_output
 
 __all__ = ["main", "make_parser", "uncollected"]
 
-COMMANDS = (run, config, devices, find, show, doctor, forget, import_thing, topic, service, node, broker)
+COMMANDS: Final = {
+    "run": "run homebot: find the devices of a house and act on them",
+    "config": "check the configuration",
+    "devices": "list the devices in the house",
+    "find": "find devices by type, capability, state, area or name",
+    "show": "show everything known about a device",
+    "doctor": "diagnose problems: gateways, quarantined topics, conflicts, silent devices, crashes, the index file",
+    "forget": "remove a device from the index",
+    "import": "add a device from a W3C Thing Description",
+    "topic": "list, inspect, read and publish topics",
+    "service": "list and call services",
+    "node": "list and inspect nodes",
+    "broker": "run an MQTT broker and nothing else",
+}
+"""What each does in a line. It is in the module of its name, ``import`` in ``import_thing``."""
 
 _EPILOG = """\
 examples:
@@ -53,26 +67,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a device may be called what a terminal cannot show
     with clean_output():
-        return _run(argv)
+        return _run(sys.argv[1:] if argv is None else argv)
 
 
-def _run(argv: Sequence[str] | None) -> int:
-    options = make_parser().parse_args(argv)
-    try:
-        return _load(options.command)(options)
-    except HomebotError as exc:
-        print(f"homebot: {exc}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        return 130
-    except BrokenPipeError:
-        # Whoever read our output has enough. Python would complain once more when it flushes at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-
-
-def make_parser() -> argparse.ArgumentParser:
-    """Return the parser of the whole command line."""
+def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
+    """Return the parser of the command line *argv*: it knows the arguments of the command in it; by default, of all."""
     parser = argparse.ArgumentParser(
         prog="homebot",
         description="The home runtime for robots: find every device in the house, and act on it.",
@@ -84,22 +83,46 @@ def make_parser() -> argparse.ArgumentParser:
         "--print-completion",
         action=PrintCompletion,
         choices=SHELLS,
+        whole_parser=make_parser,
         help='print the completion script for a shell; use it as: eval "$(homebot --print-completion bash)"',
     )
     add_global_options(parser)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in COMMANDS:
-        command.add_parser(commands)
+    for name, summary in COMMANDS.items():
+        command = commands.add_parser(
+            name,
+            help=summary,
+            description=f"{summary[0].upper()}{summary[1:]}.",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        if argv is None or name in argv:
+            _add_arguments(name, command)
     return parser
 
 
-def _load(command: str) -> Callable[[argparse.Namespace], int]:
-    """Return the function that ``module:function`` names."""
-    _import_structlog_without_rich()
-    module, _, function = command.partition(":")
-    with uncollected():
-        found: Callable[[argparse.Namespace], int] = getattr(importlib.import_module(module), function)
-    return found
+def _run(argv: Sequence[str]) -> int:
+    try:
+        options = make_parser(argv).parse_args(argv)
+        command: Callable[[argparse.Namespace], int] = options.command
+        return command(options)
+    except HomebotError as exc:
+        print(f"homebot: {exc}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        # Whoever read our output has enough. Python would complain once more when it flushes at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of *command*, and what runs it, to its *parser*."""
+    name = "import_thing" if command == "import" else command
+    with uncollected(), _no_rich():
+        module = importlib.import_module(f"homebot.cli.commands.{name}")
+    add_arguments: Callable[[argparse.ArgumentParser], None] = module.add_arguments
+    add_arguments(parser)
 
 
 @contextmanager
@@ -112,12 +135,14 @@ def uncollected() -> Iterator[None]:
         gc.enable()
 
 
-def _import_structlog_without_rich() -> None:
-    """Keep structlog from loading rich, with which it would print tracebacks: 10 % of the time of a short command."""
-    if "rich" in sys.modules or "structlog" in sys.modules:
+@contextmanager
+def _no_rich() -> Iterator[None]:
+    """Keep structlog from loading rich, with which it would print tracebacks: a tenth of the time of a command."""
+    if "rich" in sys.modules:
+        yield
         return
     sys.modules["rich"] = None  # type: ignore[assignment]  # Python's own way to say that there is none
     try:
-        importlib.import_module("structlog")
+        yield
     finally:
         del sys.modules["rich"]

@@ -4,31 +4,28 @@ from __future__ import annotations
 
 import base64
 import binascii
-
-from pydantic import BaseModel
+from typing import TypedDict, cast
 
 from homebot.cli.door_client import DoorClient
 
 __all__ = ["Schema", "message_schema", "response_schema"]
 
 
-class _TypeDef(BaseModel):
+class MessageTypeRecord(TypedDict):
+    """``rosapi_msgs/msg/TypeDef``, as JSON has it."""
+
     type: str
     fieldnames: list[str]
     fieldtypes: list[str]
     fieldarraylen: list[int]
 
 
-class _Details(BaseModel):
-    typedefs: list[_TypeDef]
-
-
 class Schema:
     """A message type and the types in it, as rosapi tells them."""
 
-    def __init__(self, typedefs: list[_TypeDef]) -> None:
-        self._types = {one.type: _fields(one) for one in typedefs}
-        self._root = typedefs[0].type if typedefs else ""
+    def __init__(self, typedefs: list[MessageTypeRecord]) -> None:
+        self._types = {one["type"]: _fields(one) for one in typedefs}
+        self._root = typedefs[0]["type"] if typedefs else ""
 
     def readable(self, message: dict[str, object]) -> dict[str, object]:
         """Return *message* with the bytes in it, which come as base64, as text where they are, else as a list."""
@@ -49,23 +46,23 @@ class Schema:
         return self._message(value, ros_type) if isinstance(value, dict) else value
 
 
-async def message_schema(door: DoorClient, ros_type: str) -> Schema:
+def message_schema(door: DoorClient, ros_type: str) -> Schema:
     """Ask what the message type *ros_type* looks like."""
-    return await _schema(door, "/rosapi/message_details", ros_type)
+    return _schema(door, "/rosapi/message_details", ros_type)
 
 
-async def response_schema(door: DoorClient, ros_type: str) -> Schema:
+def response_schema(door: DoorClient, ros_type: str) -> Schema:
     """Ask what the response of the service type *ros_type* looks like."""
-    return await _schema(door, "/rosapi/service_response_details", ros_type)
+    return _schema(door, "/rosapi/service_response_details", ros_type)
 
 
-async def _schema(door: DoorClient, service: str, ros_type: str) -> Schema:
-    return Schema(_Details.model_validate(await door.call(service, {"type": ros_type})).typedefs)
+def _schema(door: DoorClient, service: str, ros_type: str) -> Schema:
+    return Schema(cast("list[MessageTypeRecord]", door.call(service, {"type": ros_type})["typedefs"]))
 
 
-def _fields(typedef: _TypeDef) -> dict[str, tuple[str, bool]]:
-    kinds = zip(typedef.fieldtypes, (length >= 0 for length in typedef.fieldarraylen), strict=True)
-    return dict(zip(typedef.fieldnames, kinds, strict=True))
+def _fields(typedef: MessageTypeRecord) -> dict[str, tuple[str, bool]]:
+    kinds = zip(typedef["fieldtypes"], (length >= 0 for length in typedef["fieldarraylen"]), strict=True)
+    return dict(zip(typedef["fieldnames"], kinds, strict=True))
 
 
 def _readable_bytes(text: str) -> str | list[int]:

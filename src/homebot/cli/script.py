@@ -54,7 +54,7 @@ def run(
             not the main thread, or an event loop runs in it.
     """
     _check_caller()
-    options = make_parser().parse_args(["run"])
+    options = make_parser(["run"]).parse_args(["run"])
     options.app = [app if isinstance(app, str) else _plugin_name(app) for app in apps]
     options.config, options.house = config, house
     options.mqtt, options.root, options.act = mqtt, root, act

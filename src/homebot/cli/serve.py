@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Coroutine
-from contextlib import AbstractAsyncContextManager
-from typing import TypeVar
+import signal
+import socket
+import threading
+from collections.abc import Callable, Coroutine, Iterator
+from contextlib import AbstractAsyncContextManager, contextmanager
+from types import FrameType
+from typing import Final, TypeVar
 
 import anyio
 
-from homebot.cli.stop_signals import at_stop_signals
 from homebot.cli.watchdog import Watchdog
 from homebot.production_loop import ProductionLoop
 
 __all__ = ["on_an_event_loop", "serve"]
 
 Result = TypeVar("Result")
+
+_STOP_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
 
 
 def on_an_event_loop(main: Coroutine[object, object, Result]) -> Result:
@@ -48,7 +53,7 @@ async def serve(
         if cut_start_short is not None:
             cut_start_short()
 
-    with Watchdog() as watchdog, at_stop_signals(watchdog.start, stop):
+    with Watchdog() as watchdog, _at_stop_signals(watchdog.start, stop):
         async with service:
             loop = asyncio.get_running_loop()
             if isinstance(loop, ProductionLoop):
@@ -56,3 +61,51 @@ async def serve(
             with anyio.move_on_after(seconds):
                 await stop_requested.wait()
             watchdog.start()
+
+
+@contextmanager
+def _at_stop_signals(at_once: Callable[[], None], in_the_loop: Callable[[], None]) -> Iterator[None]:
+    """Call both at SIGINT and SIGTERM; to be entered in the main thread, within its event loop.
+
+    Args:
+        at_once: Called from any thread, perhaps twice a signal, also while the event loop is blocked.
+        in_the_loop: Called by the event loop.
+    """
+    loop = asyncio.get_running_loop()
+
+    def handle(_number: int, _frame: FrameType | None) -> None:
+        at_once()
+        loop.call_soon_threadsafe(in_the_loop)
+
+    with _in_a_thread(at_once):
+        before = {number: signal.signal(number, handle) for number in _STOP_SIGNALS}
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+
+@contextmanager
+def _in_a_thread(at_once: Callable[[], None]) -> Iterator[None]:
+    """Call *at_once* in a thread of its own at each of the signals.
+
+    Python runs handlers in the main thread, between two instructions. A call into C that began just before the signal,
+    or a signal that another thread took, leaves them waiting until that call returns.
+    """
+    received, written = socket.socketpair()
+    written.settimeout(0)  # as Python asks for: a handler must not wait
+
+    def read() -> None:
+        with received:
+            while numbers := received.recv(64):
+                if not set(_STOP_SIGNALS).isdisjoint(numbers):
+                    at_once()
+
+    threading.Thread(target=read, name="signals", daemon=True).start()
+    with written:
+        before = signal.set_wakeup_fd(written.fileno(), warn_on_full_buffer=False)
+        try:
+            yield
+        finally:
+            signal.set_wakeup_fd(before)

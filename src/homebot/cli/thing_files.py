@@ -6,14 +6,21 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
+from homebot.cli.records import DeviceRecord
 from homebot.devices import Device
 from homebot.errors import ConfigError
+from homebot.messages.json import message_from_json
 from homebot.names import escape_token
 from homebot.wot import to_thing
 
-__all__ = ["thing_text", "write_things"]
+__all__ = ["thing_text", "to_device", "write_things"]
 
 _LONGEST = 200
+
+
+def to_device(record: DeviceRecord) -> Device:
+    """Return the message that *record* is of."""
+    return message_from_json(Device, record)
 
 
 def thing_text(device: Device, broker: str) -> str:

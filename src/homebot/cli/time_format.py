@@ -1,29 +1,40 @@
-"""Moments as people and programs read them."""
+"""Times as people and programs read them."""
 
 from __future__ import annotations
 
 from datetime import UTC, datetime
+from functools import lru_cache
 
-from homebot.messages import Time
+from homebot.cli.records import TimeRecord
 
-__all__ = ["age", "ago", "iso"]
+__all__ = ["age", "ago", "iso", "to_seconds"]
 
 _SPANS = ((86_400, "d"), (3600, "h"), (60, "min"), (1, "s"))
 
 
-def age(moment: Time, now: float) -> str:
-    """Return the time from *moment* to *now*, in the largest unit that fits."""
-    seconds = max(0.0, now - moment.to_seconds())
+def to_seconds(time: TimeRecord) -> float:
+    """Return *time* in seconds since 1970."""
+    return time["sec"] + time["nanosec"] / 1e9
+
+
+def age(time: TimeRecord, now: float) -> str:
+    """Return the time from *time* to *now*, in the largest unit that fits."""
+    seconds = max(0.0, now - to_seconds(time))
     size, unit = next((one for one in _SPANS if seconds >= one[0]), _SPANS[-1])
     return f"{seconds / size:.0f} {unit}"
 
 
-def ago(moment: Time, now: float) -> str:
+def ago(time: TimeRecord, now: float) -> str:
     """Return :func:`age` as in ``5 s ago``; ``now`` below a second."""
-    return f"{age(moment, now)} ago" if now - moment.to_seconds() >= _SPANS[-1][0] else "now"
+    return f"{age(time, now)} ago" if now - to_seconds(time) >= _SPANS[-1][0] else "now"
 
 
-def iso(moment: Time) -> str:
-    """Return *moment* in ISO 8601, UTC, to the millisecond."""
-    found = datetime.fromtimestamp(moment.sec, UTC).replace(microsecond=moment.nanosec // 1000)
-    return found.isoformat(timespec="milliseconds").replace("+00:00", "Z")
+def iso(time: TimeRecord) -> str:
+    """Return *time* in ISO 8601, UTC, to the millisecond."""
+    return f"{_to_the_second(time['sec'])}.{time['nanosec'] // 1_000_000:03}Z"
+
+
+@lru_cache(maxsize=4096)
+def _to_the_second(sec: int) -> str:
+    """Many devices are heard in one second."""
+    return datetime.fromtimestamp(sec, UTC).strftime("%Y-%m-%dT%H:%M:%S")

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
+from homebot.cli.records import CapabilityRecord, DevicePartRecord, DeviceRecord, ValueRecord
 from homebot.devices.capabilities import CAPABILITIES, EVENTS
-from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.part import Capability
-from homebot.devices.value import PlainValue
+from homebot.devices.names import is_text_address
 
-__all__ = ["life", "main_parts", "span", "state_text", "types", "value_text"]
+__all__ = ["is_topic", "life", "main_parts", "plain_value", "span", "state_text", "types", "value_text"]
+
+PlainValue: TypeAlias = "bool | float | str | list[float] | None"
 
 _FLAGS = {
     "on_off": ("off", "on"),
@@ -31,14 +33,14 @@ _FLAGS = {
 _MOST = 4
 
 
-def state_text(device: Device) -> str:
-    """Return in short what the parts last told; ``unknown`` where they told nothing, empty where they never do."""
-    values = {(one.part, one.capability): one.value.plain() for one in device.states}
+def state_text(device: DeviceRecord) -> str:
+    """Return in short the last known state; ``unknown`` where there is none, empty where the device never reports."""
+    values = {(one["part"], one["capability"]): plain_value(one["value"]) for one in device["states"]}
     shown, reports_nothing = [], True
     for part in main_parts(device):
-        for capability in part.part.capabilities:
-            reports_nothing = reports_nothing and (not capability.readable or capability.name in EVENTS)
-            value = values.get((part.id, capability.name))
+        for capability in part["part"]["capabilities"]:
+            reports_nothing = reports_nothing and (not capability["readable"] or capability["name"] in EVENTS)
+            value = values.get((part["id"], capability["name"]))
             if value is not None:
                 shown.append(value_text(capability, value))
     if not shown:
@@ -46,60 +48,81 @@ def state_text(device: Device) -> str:
     return ", ".join(shown[:_MOST]) + (", …" if len(shown) > _MOST else "")
 
 
-def life(device: Device) -> str:
-    """Return in words how a device is: the same for a table and for a page of its own."""
-    if device.reachable.state == "no":
-        return f"{device.freshness}, unreachable"
-    return f"{device.freshness}, partly unreachable" if device.offline_parts else device.freshness
+def life(device: DeviceRecord) -> str:
+    """Return the availability of a device: the same in a table and on a page of its own."""
+    freshness = device["freshness"]
+    if device["reachable"]["state"] == "no":
+        return f"{freshness}, unreachable"
+    return f"{freshness}, partly unreachable" if device["offline_parts"] else freshness
 
 
-def types(device: Device) -> str:
-    """Return what the device offers, each type once; for one that speaks plain words, its own word for that."""
-    if device.parts and device.service_type not in DEVICE_TYPES:
-        return device.service_type
-    found = dict.fromkeys(one.part.service_type for one in main_parts(device))
-    return ", ".join(found) or device.service_type
+def types(device: DeviceRecord) -> str:
+    """Return what the device offers, each type once; for one that sends plain text, its own word for that."""
+    if device["parts"] and device["service_type"] not in DEVICE_TYPES:
+        return device["service_type"]
+    found = dict.fromkeys(one["part"]["service_type"] for one in main_parts(device))
+    return ", ".join(found) or device["service_type"]
 
 
-def main_parts(device: Device) -> Sequence[DevicePart]:
+def main_parts(device: DeviceRecord) -> Sequence[DevicePartRecord]:
     """Return the parts that the device is there for; settings and self-observations where there is nothing else."""
-    return [one for one in device.parts if not one.part.category] or device.parts
+    return [one for one in device["parts"] if not one["part"]["category"]] or device["parts"]
 
 
-def value_text(capability: Capability, value: PlainValue) -> str:
+def value_text(capability: CapabilityRecord, value: PlainValue) -> str:
     """Return a value with its unit, so that it can stand alone: ``on``, ``40 %``, ``no smoke``."""
     match value:
         case None:
             return "unknown"
         case bool():
-            no, yes = _FLAGS.get(capability.name, (f"no {_spaced(capability)}", _spaced(capability)))
+            no, yes = _FLAGS.get(capability["name"], (f"no {_spaced(capability)}", _spaced(capability)))
             return yes if value else no
         case str():
             return value
-        case tuple():
+        case list():
             return " ".join(_number(one) for one in value)
         case _:
             return f"{_number(value)} {_unit(capability)}".rstrip()
 
 
-def span(capability: Capability) -> str:
+def span(capability: CapabilityRecord) -> str:
     """Return which values it may have, in words; empty where nothing is known of that."""
-    known = CAPABILITIES.get(capability.name)
-    if capability.options:
-        return ", ".join(capability.options)
-    bounds = capability.bounds or (known.bounds if known else ())
+    known = CAPABILITIES.get(capability["name"])
+    if capability["options"]:
+        return ", ".join(capability["options"])
+    bounds = capability["bounds"] or (known.bounds if known else ())
     if bounds:
         return f"{_number(bounds[0])} to {_number(bounds[-1])} {_unit(capability)}".rstrip()
     return ""
 
 
-def _unit(capability: Capability) -> str:
-    known = CAPABILITIES.get(capability.name)
-    return capability.unit or (known.unit if known else "")
+def plain_value(value: ValueRecord) -> PlainValue:
+    """Return *value* as JSON has it; None where it is unknown."""
+    match value["type"]:
+        case 1:
+            return value["flag"]
+        case 2:
+            return value["number"]
+        case 3:
+            return value["text"]
+        case 4:
+            return value["numbers"]
+        case _:
+            return None
 
 
-def _spaced(capability: Capability) -> str:
-    return capability.name.replace("_", " ")
+def is_topic(address: str) -> bool:
+    """Return whether *address* says anything to people: not so the one of a part that takes texts."""
+    return bool(address) and not is_text_address(address)
+
+
+def _unit(capability: CapabilityRecord) -> str:
+    known = CAPABILITIES.get(capability["name"])
+    return capability["unit"] or (known.unit if known else "")
+
+
+def _spaced(capability: CapabilityRecord) -> str:
+    return capability["name"].replace("_", " ")
 
 
 def _number(value: float) -> str:

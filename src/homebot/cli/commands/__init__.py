@@ -1,1 +1,1 @@
-"""Bodies of the commands; each module is imported only when its command is chosen."""
+"""The commands, one module each; only that of the command that is given is imported."""

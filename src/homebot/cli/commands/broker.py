@@ -6,8 +6,10 @@ import argparse
 import ssl
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 
 from homebot.addresses import is_loopback
+from homebot.cli.arguments import address, positive, set_command, whole
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import read_secret
 from homebot.errors import InvalidNameError, UsageError
@@ -19,12 +21,62 @@ from homebot.mqtt.certificate import load_certificate
 from homebot.mqtt.topics import validate_filter
 from homebot.output import queued_output
 
-__all__ = ["broker", "make_broker"]
+__all__ = ["add_arguments", "broker", "make_broker"]
 
 SERVING = "broker.serving"
 ENDED = "broker.ended"
 
 _log = get_logger(node="/broker")
+
+_EXAMPLES = """\
+  homebot broker                                  on 127.0.0.1:1883, for programs on this computer
+  homebot broker --listen 127.0.0.1:0             on a free port, which the first line shows
+  homebot broker --listen 0.0.0.0:1883 --user home --password-file broker.password
+                                                  for other devices of the home as well
+  homebot broker --listen 0.0.0.0:8883 --user home --password-file broker.password \\
+                 --tls-cert broker.pem --tls-key broker.key
+                                                  the same, with TLS
+
+Sessions and retained messages are kept in memory only: they are lost when the broker stops. Ctrl-C stops it.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot broker``."""
+    set_command(parser, broker, _EXAMPLES)
+    parser.add_argument(
+        "--listen",
+        metavar="HOST:PORT",
+        type=address,
+        default=("127.0.0.1", 1883),
+        help="address to listen on; port 0 picks a free one (default: 127.0.0.1:1883)",
+    )
+    parser.add_argument(
+        "--keep-alive",
+        metavar="SECONDS",
+        type=whole,
+        help="longest keep-alive allowed to an MQTT 5 client; a longer one is shortened",
+    )
+    parser.add_argument(
+        "--refuse-filter",
+        metavar="FILTER",
+        action="append",
+        default=[],
+        help="answer a subscription to exactly this filter with 0x80; may be given more than once",
+    )
+    parser.add_argument("--user", metavar="NAME", help="user name for clients; needs --password-file")
+    parser.add_argument("--password-file", metavar="FILE", type=Path, help="file whose first line is the password")
+    parser.add_argument("--tls-cert", metavar="FILE", type=Path, help="certificate for TLS (PEM)")
+    parser.add_argument(
+        "--tls-key", metavar="FILE", type=Path, help="private key for TLS (PEM), unless --tls-cert contains it"
+    )
+    parser.add_argument(
+        "--log-format",
+        choices=("console", "json"),
+        default="console",
+        help="log lines for people (console) or programs (json)",
+    )
+    parser.add_argument("--for", dest="seconds", metavar="SECONDS", type=positive, help="stop after this many seconds")
 
 
 def broker(options: argparse.Namespace) -> int:

@@ -5,15 +5,29 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from homebot.cli.arguments import add_verb, add_verbs, set_command
 from homebot.cli.commands.run import with_door_token
 from homebot.config import load_config
 from homebot.log import configure_logging
 from homebot.runtime.plan import make_plan
 
-__all__ = ["check"]
+__all__ = ["add_arguments"]
+
+_EXAMPLES = """\
+  homebot config check                            check homebot.toml
+  homebot config check --config villa.toml        check another file
+"""
 
 
-def check(options: argparse.Namespace) -> int:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the commands below ``homebot config``."""
+    verbs = add_verbs(parser, _EXAMPLES)
+    check = add_verb(verbs, "check", "check a configuration file: keys, values, plug-ins and credentials")
+    check.add_argument("--config", metavar="FILE", default="homebot.toml", help="the file (default: homebot.toml)")
+    set_command(check, _check, _EXAMPLES)
+
+
+def _check(options: argparse.Namespace) -> int:
     """Read the file, find its plug-ins, check every table and credential, and say what would run."""
     configure_logging()
     config = load_config(Path(options.config))

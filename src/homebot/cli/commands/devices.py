@@ -3,89 +3,136 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
+from collections.abc import Callable
+from typing import TypeVar
 
-from homebot.cli.device_json import device_json
+from homebot.cli.arguments import add_broker_option, set_client_command
+from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import all_devices, house_time
-from homebot.cli.door_client import DoorClient
+from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.records import DeviceRecord
 from homebot.cli.terminal import print_table
-from homebot.cli.thing_files import write_things
 from homebot.cli.time_format import ago
-from homebot.cli.values import life, main_parts, state_text, types
-from homebot.cli.with_client import with_client
-from homebot.devices import Device
-from homebot.devices.device_types import DEVICE_TYPES, wanted_types
-from homebot.devices.names import read_text_address
-from homebot.devices.query import type_is
-from homebot.devices.query.vocabulary import TYPE_WORDS
+from homebot.cli.values import is_topic, life, main_parts, state_text, types
+from homebot.errors import UsageError
 from homebot.similar import did_you_mean
 
-__all__ = ["list_devices"]
+__all__ = ["add_arguments"]
+
+T = TypeVar("T")
 
 _HEAD = ("DEVICE", "TYPE", "AREA", "STATE", "GATEWAY", "COMMAND TOPIC", "AVAILABILITY", "LAST SEEN")
 _IF_ANY = ("AREA", "STATE", "COMMAND TOPIC")
 _IF_ROOM = ("GATEWAY", "COMMAND TOPIC")
 _WRONG_COMMAND_LINE = 2
+_EXAMPLES = """\
+  homebot devices
+  homebot devices --type lights
+  homebot devices --json
+  homebot devices --td things/
+
+STATE is what the device last reported. COMMAND TOPIC is where it takes commands, empty if it takes none; send one with
+`homebot topic pub --once /gateway/mqtt/out '{address: home/lights/lamp/in, payload: off}'`. AVAILABILITY is `fresh`
+if the device reported recently, `unconfirmed` if it is known only from a retained message or the index file, `stale`
+if it has been silent for too long, `unreachable` if it or its last will says offline, and `partly unreachable` if
+only some of its parts are.
+"""
 
 
-def list_devices(options: argparse.Namespace) -> int:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot devices``."""
+    set_client_command(parser, _devices, _EXAMPLES)
+    parser.add_argument("--type", metavar="T", default="", help="only devices of this type, for example lights")
+    parser.add_argument("--td", metavar="DIR", help="write a W3C Thing Description of each device to this directory")
+    add_broker_option(parser)
+    parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
+
+
+def _devices(options: argparse.Namespace) -> int:
     """Print the devices as a table or as a JSON list, or write their Thing Descriptions."""
-    found: list[Device] = []
+    print_all = _write_things if options.td else _print_json if options.json else _print_table
 
-    async def run(door: DoorClient) -> int:
-        devices = await all_devices(door, options.type)
-        if options.type and not devices and (problem := await _unknown_type(door, options.type)):
-            print(f"homebot: {problem}", file=sys.stderr)
+    def run(door: DoorClient) -> int:
+        try:
+            print_all(door, options)
+        except _UnknownTypeError as exc:
+            print(f"homebot: {exc}", file=sys.stderr)
             return _WRONG_COMMAND_LINE
-        if options.td:
-            found.extend(devices)
-        elif options.json:
-            print(json.dumps([device_json(one) for one in devices], indent=2))
-        elif not devices:
-            print(f"no device offers {options.type} now" if options.type else "no device discovered yet")
-        else:
-            now = await house_time(door)
-            rows = [_row(one, now) for one in devices]
-            print_table(_HEAD, rows, if_any=_IF_ANY, if_room=_IF_ROOM, in_colour="AVAILABILITY")
         return 0
 
-    code = with_client(options, run)
-    for file in write_things(found, options.td, options.broker) if options.td else ():
+    return with_client(options, run)
+
+
+class _UnknownTypeError(UsageError):
+    """No device can be of the type that was asked for."""
+
+
+def _print_table(door: DoorClient, options: argparse.Namespace) -> None:
+    now = house_time(door)
+    rows = _all(door, options.type, lambda device: _row(device, now))
+    if rows:
+        print_table(_HEAD, rows, if_any=_IF_ANY, if_room=_IF_ROOM, in_colour="AVAILABILITY")
+    else:
+        print(f"no device offers {options.type} now" if options.type else "no device discovered yet")
+
+
+def _print_json(door: DoorClient, options: argparse.Namespace) -> None:
+    print(list_text(_all(door, options.type, lambda device: json_text(device_json(device)))))
+
+
+def _write_things(door: DoorClient, options: argparse.Namespace) -> None:
+    from homebot.cli.thing_files import to_device, write_things  # noqa: PLC0415 - for Thing Descriptions alone
+
+    for file in write_things(_all(door, options.type, to_device), options.td, options.broker):
         print(file)
-    return code
 
 
-def _row(device: Device, now: float) -> tuple[str, ...]:
-    first = device.endpoints[0] if device.endpoints else None
+def _all(door: DoorClient, service_type: str, convert: Callable[[DeviceRecord], T]) -> list[T]:
+    """Return what *convert* makes of each device.
+
+    Raises:
+        _UnknownTypeError: There cannot be devices of *service_type*.
+    """
+    devices = all_devices(door, convert, service_type)
+    if service_type and not devices and (problem := _unknown_type(door, service_type)):
+        raise _UnknownTypeError(problem)
+    return devices
+
+
+def _row(device: DeviceRecord, now: float) -> tuple[str, ...]:
+    first = device["endpoints"][0] if device["endpoints"] else None
     return (
-        device.id,
+        device["id"],
         types(device),
-        device.area,
+        device["area"],
         state_text(device),
-        first.gateway if first else "",
+        first["gateway"] if first else "",
         _command_topic(device),
         life(device),
-        ago(device.last_seen, now),
+        ago(device["last_seen"], now),
     )
 
 
-async def _unknown_type(door: DoorClient, name: str) -> str:
-    """Return why there cannot be devices of the type *word*; empty where there only happen to be none."""
+def _unknown_type(door: DoorClient, name: str) -> str:
+    """Return why there cannot be devices of the type *name*; empty where there only happen to be none."""
+    # Of an error that is rare the reasons may take their time.
+    from homebot.devices.device_types import DEVICE_TYPES, wanted_types  # noqa: PLC0415
+    from homebot.devices.query import type_is  # noqa: PLC0415
+    from homebot.devices.query.vocabulary import TYPE_WORDS  # noqa: PLC0415
+
     if wanted_types(name) or name in DEVICE_TYPES or type_is(name).types:
         return ""
-    own = {one for device in await all_devices(door) for one in (device.service_type, *device.service_types) if one}
+    devices = all_devices(door, lambda device: (device["service_type"], *device["service_types"]))
+    own = {one for some in devices for one in some if one}
     return f"{name!r} is not a device type, and no device was announced as one; " + did_you_mean(
         name, {*TYPE_WORDS, *own}, "`homebot devices` shows the type of each device"
     )
 
 
-def _command_topic(device: Device) -> str:
-    """Return the address on which a device takes commands; empty where it takes none.
-
-    Words have an address of their own, which says nothing to people.
-    """
-    for one in device.endpoints:
-        if one.command_address and read_text_address(one.command_address) is None:
-            return one.command_address
-    return next((topic for part in main_parts(device) for topic in part.part.writes), "")
+def _command_topic(device: DeviceRecord) -> str:
+    """Return the topic on which a device takes commands; empty where it takes none."""
+    for one in device["endpoints"]:
+        if is_topic(one["command_address"]):
+            return one["command_address"]
+    return next((topic for part in main_parts(device) for topic in part["part"]["writes"]), "")

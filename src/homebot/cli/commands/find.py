@@ -3,49 +3,70 @@
 from __future__ import annotations
 
 import argparse
-import json
 
-from homebot.cli.device_json import device_json
+from homebot.cli.arguments import set_client_command, whole
+from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import find_devices
-from homebot.cli.door_client import DoorClient
+from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.records import QueryResponseRecord
 from homebot.cli.table import to_table, without_empty
 from homebot.cli.terminal import is_terminal, print_table
 from homebot.cli.values import life, state_text, types
-from homebot.cli.with_client import with_client
-from homebot.devices.services import QueryDevicesResponse
 
-__all__ = ["find"]
+__all__ = ["add_arguments"]
 
 _HEAD = ("DEVICE", "NAME", "TYPE", "AREA", "STATE", "AVAILABILITY")
 _IF_ANY = ("AREA", "STATE")
 
 
-def find(options: argparse.Namespace) -> int:
+_EXAMPLES = """\
+  homebot find 'light and dimmable in kitchen'
+  homebot find on lights
+  homebot find --why window
+  homebot find 'sensor with temperature not stale'
+
+A query combines types (light, lamp, window, …), capabilities (dimmable, temperature > 21), states (on, open, locked),
+`in AREA`, problems (stale, unreachable, disputed), settings (category=config) and words of names and models, with
+`and`, `or`, `not` and parentheses.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot find``."""
+    set_client_command(parser, _find, _EXAMPLES)
+    parser.add_argument("query", metavar="QUERY", nargs="+", help="words to search for")
+    parser.add_argument("--why", action="store_true", help="show why each device matches and ranks where it does")
+    parser.add_argument("--limit", metavar="N", type=whole, default=50, help="show the best N (default: 50)")
+    parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
+
+
+def _find(options: argparse.Namespace) -> int:
     """Print what fits a query, best first; return 1 where nothing does."""
     query = " ".join(options.query)
 
-    async def run(door: DoorClient) -> int:
-        found = await find_devices(door, query, options.limit)
+    def run(door: DoorClient) -> int:
+        found = find_devices(door, query, options.limit)
         if options.json:
             results = [
-                device_json(one.device) | {"score": one.score, "reasons": list(one.reasons)} for one in found.results
+                device_json(one["device"]) | {"score": one["score"], "reasons": one["reasons"]}
+                for one in found["results"]
             ]
-            print(json.dumps(results, indent=2))
-        elif not found.results:
+            print(list_text([json_text(one) for one in results]))
+        elif not found["results"]:
             print(f"no device matches {query!r}; `homebot devices` lists all")
         else:
             _show(found, why=options.why)
-        return 0 if found.results else 1
+        return 0 if found["results"] else 1
 
     return with_client(options, run)
 
 
-def _show(found: QueryDevicesResponse, *, why: bool) -> None:
+def _show(found: QueryResponseRecord, *, why: bool) -> None:
     rows: list[tuple[str, ...]] = [
-        (one.device.id, one.device.name, types(one.device), one.device.area, state_text(one.device), life(one.device))
-        for one in found.results
+        (one["id"], one["name"], types(one), one["area"], state_text(one), life(one))
+        for one in (result["device"] for result in found["results"])
     ]
-    reasons = [one.reasons for one in found.results]
+    reasons = [one["reasons"] for one in found["results"]]
     if not why:
         print_table(_HEAD, rows, if_any=_IF_ANY, if_room=("NAME",), in_colour="AVAILABILITY")
     elif is_terminal():
@@ -56,5 +77,5 @@ def _show(found: QueryDevicesResponse, *, why: bool) -> None:
         print(head)
         for line, some in zip(lines, reasons, strict=True):
             print("\n    ".join([line, *some]))
-    if found.total > len(found.results):
-        print(f"… and {found.total - len(found.results)} more; --limit shows more of them")
+    if hidden := found["total"] - len(found["results"]):
+        print(f"… and {hidden} more; --limit shows more of them")

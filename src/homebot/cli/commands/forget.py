@@ -3,39 +3,59 @@
 from __future__ import annotations
 
 import argparse
+from typing import cast
 
+from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
-from homebot.cli.door_client import DoorClient
+from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.publishing import GatewayPublisher
+from homebot.cli.records import ForgetResponseRecord
 from homebot.cli.table import printable
-from homebot.cli.with_client import with_client
 from homebot.devices.names import FORGET_DEVICE
-from homebot.devices.services import ForgetDeviceResponse
 from homebot.errors import PeerError
-from homebot.messages.json import message_from_json
 
-__all__ = ["forget"]
+__all__ = ["add_arguments"]
 
 
-def forget(options: argparse.Namespace) -> int:
+_EXAMPLES = """\
+  homebot forget lights/roomlights405
+  homebot forget 'Kitchen lamp' --purge
+
+A forgotten device comes back when it sends a message or is announced again.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot forget``."""
+    set_client_command(parser, _forget, _EXAMPLES)
+    parser.add_argument("device", metavar="DEVICE", help="its id or its name")
+    parser.add_argument(
+        "--purge",
+        action="store_true",
+        help="also delete its retained announcements from the broker, so that no program finds it any more",
+    )
+
+
+def _forget(options: argparse.Namespace) -> int:
     """Take a device out of the index, and on request its announcements off the broker."""
 
-    async def run(door: DoorClient) -> int:
-        device = await named_device(door, options.device)
-        outbox = GatewayPublisher(door)
+    def run(door: DoorClient) -> int:
+        device = named_device(door, options.device)
+        publisher = GatewayPublisher(door)
         if options.purge:  # before anything is done, so that nothing is done by halves
-            for gateway in sorted({one.gateway for one in device.endpoints}):
-                await outbox.check(gateway)
-        answer = message_from_json(ForgetDeviceResponse, await door.call(FORGET_DEVICE, {"device": device.id}))
-        if not answer.success:
-            raise PeerError(answer.message)
-        print(f"forgot {printable(device.id)}")
-        for one in answer.announced_on:
+            for gateway in sorted({one["gateway"] for one in device["endpoints"]}):
+                publisher.check(gateway)
+        answer = cast("ForgetResponseRecord", door.call(FORGET_DEVICE, {"device": device["id"]}))
+        if not answer["success"]:
+            raise PeerError(answer["message"])
+        print(f"forgot {printable(device['id'])}")
+        for one in answer["announced_on"]:
+            topic = printable(one["topic"])
             if options.purge:
-                await outbox.publish(one.gateway, one.topic, "", retain=True)
-                print(f"deleted the retained message on {printable(one.topic)}")
+                publisher.publish(one["gateway"], one["topic"], "", retain=True)
+                print(f"deleted the retained message on {topic}")
             else:
-                print(f"it was announced on {printable(one.topic)}; --purge deletes the retained message there")
+                print(f"it was announced on {topic}; --purge deletes the retained message there")
         return 0
 
     return with_client(options, run)

@@ -6,37 +6,63 @@ import argparse
 import json
 import re
 from pathlib import Path
+from typing import cast
 
-import anyio
-
+from homebot.cli.arguments import positive, set_client_command
 from homebot.cli.device_queries import all_devices
-from homebot.cli.door_client import DoorClient
+from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.publishing import GatewayPublisher
+from homebot.cli.records import DeviceChangeRecord, DeviceRecord
 from homebot.cli.table import printable
-from homebot.cli.with_client import with_client
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
-from homebot.devices import DEVICE_CHANGES, Device, DeviceChange
+from homebot.devices.names import DEVICE_CHANGES
 from homebot.errors import ConfigError, UsageError, WireError
-from homebot.messages.json import message_from_json
 from homebot.wot import Thing, read_thing
 
-__all__ = ["import_thing", "topic_level"]
+__all__ = ["add_arguments", "topic_level"]
 
 
-def import_thing(options: argparse.Namespace) -> int:
+_EXAMPLES = """\
+  homebot import desk_lamp.td.json
+  homebot import desk_lamp.td.json --name desk-lamp
+
+The description is published as a retained message on homebot/things/NAME/td, and the gateway makes a device of it,
+which stays until `homebot forget DEVICE --purge`. Its MQTT forms with JSON or plain text can be read and written.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot import``."""
+    set_client_command(parser, _import, _EXAMPLES)
+    parser.add_argument("file", metavar="FILE", help="Thing Description 1.1, as JSON")
+    parser.add_argument(
+        "--name", metavar="NAME", default="", help="NAME in its topic (default: made from its id or title)"
+    )
+    parser.add_argument(
+        "--prefix", metavar="P", default="homebot/things", help="first levels of its topic (default: homebot/things)"
+    )
+    parser.add_argument(
+        "--gateway", metavar="G", default="mqtt", help="gateway that is connected to its broker (default: mqtt)"
+    )
+    parser.add_argument(
+        "--timeout", metavar="S", type=positive, default=5.0, help="seconds to wait for the device (default: 5)"
+    )
+
+
+def _import(options: argparse.Namespace) -> int:
     """Check a Thing Description, put it on the broker, and wait until it is a device."""
     text, thing = _read(options.file)
     name = topic_level(options.name or thing.id or thing.title)
     topic = f"{options.prefix}/{name}/td"
 
-    async def run(door: DoorClient) -> int:
-        outbox = GatewayPublisher(door)
-        await outbox.check(options.gateway)
-        await door.subscribe(DEVICE_CHANGES)
-        await outbox.publish(options.gateway, topic, text, retain=True)
-        with anyio.move_on_after(options.timeout):
-            device = await _appeared(door, options.gateway, f"thing:{name}")
-            print(f"imported {printable(device.id)}, announced on {topic}")
+    def run(door: DoorClient) -> int:
+        publisher = GatewayPublisher(door)
+        publisher.check(options.gateway)
+        door.subscribe(DEVICE_CHANGES)
+        publisher.publish(options.gateway, topic, text, retain=True)
+        device_id = _wait_for_device(door, options.gateway, f"thing:{name}", options.timeout)
+        if device_id:
+            print(f"imported {printable(device_id)}, announced on {topic}")
             return 0
         print(
             f"published on {topic}, but no device appeared within {options.timeout:g} s; "
@@ -73,19 +99,20 @@ def _read(file: str) -> tuple[str, Thing]:
     return json.dumps(value, ensure_ascii=False, separators=(",", ":")), thing
 
 
-async def _appeared(door: DoorClient, gateway: str, key: str) -> Device:
-    for device in await all_devices(door):
-        if _is_of(device, gateway, key):
-            return device
-    while True:
-        delivery = await door.next()
-        if delivery.topic == DEVICE_CHANGES:
-            change = message_from_json(DeviceChange, delivery.message)
-            if change.kind != "removed" and _is_of(change.device, gateway, key):
-                return change.device
+def _wait_for_device(door: DoorClient, gateway: str, key: str, timeout: float) -> str:
+    """Return the id of the device that *gateway* calls *key*; empty where none appears in time."""
+    known = all_devices(door, lambda device: device["id"] if _is_of(device, gateway, key) else "")
+    if any(known):
+        return next(filter(None, known))
+    for received in door.until(timeout):
+        if received.topic == DEVICE_CHANGES:
+            change = cast("DeviceChangeRecord", received.message)
+            if change["kind"] != "removed" and _is_of(change["device"], gateway, key):
+                return change["device"]["id"]
+    return ""
 
 
-def _is_of(device: Device, gateway: str, key: str) -> bool:
-    ways = [(one.gateway, one.key) for one in device.endpoints]
-    ways += [(route.gateway, route.key) for part in device.parts for route in part.routes]
+def _is_of(device: DeviceRecord, gateway: str, key: str) -> bool:
+    ways = [(one["gateway"], one["key"]) for one in device["endpoints"]]
+    ways += [(route["gateway"], route["key"]) for part in device["parts"] for route in part["routes"]]
     return (gateway, key) in ways

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import argparse
 
-from homebot.cli.directory import entities
-from homebot.cli.door_client import DoorClient
-from homebot.cli.similar import not_found
-from homebot.cli.with_client import with_client
-from homebot.errors import PeerError
+from homebot.cli.arguments import add_verb, add_verbs, set_client_command
+from homebot.cli.directory import entities, is_hidden, not_found
+from homebot.cli.door_client import DoorClient, with_client
 
-__all__ = ["info", "list_nodes"]
+__all__ = ["add_arguments"]
 
 _SECTIONS = {
     "subscription": "Subscribers",
@@ -20,31 +18,48 @@ _SECTIONS = {
 }
 
 
-def list_nodes(options: argparse.Namespace) -> int:
+_EXAMPLES = """\
+  homebot node list
+  homebot node info /rosapi
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the commands below ``homebot node``."""
+    verbs = add_verbs(parser, _EXAMPLES)
+    command = add_verb(verbs, "list", "list every node")
+    command.add_argument("-a", "--all", action="store_true", help="show hidden nodes too")
+    set_client_command(command, _list, "  homebot node list\n")
+    command = add_verb(verbs, "info", "show what a node publishes, subscribes to and serves")
+    command.add_argument("node", metavar="NODE", help="full name of the node")
+    set_client_command(command, _info, "  homebot node info /rosapi\n")
+
+
+def _list(options: argparse.Namespace) -> int:
     """Print every node, one a line."""
 
-    async def run(door: DoorClient) -> int:
-        for one in await entities(door, kind="node"):
-            if options.all or not one.is_hidden:
-                print(one.name)
+    def run(door: DoorClient) -> int:
+        for one in entities(door, kind="node"):
+            if options.all or not is_hidden(one):
+                print(one["name"])
         return 0
 
     return with_client(options, run)
 
 
-def info(options: argparse.Namespace) -> int:
+def _info(options: argparse.Namespace) -> int:
     """Print what a node reads, publishes, serves and calls."""
 
-    async def run(door: DoorClient) -> int:
+    def run(door: DoorClient) -> int:
         name = options.node if options.node.startswith("/") else f"/{options.node}"
-        ends = await entities(door, node=name)
+        ends = entities(door, node=name)
         if not ends:
-            known = [one.name for one in await entities(door, kind="node")]
-            raise PeerError(not_found("node", name, known))
+            known = [one["name"] for one in entities(door, kind="node")]
+            raise not_found("node", name, known)
         print(name)
         for kind, title in _SECTIONS.items():
             print(f"  {title}:")
-            for line in sorted({f"    {one.name}: {one.type}" for one in ends if one.kind == kind}):
+            for line in sorted({f"    {one['name']}: {one['type']}" for one in ends if one["kind"] == kind}):
                 print(line)
         return 0
 

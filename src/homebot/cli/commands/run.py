@@ -13,6 +13,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from homebot.cli.arguments import address, app, positive, set_command
 from homebot.cli.main import uncollected
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, load_config, parse_config
@@ -24,7 +25,7 @@ from homebot.runtime import Runtime
 if TYPE_CHECKING:
     from homebot.house import World
 
-__all__ = ["configuration", "run", "with_door_token"]
+__all__ = ["add_arguments", "configuration", "run", "with_door_token"]
 
 COMMAND_LINE = "command line"
 DEFAULT_CONFIG = Path("homebot.toml")
@@ -37,6 +38,62 @@ COLLECT_AFTER = (5_000, 5, 40)
 defaults, half of the time in which ten thousand devices are taken in goes into that (measured); most of it into looking
 again at what has come to stay, and all else waits meanwhile. So it looks at 5,000 new objects, or at six times as many,
 which takes 20 ms at most; at everything only once 1.2 million more have come to stay, ten thousand devices' worth."""
+
+
+_EXAMPLES = """\
+  homebot run                                     embedded broker, a small simulated house, the light service
+  homebot run --for 15                            the same, for 15 seconds
+  homebot run --house family.toml                 the same, with a house that you describe
+  homebot run --mqtt mqtt://192.168.1.10 --root home425      your own broker, only observing
+  homebot run --mqtt mqtt://192.168.1.10 --root home425 --act --app light_service    act, with an app that you name
+  homebot run --app my_app:MyApp                  an app of your own instead of the light service
+  homebot run --config homebot.toml               everything set in a file
+
+Without --config, homebot.toml in the working directory is used if it exists. Ctrl-C stops everything in order.
+Devices are remembered in HOMEBOT_DATA (default: the user's data directory), but not those of a simulated house.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot run``."""
+    set_command(parser, run, _EXAMPLES)
+    parser.add_argument(
+        "--config", metavar="FILE", help="configuration file in TOML (default: homebot.toml, if it exists)"
+    )
+    parser.add_argument(
+        "--house",
+        metavar="FILE",
+        help="simulated house in TOML, on the embedded broker (default: a small one, without --config and --mqtt)",
+    )
+    parser.add_argument("--mqtt", metavar="URL", help="broker of the gateway `mqtt`, as mqtt://[user@]host[:port]")
+    parser.add_argument("--root", metavar="NAME", help="home to listen to, which is the first level of its MQTT topics")
+    parser.add_argument(
+        "--app",
+        metavar="NAME",
+        type=app,
+        action="append",
+        default=[],
+        help="app to run, a plug-in's name or module:Class; may be given more than once (default: the light service "
+        "in the simulated house, none on a broker of your own)",
+    )
+    parser.add_argument(
+        "--act", action="store_true", help="allow the gateway `mqtt` to send commands to an outside broker"
+    )
+    parser.add_argument(
+        "--door",
+        metavar="HOST:PORT",
+        type=address,
+        default=os.environ.get("HOMEBOT_DOOR"),
+        help="address to listen on for rosbridge clients (default: HOMEBOT_DOOR, else 127.0.0.1:9090)",
+    )
+    parser.add_argument(
+        "--log-format",
+        choices=("console", "json"),
+        default="console",
+        help="log lines for people (console) or programs (json)",
+    )
+    parser.add_argument("--ephemeral", action="store_true", help="do not remember devices across restarts")
+    parser.add_argument("--for", dest="seconds", metavar="SECONDS", type=positive, help="stop after this many seconds")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -7,43 +7,73 @@ import json
 import sys
 from collections.abc import Mapping
 
-from homebot.cli.directory import entities
-from homebot.cli.door_client import DoorClient
+from homebot.cli.arguments import add_verb, add_verbs, message, positive, set_client_command, type_or_message
+from homebot.cli.directory import entities, is_hidden, not_found
+from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.schema import response_schema
-from homebot.cli.similar import not_found
 from homebot.cli.table import printable
-from homebot.cli.with_client import with_client
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
 
-__all__ = ["call", "list_services"]
+__all__ = ["add_arguments"]
 
 
-def list_services(options: argparse.Namespace) -> int:
+_EXAMPLES = """\
+  homebot service list -t
+  homebot service call /rosapi/get_time
+"""
+_CALL_EXAMPLES = """\
+  homebot service call /rosapi/get_time
+  homebot service call /getIndexData '{service_type: lights}'
+  homebot service call /rosapi/topic_type rosapi_msgs/srv/TopicType '{"topic": "/rosout"}'
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the commands below ``homebot service``."""
+    verbs = add_verbs(parser, _EXAMPLES)
+    command = add_verb(verbs, "list", "list every service")
+    command.add_argument("-t", "--show-types", action="store_true", help="show each service's type")
+    command.add_argument("-a", "--all", action="store_true", help="show hidden services too")
+    set_client_command(command, _list, "  homebot service list\n  homebot service list -t\n")
+    command = add_verb(verbs, "call", "call a service and print its response")
+    command.add_argument("service", metavar="SERVICE", help="name of the service")
+    command.add_argument(
+        "type", metavar="TYPE", nargs="?", default="", type=type_or_message, help="type to expect; any if left out"
+    )
+    command.add_argument(
+        "request", metavar="REQUEST", nargs="?", default="{}", type=message, help="as JSON or as {field: value}"
+    )
+    command.add_argument("--timeout", metavar="S", type=positive, default=5.0, help="seconds to wait (default: 5)")
+    command.add_argument("--json", action="store_true", help="print the response as one line of JSON")
+    set_client_command(command, _call, _CALL_EXAMPLES)
+
+
+def _list(options: argparse.Namespace) -> int:
     """Print every service, one a line."""
 
-    async def run(door: DoorClient) -> int:
-        for one in await entities(door, kind="service"):
-            if options.all or not one.is_hidden:
-                print(f"{one.name} [{one.type}]" if options.show_types else one.name)
+    def run(door: DoorClient) -> int:
+        for one in entities(door, kind="service"):
+            if options.all or not is_hidden(one):
+                print(f"{one['name']} [{one['type']}]" if options.show_types else one["name"])
         return 0
 
     return with_client(options, run)
 
 
-def call(options: argparse.Namespace) -> int:
+def _call(options: argparse.Namespace) -> int:
     """Call a service and print its response; return 1 where the response says that it did not work."""
     expected, request = options.type, options.request
     if isinstance(expected, dict):  # the type was left out
         expected, request = "", expected
 
-    async def run(door: DoorClient) -> int:
-        ros_type = await _type(door, options.service, expected)
-        response = await door.call(options.service, request, options.timeout)
+    def run(door: DoorClient) -> int:
+        ros_type = _type(door, options.service, expected)
+        response = door.call(options.service, request, options.timeout)
         if options.json:
             print(json.dumps(response))
         else:
-            print(to_yaml((await response_schema(door, ros_type)).readable(response)), end="")
+            print(to_yaml(response_schema(door, ros_type).readable(response)), end="")
         return _exit_code(options.service, response)
 
     return with_client(options, run)
@@ -61,12 +91,12 @@ def _exit_code(service: str, response: Mapping[str, object]) -> int:
     return 0
 
 
-async def _type(door: DoorClient, service: str, expected: str) -> str:
+def _type(door: DoorClient, service: str, expected: str) -> str:
     """Return the type of *service*, which should be the *expected* one, if any."""
     name = service if service.startswith("/") else f"/{service}"
-    known = {one.name: one.type for one in await entities(door, kind="service")}
+    known = {one["name"]: one["type"] for one in entities(door, kind="service")}
     if name not in known:
-        raise PeerError(not_found("service", name, known))
+        raise not_found("service", name, known)
     if expected and expected.replace("/srv/", "/") != known[name].replace("/srv/", "/"):
         raise PeerError(f"service {name} is a {known[name]}, not a {expected}")
     return known[name]

@@ -1,26 +1,99 @@
-"""``homebot topic list`` and ``homebot topic info``."""
+"""``homebot topic``: ``list``, ``echo``, ``pub``, ``info`` and ``hz``."""
 
 from __future__ import annotations
 
 import argparse
+import json
+import math
+import re
+import sys
+import time
+from collections import deque
+from collections.abc import Sequence
 
-from homebot.cli.directory import GraphEntity, entities, no_such_topic, topic_type
-from homebot.cli.door_client import DoorClient
-from homebot.cli.with_client import with_client
+from homebot.cli.arguments import Commands, add_verb, add_verbs, message, positive, set_client_command, whole
+from homebot.cli.directory import WAITING, entities, is_hidden, no_such_topic, topic_type
+from homebot.cli.door_client import DoorClient, ReceivedMessage, with_client
+from homebot.cli.publishing import GatewayPublisher
+from homebot.cli.records import EntityRecord
+from homebot.cli.schema import Schema, message_schema
+from homebot.cli.yaml import to_yaml
+from homebot.errors import PeerError
 
-__all__ = ["info", "list_topics"]
+__all__ = ["add_arguments", "rate_text"]
 
+_EXAMPLES = """\
+  homebot topic list -t
+  homebot topic echo /rosout
+  homebot topic info -v /rosout
+"""
+_ECHO_EXAMPLES = """\
+  homebot topic echo /rosout
+  homebot topic echo --once --field msg /rosout
+  homebot topic echo --json --timeout 10 /discovery/changes
+"""
+_PUB_EXAMPLES = """\
+  homebot topic pub --once /hello std_msgs/String '{data: hi}'
+  homebot topic pub -r 5 -t 10 /hello std_msgs/String '{"data": "hi"}'
+  homebot topic pub --once /gateway/mqtt/out '{address: home/lights/lamp1/in, payload: off}'
+"""
 _ENDS = {"publisher": "Publisher", "subscription": "Subscription"}
+_OUT = re.compile(r"/?gateway/([^/]+)/out")
+_INTERVAL = 1.0
+"""Seconds between two lines of ``hz``."""
 
 
-def list_topics(options: argparse.Namespace) -> int:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the commands below ``homebot topic``."""
+    verbs = add_verbs(parser, _EXAMPLES)
+    command = add_verb(verbs, "list", "list every topic")
+    command.add_argument("-t", "--show-types", action="store_true", help="show each topic's type")
+    command.add_argument("-a", "--all", action="store_true", help="show hidden topics too")
+    set_client_command(command, _list, "  homebot topic list\n  homebot topic list -t\n")
+    _add_echo(verbs)
+    _add_pub(verbs)
+    command = add_verb(verbs, "info", "show the publishers and subscriptions of a topic")
+    command.add_argument("topic", metavar="TOPIC", help="name of the topic")
+    command.add_argument("-v", "--verbose", action="store_true", help="show each node with its QoS")
+    set_client_command(command, _info, "  homebot topic info /rosout\n  homebot topic info -v /rosout\n")
+    command = add_verb(verbs, "hz", "measure the publishing rate of a topic")
+    command.add_argument("topic", metavar="TOPIC", help="name of the topic")
+    command.add_argument("-w", "--window", metavar="N", type=whole, default=10_000, help="messages to average over")
+    set_client_command(command, _hz, "  homebot topic hz /rosout\n  homebot topic hz -w 100 /rosout\n")
+
+
+def _add_echo(verbs: Commands) -> None:
+    command = add_verb(verbs, "echo", "print the messages of a topic")
+    command.add_argument("topic", metavar="TOPIC", help="name of the topic, which need not exist yet")
+    command.add_argument("--once", action="store_true", help="end after the first message")
+    command.add_argument("--timeout", metavar="S", type=positive, help="give up after S seconds without a message")
+    command.add_argument("--field", metavar="A.B", help="print only this field")
+    command.add_argument("--json", action="store_true", help="print each message as one line of JSON")
+    set_client_command(command, _echo, _ECHO_EXAMPLES)
+
+
+def _add_pub(verbs: Commands) -> None:
+    command = add_verb(verbs, "pub", "publish on a topic")
+    command.add_argument("topic", metavar="TOPIC", help="name of the topic")
+    command.add_argument("type", metavar="TYPE", nargs="?", default="", help="type of the topic; needed for a new one")
+    command.add_argument("value", metavar="VALUE", type=message, help="the message, as JSON or as {field: value}")
+    count = command.add_mutually_exclusive_group()
+    count.add_argument("-1", "--once", action="store_const", const=1, dest="times", help="publish once")
+    count.add_argument("-t", "--times", metavar="N", type=whole, help="publish N times (default: until Ctrl-C)")
+    command.add_argument(
+        "-r", "--rate", metavar="HZ", type=positive, default=1.0, help="messages per second (default: 1)"
+    )
+    set_client_command(command, _pub, _PUB_EXAMPLES)
+
+
+def _list(options: argparse.Namespace) -> int:
     """Print every topic, one a line."""
 
-    async def run(door: DoorClient) -> int:
+    def run(door: DoorClient) -> int:
         topics = {
-            one.name: one.type
-            for one in await entities(door)
-            if one.kind in _ENDS and (options.all or not one.is_hidden)
+            one["name"]: one["type"]
+            for one in entities(door)
+            if one["kind"] in _ENDS and (options.all or not is_hidden(one))
         }
         for name, ros_type in topics.items():
             print(f"{name} [{ros_type}]" if options.show_types else name)
@@ -29,18 +102,18 @@ def list_topics(options: argparse.Namespace) -> int:
     return with_client(options, run)
 
 
-def info(options: argparse.Namespace) -> int:
+def _info(options: argparse.Namespace) -> int:
     """Print a topic's type and how many use it, or each of them."""
 
-    async def run(door: DoorClient) -> int:
-        ros_type = await topic_type(door, options.topic)
+    def run(door: DoorClient) -> int:
+        ros_type = topic_type(door, options.topic)
         if not ros_type:
-            raise await no_such_topic(door, options.topic)
+            raise no_such_topic(door, options.topic)
         name = options.topic if options.topic.startswith("/") else f"/{options.topic}"
-        ends = await entities(door, name=name)
+        ends = entities(door, name=name)
         print(f"Type: {ros_type}")
         for kind, title in _ENDS.items():
-            users = [one for one in ends if one.kind == kind]
+            users = [one for one in ends if one["kind"] == kind]
             print(f"{title} count: {len(users)}")
             if options.verbose:
                 print("".join(f"\n{_details(one, title)}" for one in users), end="\n" if users else "")
@@ -49,21 +122,142 @@ def info(options: argparse.Namespace) -> int:
     return with_client(options, run)
 
 
-def _details(end: GraphEntity, title: str) -> str:
+def _details(end: EntityRecord, title: str) -> str:
     return (
-        f"Node: {end.node}\n"
-        f"Topic type: {end.type}\n"
+        f"Node: {end['node']}\n"
+        f"Topic type: {end['type']}\n"
         f"Endpoint type: {title.upper()}\n"
         f"QoS profile:\n"
-        f"  Reliability: {end.reliability.upper()}\n"
-        f"  History (Depth): {end.history.upper()} ({end.depth})\n"
-        f"  Durability: {end.durability.upper()}\n"
-        f"  Lifespan: {_span(end.lifespan)}\n"
-        f"  Deadline: {_span(end.deadline)}\n"
-        f"  Liveliness: {end.liveliness.upper()}\n"
-        f"  Liveliness lease duration: {_span(end.liveliness_lease_duration)}\n"
+        f"  Reliability: {end['reliability'].upper()}\n"
+        f"  History (Depth): {end['history'].upper()} ({end['depth']})\n"
+        f"  Durability: {end['durability'].upper()}\n"
+        f"  Lifespan: {_span(end['lifespan'])}\n"
+        f"  Deadline: {_span(end['deadline'])}\n"
+        f"  Liveliness: {end['liveliness'].upper()}\n"
+        f"  Liveliness lease duration: {_span(end['liveliness_lease_duration'])}\n"
     )
 
 
 def _span(seconds: float) -> str:
     return f"{seconds:g} s" if seconds else "Infinite"
+
+
+def _echo(options: argparse.Namespace) -> int:
+    """Print the messages of a topic, until Ctrl-C or as the options say."""
+
+    def run(door: DoorClient) -> int:
+        door.subscribe(options.topic)
+        schema = _schema(door, options.topic)
+        while True:
+            try:
+                received = door.next(options.timeout)
+            except TimeoutError:
+                print(f"homebot: no message on {options.topic} within {options.timeout:g} s", file=sys.stderr)
+                return 1
+            if schema is None and not options.json:
+                schema = message_schema(door, topic_type(door, options.topic))
+            _show(received, schema, options)
+            if options.once:
+                return 0
+
+    return with_client(options, run)
+
+
+def _schema(door: DoorClient, topic: str) -> Schema | None:
+    """Return what the topic carries; where it does not exist yet, say so and return None."""
+    ros_type = topic_type(door, topic)
+    if ros_type:
+        return message_schema(door, ros_type)
+    print(f"homebot: {no_such_topic(door, topic)}\n{WAITING}", file=sys.stderr)
+    return None
+
+
+def _show(received: ReceivedMessage, schema: Schema | None, options: argparse.Namespace) -> None:
+    if received.lost:
+        print(f"homebot: {received.lost} messages were lost before this one, as they came too fast", file=sys.stderr)
+    fields = received.message if options.json or schema is None else schema.readable(received.message)
+    value = _field(fields, options.field) if options.field else fields
+    text = f"{json.dumps(value)}\n" if options.json else f"{to_yaml(value)}---\n"
+    print(text, end="", flush=True)
+
+
+def _field(fields: dict[str, object], path: str) -> object:
+    value: object = fields
+    for part in path.split("."):
+        if isinstance(value, list) and part.isdigit() and int(part) < len(value):
+            value = value[int(part)]
+        elif isinstance(value, dict) and part in value:
+            value = value[part]
+        else:
+            known = f"; it has {', '.join(value)}" if isinstance(value, dict) and value else ""
+            raise PeerError(f"the message has no field {path!r}: {part!r} is not there{known}")
+    return value
+
+
+def _pub(options: argparse.Namespace) -> int:
+    """Publish a message as often as the options say; by default once a second until Ctrl-C."""
+
+    def run(door: DoorClient) -> int:
+        ros_type = options.type or topic_type(door, options.topic)
+        if not ros_type:
+            raise no_such_topic(door, options.topic)
+        gateway = _gateway_of(options.topic)
+        publisher = GatewayPublisher(door) if gateway else None
+        if publisher is not None:
+            publisher.check(gateway)
+        door.advertise(options.topic, ros_type)
+        door.settle()
+        shown = json.dumps(options.value)
+        number = 0
+        due = time.monotonic()
+        while True:
+            number += 1
+            if publisher is None:
+                door.publish(options.topic, options.value)
+                door.settle()
+            else:
+                publisher.send(gateway, options.value)
+            print(f"publishing #{number} on {options.topic}: {shown}", flush=True)
+            if number == options.times:
+                return 0
+            due = max(due + 1 / options.rate, time.monotonic())
+            time.sleep(max(0.0, due - time.monotonic()))
+
+    return with_client(options, run)
+
+
+def _gateway_of(topic: str) -> str:
+    """Return the gateway that takes commands on *topic*; empty where it is no such topic."""
+    found = _OUT.fullmatch(topic)
+    return found[1] if found else ""
+
+
+def _hz(options: argparse.Namespace) -> int:
+    """Print once a second how often a topic was published on, until Ctrl-C."""
+
+    def run(door: DoorClient) -> int:
+        door.subscribe(options.topic)
+        if not topic_type(door, options.topic):
+            print(f"homebot: {no_such_topic(door, options.topic)}\n{WAITING}", file=sys.stderr)
+        door.skip_kept()  # it says nothing about the rate
+        times: deque[float] = deque(maxlen=options.window + 1)
+        while True:
+            before = len(times), times[-1] if times else 0.0
+            for _ in door.until(_INTERVAL):
+                times.append(time.monotonic())
+            is_new = (len(times), times[-1] if times else 0.0) != before
+            print(rate_text(times) if is_new and len(times) > 1 else "no new messages", flush=True)
+
+    return with_client(options, run)
+
+
+def rate_text(times: Sequence[float]) -> str:
+    """Return the average rate of at least two arrival *times*, in seconds, with the spread of the gaps."""
+    gaps = [later - earlier for earlier, later in zip(times, list(times)[1:], strict=False)]
+    mean = sum(gaps) / len(gaps)
+    deviation = math.sqrt(sum((gap - mean) ** 2 for gap in gaps) / len(gaps))
+    rate = 1 / mean if mean > 0 else math.inf
+    return (
+        f"average rate: {rate:.3f}\n"
+        f"\tmin: {min(gaps):.3f}s max: {max(gaps):.3f}s std dev: {deviation:.5f}s window: {len(times)}"
+    )
