@@ -54,12 +54,7 @@ T = TypeVar("T")
 
 @final
 class AiomqttClient(BaseClient):
-    """The `MqttClient` port on aiomqtt 2; make it inside a running event loop.
-
-    Args:
-        options: Broker, login and limits.
-        clock: Paces log lines.
-    """
+    """The `MqttClient` port on aiomqtt 2; make it inside a running event loop, with what `BaseClient` takes."""
 
     @property
     def limits(self) -> tuple[str, ...]:
@@ -85,6 +80,7 @@ class _AiomqttLink(ClientLink):
         self._client = aiomqtt.Client(**values.settings_of(options, version))
         client = self._paho = self._client._client  # noqa: SLF001 - aiomqtt's handle to paho
         client.connect_timeout = options.timeout
+        client.disable_logger()  # it builds a line for each packet
         client.on_message = client.on_publish = None  # neither is paho's here; it would make values for them
         self._then_connect: Any = client.on_connect
         self._then_disconnect: Any = client.on_disconnect

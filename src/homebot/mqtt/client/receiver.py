@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections import deque
 from collections.abc import Iterable
 from typing import final
-
-import anyio
 
 from homebot.clock import Clock
 from homebot.errors import LinkError, RefusedError, WireError
@@ -134,7 +133,7 @@ class Inbox:
         self._droppable = 0
         self._droppable_bytes = 0
         self._ended: LinkError | RefusedError | None = LinkError("not connected yet")
-        self._wake: anyio.Event | None = None
+        self._wake: asyncio.Future[None] | None = None
         self.dropped = 0
 
     def put(self, message: MqttMessage) -> None:
@@ -147,9 +146,8 @@ class Inbox:
                 self._droppable > self._max_messages or self._droppable_bytes > self._max_bytes
             ):
                 self._drop_oldest()
-        if (wake := self._wake) is not None:
-            self._wake = None
-            wake.set()
+        if self._wake is not None:
+            self._wake_up(self._wake)
 
     async def take(self) -> list[MqttMessage]:
         """Everything that is there, oldest first.
@@ -160,9 +158,8 @@ class Inbox:
         while not self._messages:
             if self._ended is not None:
                 raise LinkError(f"no more messages: {self._ended}") from self._ended
-            if self._wake is None:
-                self._wake = anyio.Event()
-            await self._wake.wait()
+            self._wake = asyncio.get_running_loop().create_future()
+            await self._wake
         taken = list(self._messages)
         self._messages.clear()
         self._droppable = self._droppable_bytes = 0
@@ -172,14 +169,18 @@ class Inbox:
         """Nothing more will come, because of *reason*; what is there can still be taken."""
         self._ended = reason
         if self._wake is not None:
-            self._wake.set()
-            self._wake = None
+            self._wake_up(self._wake)
 
     def reopen(self, *, resumed: bool) -> None:
         """Messages will come again; in a *resumed* session the broker repeats those of QoS 1 that wait here."""
         self._ended = None
         if resumed:
             self._messages = deque(message for message in self._messages if message.qos != 1)
+
+    def _wake_up(self, wake: asyncio.Future[None]) -> None:
+        self._wake = None
+        if not wake.done():  # its task may be cancelled
+            wake.set_result(None)
 
     def _drop_oldest(self) -> None:
         index = next(index for index, message in enumerate(self._messages) if message.qos == 0)

@@ -27,6 +27,9 @@ __all__ = ["TcpTransport", "dial_error", "dial_tcp", "make_tls_context", "socket
 _PORTION: Final = 32 * 1024
 """Bytes understood in one turn of the loop: enough for a few hundred messages, a few milliseconds of work."""
 
+_BUFFER: Final = 64 * 1024
+"""Bytes read from the socket at once, at most."""
+
 _READ_AHEAD: Final = 16 * 1024 * 1024
 """Bytes waiting to be understood, at most; see `ReadAhead` for why so many."""
 
@@ -62,7 +65,7 @@ async def dial_tcp(options: MqttOptions, user: TransportUser) -> TcpTransport:
 
 
 @final
-class TcpTransport(asyncio.Protocol):
+class TcpTransport(asyncio.BufferedProtocol):
     """One link; fills :class:`homebot.mqtt.client.transport.ClientTransport`.
 
     Args:
@@ -77,6 +80,7 @@ class TcpTransport(asyncio.Protocol):
         self._user = user
         self._transport: asyncio.Transport | None = None
         self.socket: socket.socket | None = None
+        self._buffer = memoryview(bytearray(_BUFFER))
         self._ahead = ReadAhead(_PORTION, _READ_AHEAD)
         self._is_reading = True
         self._held = b""
@@ -116,8 +120,13 @@ class TcpTransport(asyncio.Protocol):
         self.socket = transport.get_extra_info("socket")
         self._acknowledge()
 
-    def data_received(self, data: bytes) -> None:
+    def get_buffer(self, sizehint: int) -> memoryview:  # noqa: ARG002 - as asyncio calls it
+        """The place for the next bytes: always the same, or each read would ask the kernel for 256 KiB."""
+        return self._buffer
+
+    def buffer_updated(self, nbytes: int) -> None:
         """Bytes came from the socket."""
+        data = bytes(self._buffer[:nbytes])
         if self._ahead.size or len(data) > _PORTION:
             self._read_ahead(data)
         else:
