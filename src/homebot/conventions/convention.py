@@ -27,8 +27,8 @@ class Convention(Protocol):
     """One way in which devices announce themselves; the plug-in group is ``homebot.mqtt_conventions``.
 
     A plug-in is a class that is called with the settings of its table, an instance of :attr:`Settings`. Where a device
-    tells who it is in several messages, the object keeps those of unfinished devices, bounded; it reads no clock, does
-    no input or output, and the same messages in the same order give the same result.
+    identifies itself in several messages, the object keeps those of unfinished devices, bounded; it reads no clock,
+    does no input or output, and the same messages in the same order give the same result.
 
     Attributes:
         Settings: The model of its table; a field ``root`` is by default the home of the gateway.
@@ -52,9 +52,9 @@ class Convention(Protocol):
         ...
 
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Take a message that matches one of the filters, and return what it tells of devices; often nothing.
+        """Take a message that matches one of the filters, and return what it describes of devices; often nothing.
 
-        A convention whose devices tell who they are only when asked also returns what to ask them.
+        A convention whose devices identify themselves only when asked also returns what to ask them.
 
         Raises:
             WireError: The message belongs to this convention but breaks its rules; names field and value. What was
@@ -81,7 +81,7 @@ class OfferPublisher(Protocol):
     def states(
         self, offer: ExposedDevice, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
     ) -> tuple[Publication, ...]:
-        """Return what tells what is *known* of *offer* now that *changed* are news, by part and capability."""
+        """Return what publishes what is *known* of *offer* now that *changed* are news, by part and capability."""
         ...
 
     def take(self, topic: str, payload: bytes) -> tuple[Command, ...]:
@@ -91,14 +91,14 @@ class OfferPublisher(Protocol):
 
 @runtime_checkable
 class TextConvention(Protocol):
-    """A convention whose devices say and take text, so that the topic alone tells who speaks there and what it is.
+    """A convention whose devices publish and take text, so that the topic alone names the device and what it is.
 
     Its filters are subscribed to at QoS 1, since states come there; no command topic may match them. It is given the
     first message on a topic, and no other as long as the device is there; see :attr:`DeviceAnnounced.text`.
     """
 
     def announced(self, topic: str) -> DeviceAnnounced | None:
-        """Return the device that speaks on *topic*, or None when the topic is none of this convention's.
+        """Return the device that publishes on *topic*, or None when the topic is none of this convention's.
 
         Raises:
             WireError: The topic belongs to this convention but breaks its rules.
@@ -111,13 +111,13 @@ class ReservingConvention(Protocol):
     """A convention with topics that move more than one device."""
 
     def reserved(self) -> tuple[str, ...]:
-        """Return the filters of the topics on which no announcement may have its device told anything."""
+        """Return the filters of the topics on which no announcement may have commands sent."""
         ...
 
 
 @runtime_checkable
 class SlicedConvention(Protocol):
-    """A convention of which one message may tell of many devices, so that it is better taken with pauses."""
+    """A convention of which one message may describe many devices, so that it is better taken with pauses."""
 
     def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[AnnouncementEvent | None]:
         """Do what :meth:`Convention.take` does, in steps of a few milliseconds: None where others may have a turn.
@@ -130,7 +130,7 @@ class SlicedConvention(Protocol):
 
 @runtime_checkable
 class ProblemReportingConvention(Protocol):
-    """A convention that may notice that something it should hear does not come."""
+    """A convention that may notice that something it should receive does not come."""
 
     def problems(self) -> tuple[str, ...]:
         """Return what is wrong now, in words for people; empty where nothing is."""
@@ -146,6 +146,6 @@ class PublishingConvention(Protocol):
 
         Args:
             owner: A name that is lasting, and unique in the house.
-            status_topic: Where that homebot says ``online`` and ``offline``.
+            status_topic: Where that homebot publishes ``online`` and ``offline``.
         """
         ...

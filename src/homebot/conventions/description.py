@@ -50,13 +50,13 @@ class Codec(Protocol):
     """The codec of one part: pure, and bounded in time and memory whatever it is given."""
 
     def topics(self) -> tuple[str, ...]:
-        """Return the topic filters that it speaks on; wildcards only where the device declared them."""
+        """Return the topic filters that it reads; wildcards only where the device declared them."""
         ...
 
     def read(self, topic: str, payload: bytes, *, retained: bool) -> Mapping[str, PlainValue]:
-        """Return the value of each capability that a message tells; None for one that is now unknown.
+        """Return the value of each capability that a message reports; None for one that is now unknown.
 
-        A message that tells nothing of this part, or cannot be understood, gives an empty mapping, and what was known
+        A message that reports nothing of this part, or cannot be understood, gives an empty mapping, and what was known
         stays. An event that the broker had kept is none.
         """
         ...
@@ -102,16 +102,16 @@ class AutoExpiry:
 
 @dataclass(frozen=True, slots=True)
 class DescribedPart:
-    """A part and how it speaks.
+    """A part and its codec.
 
     Attributes:
         part: What it is.
-        codec: How it speaks and listens.
-        state_requests: What to publish to be told its state.
+        codec: How its messages are read and its commands written.
+        state_requests: What to publish so that it reports its state.
         expiries: Values that end by themselves.
-        remembers: Whether the codec makes commands or readings out of what the part said before. One that takes its
+        remembers: Whether the codec makes commands or readings out of what the part reported before. One that takes its
             place, because the device is described anew, is given the last messages again.
-        availability: How it tells by itself whether it can be reached; None where it does not, or as the device does.
+        availability: How it reports by itself whether it can be reached; None where it does not, or as the device does.
     """
 
     part: Part
@@ -123,7 +123,7 @@ class DescribedPart:
 
 
 class AvailabilitySource(Protocol):
-    """One topic that tells whether a device can be reached."""
+    """One topic that reports whether a device can be reached."""
 
     @property
     def topic(self) -> str:
@@ -131,7 +131,7 @@ class AvailabilitySource(Protocol):
         ...
 
     def read(self, payload: bytes) -> bool | None:
-        """Return whether it can, or None when *payload* says neither."""
+        """Return whether it can, or None when *payload* means neither."""
         ...
 
 
@@ -150,7 +150,7 @@ class LastWillAvailability:
     offline: bytes
 
     def read(self, payload: bytes) -> bool | None:
-        """Return whether the device can be reached, or None when *payload* says neither."""
+        """Return whether the device can be reached, or None when *payload* means neither."""
         return True if payload == self.online else False if payload == self.offline else None
 
 
@@ -173,8 +173,8 @@ class TextEndpoint:
 
     Attributes:
         service_type: What it offers, in its own word.
-        address: The topic that it speaks on, and nobody else does.
-        command_address: The topic that it listens on.
+        address: The topic that it publishes on, and nothing else does.
+        command_address: The topic on which it takes commands.
     """
 
     service_type: str
@@ -190,21 +190,21 @@ class DeviceAnnounced:
         key: Names the announcement: unique in its convention, and lasting, for example ``light/0x17_light``.
         convention: Which convention it is in.
         identifiers: Who the device is; see :func:`homebot.devices.identity.identifiers`. Announcements of one device
-            share at least one; empty where it told none.
+            share at least one; empty where it named none.
         name: What people call the device.
         parts: What it offers.
         topic: Where it was announced.
-        area: The room it was said to be in.
+        area: The room that was announced for it.
         facts: Further facts, such as ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
-        availability: How it tells whether it can be reached, as a whole; None when it does not.
+        availability: How it reports whether it can be reached, as a whole; None when it does not.
         owns: Topics that the device has for itself with all that is below them, because it was announced there or the
-            bridge that speaks for it names its devices so; never because the announcement says so.
-        native: Whether the convention is that of the device itself, or of the bridge that connects it; what it says is
-            preferred to what somebody else makes of the device.
+            bridge that publishes for it names its devices so; never because the announcement says so.
+        native: Whether the convention is that of the device itself, or of the bridge that connects it; what it reports
+            is preferred to what somebody else makes of the device.
         whole_device: Whether each announcement of the convention is of a whole device: two of them are never about the
             same one, unless they name one radio address.
         implies_alive: Whether the announcement is a sign of life of the device itself when it comes live.
-        text: Where it says and takes text; its one part does, whose service type is empty where the vocabulary has
+        text: Where it publishes and takes text; its one part does, whose service type is empty where the vocabulary has
             none. It is announced by the first message on that topic, whatever it says, and gone with an empty one.
     """
 
@@ -225,7 +225,7 @@ class DeviceAnnounced:
 
     @property
     def full_key(self) -> str:
-        """Key of the gateway for it; a text device needs no convention to be told from others."""
+        """Key of the gateway for it; a text device is distinct without its convention."""
         return self.key if self.text is not None else f"{self.convention}:{self.key}"
 
 
@@ -248,7 +248,7 @@ class DeviceWithdrawn:
 
 @dataclass(frozen=True, slots=True)
 class DeviceRequest:
-    """A convention has heard of a device that tells who it is only when it is asked.
+    """A convention knows of a device that identifies itself only when it is asked.
 
     The convention asks again at the device's next sign of life as long as no answer came, so a question may be dropped.
     The gateway may send questions slowly, one device after the other; of two with the same key the later one counts.

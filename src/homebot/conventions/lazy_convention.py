@@ -15,7 +15,7 @@ __all__ = ["LazyConvention", "MessageReader"]
 
 
 class MessageReader(Protocol):
-    """The part of a convention that needs loading: it understands messages, and keeps what they say.
+    """The part of a convention that needs loading: it understands messages, and keeps what they report.
 
     Attributes:
         rejected: Announcements that broke the rules, so far.
@@ -35,7 +35,7 @@ ReaderT = TypeVar("ReaderT", bound=MessageReader)
 class LazyConvention(ABC, Generic[SettingsT, ReaderT]):
     """A convention that knows where devices announce themselves, and loads the rest when one does.
 
-    A house speaks one or two of the conventions that are listened for.
+    A house uses one or two of the conventions that are subscribed to.
 
     Args:
         settings: Its table.
@@ -71,7 +71,7 @@ class LazyConvention(ABC, Generic[SettingsT, ReaderT]):
         return ()
 
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Take a message and return what it tells of devices."""
+        """Take a message and return what it describes of devices."""
         try:
             return self.reader.take(topic, payload, retained=retained)
         except WireError:

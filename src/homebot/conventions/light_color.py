@@ -58,7 +58,7 @@ def nearest_mired_bounds(least: float, most: float) -> tuple[float, float]:
 
 
 def white_kelvin(value: float | None, *, in_kelvin: bool) -> float | None:
-    """Return the kelvin of a white that a lamp says in kelvin or in mired; None where it cannot be one."""
+    """Return the kelvin of a white that a lamp reports in kelvin or in mired; None where it cannot be one."""
     if value is None or not 1 <= value <= _MOST_KELVIN:
         return None
     return float(value) if in_kelvin else float(kelvin_mired(value))

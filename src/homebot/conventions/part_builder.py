@@ -78,7 +78,7 @@ class PartBuilder(Generic[MessageT]):
     def add_coded_capability(
         self, name: str, writer: CodedWriter, *, readable: bool = True, options: tuple[str, ...] = ()
     ) -> None:
-        """As :meth:`add_capability`, for what may be told with a code alone."""
+        """As :meth:`add_capability`, for what may be set with a code alone."""
         self._capabilities[name] = Capability(name=name, readable=readable, settable=True, options=options)
         self._coded_writers[name] = writer
 
@@ -92,11 +92,11 @@ class PartBuilder(Generic[MessageT]):
         self._event_readers[topic] = (*self._event_readers.get(topic, ()), reader)
 
     def add_command_topics(self, *topics: str) -> None:
-        """Name the topics that the part listens on."""
+        """Name the topics on which the part takes commands."""
         self._writes.update(dict.fromkeys(topics))
 
     def add_state_request(self, *publications: Publication) -> None:
-        """Name what makes the device tell the part's state."""
+        """Name what makes the device report the part's state."""
         self._state_requests.update(dict.fromkeys(publications))
 
     def add_expiry(self, *expiries: AutoExpiry) -> None:
@@ -104,7 +104,7 @@ class PartBuilder(Generic[MessageT]):
         self._expiries += expiries
 
     def remembers(self) -> None:
-        """Say that its codec needs what was said before; see :attr:`DescribedPart.remembers`."""
+        """Note that its codec needs what was reported before; see :attr:`DescribedPart.remembers`."""
         self._remembers = True
 
     def build(self) -> DescribedPart:

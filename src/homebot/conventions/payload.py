@@ -279,7 +279,7 @@ def to_json(payload: bytes) -> object:
 
 
 def is_unknown(value: object) -> bool:
-    """Tell whether *value*, in the place of a number, says that the device does not know it.
+    """Return whether *value*, in the place of a number, means that the device does not know it.
 
     That is null, a number that is none or has no end, and the words that firmware has for these.
     """
@@ -291,7 +291,7 @@ def is_unknown(value: object) -> bool:
 def read_number(
     capability: str, value: object, convert: Callable[[float], float | None] = float, unknown: object = None
 ) -> Readings:
-    """Return what *value* tells of *capability*: a number, that it is unknown, or nothing.
+    """Return what *value* reports of *capability*: a number, that it is unknown, or nothing.
 
     Args:
         capability: What the number is.

@@ -1,4 +1,4 @@
-"""A codec that is tables: what each topic tells, and how each capability is told. Pure."""
+"""A codec that is tables: what each topic reports, and how each capability is set. Pure."""
 
 from __future__ import annotations
 
@@ -79,11 +79,11 @@ class TableCodec(Generic[MessageT]):
         self._wild = tuple(topic for topic in readers if "+" in topic or "#" in topic)
 
     def topics(self) -> tuple[str, ...]:
-        """Return the topic filters that it speaks on."""
+        """Return the topic filters that it reads."""
         return tuple(self._readers)
 
     def read(self, topic: str, payload: bytes, *, retained: bool) -> Readings:
-        """Return what a message tells."""
+        """Return what a message reports."""
         readers = self._readers.get(topic, ())
         if self._event_readers and not retained:
             readers += self._event_readers.get(topic, ())

@@ -1,4 +1,4 @@
-"""A codec of parts that say and take plain text, see :mod:`homebot.devices.text`. Pure."""
+"""A codec of parts that publish and take plain text, see :mod:`homebot.devices.text`. Pure."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class TextCodec:
     command with just that number.
 
     Args:
-        part: The part; it reports on the first topic of its ``reads``, and is told on the first of its ``writes``.
+        part: The part; it reports on the first topic of its ``reads``, and is commanded on the first of its ``writes``.
     """
 
     __slots__ = ("_awaited", "_decode", "_last", "_part", "_was_retained")
@@ -36,11 +36,11 @@ class TextCodec:
         self._was_retained = False
 
     def topics(self) -> tuple[str, ...]:
-        """Return the topic that the part speaks on."""
+        """Return the topic that the part publishes on."""
         return self._part.reads
 
     def read(self, topic: str, payload: bytes, *, retained: bool) -> Readings:
-        """Return what *payload* tells that the one before did not."""
+        """Return what *payload* reports that the one before did not."""
         del topic
         if payload == self._last and (retained or not self._was_retained):
             return NO_READINGS
@@ -58,7 +58,7 @@ class TextCodec:
         return (Publication(self._part.writes[0], payload, qos=1),)
 
     def expect(self, command: bytes) -> None:
-        """Note that the part was told *command*, so that its answer may be the same text."""
+        """Note that *command* was sent to the part, so that its answer may be the same text."""
         self._awaited = command if len(command) <= _LONGEST else b""
 
     def _as_answer(self, readings: Readings) -> Readings:

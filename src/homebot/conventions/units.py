@@ -102,7 +102,7 @@ def celsius_bounds(low: float, high: float) -> tuple[float, float]:
     """Return the bounds *low* and *high*, in °F, in °C.
 
     Each is the tenth that is as far out or farther, so that a bound which somebody rounded is within as well. What is
-    told of it must be kept within *low* and *high* then.
+    sent to it must be kept within *low* and *high* then.
     """
     lowest, highest = (round((one - 32.0) / 0.18, 6) for one in (low, high))
     return math.floor(lowest) / 10, math.ceil(highest) / 10

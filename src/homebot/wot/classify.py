@@ -61,12 +61,12 @@ def parts_of(thing: Thing) -> tuple[ClassifiedPart, ...]:
 
 
 def observe_form(affordance: Affordance) -> Form | None:
-    """Return the form by which it is heard over MQTT, if there is one."""
+    """Return the form by which it is observed over MQTT, if there is one."""
     return next((one for one in affordance.forms if _is_observable(one)), None)
 
 
 def write_form(affordance: Affordance) -> Form | None:
-    """Return the form by which it is told over MQTT, if there is one."""
+    """Return the form by which it is written over MQTT, if there is one."""
     return next((one for one in affordance.forms if _is_writable(one)), None)
 
 

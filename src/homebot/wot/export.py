@@ -33,7 +33,7 @@ def own_content_type(convention: str) -> str:
 def to_thing(device: Device, brokers: Mapping[str, str]) -> dict[str, object]:
     """Return the Thing Description 1.1 of *device*, as JSON values.
 
-    It says what can be read and told, in the vocabulary's units, and on which MQTT topics. Where a convention such as
+    It says what can be read and set, in the vocabulary's units, and on which MQTT topics. Where a convention such as
     Zigbee2MQTT's says how that is spelt, the content type names it.
 
     Args:

@@ -27,7 +27,7 @@ class Form:
         filter: To subscribe to; empty where there is none.
         qos: 0 to 2.
         retain: Whether the broker shall keep, or keeps, what is published.
-        content_type: How payloads are spelt; ``application/json`` where nothing was said.
+        content_type: How payloads are spelt; ``application/json`` where nothing is declared.
     """
 
     ops: tuple[str, ...]
@@ -49,7 +49,7 @@ class DataSchema:
     """The constraints on a value.
 
     Attributes:
-        type: Of the values; empty where nothing was said.
+        type: Of the values; empty where nothing is declared.
         unit: As it was spelt; empty where there is none.
         minimum: The smallest number, if any.
         maximum: The largest number, if any.
@@ -65,15 +65,15 @@ class DataSchema:
 
 @dataclass(frozen=True, slots=True)
 class Affordance:
-    """Something that can be read, told or heard.
+    """Something that can be read, written or observed.
 
     Attributes:
         name: Unique among its kind in the thing.
         kind: Which of the three it is.
-        title: What people call it; empty where nobody said.
+        title: What people call it; empty where that is not known.
         types: Its semantic types, without prefix.
         schema: What its values may be: of an action those that it takes, of an event those that come with it.
-        read_only: Whether it cannot be told.
+        read_only: Whether it cannot be set.
         write_only: Whether it cannot be read.
         forms: The ways to use it, at least one.
         extension: What homebot itself wrote of it, by the name after ``homebot:``; texts alone.
@@ -101,7 +101,7 @@ class Thing:
         description: What it is, in words.
         affordances: Properties, then actions, then events, each in their order.
         facts: Further facts, by name.
-        area: Where it is; empty where nobody said.
+        area: Where it is; empty where that is not known.
         identifiers: Who it is; see :func:`homebot.devices.identity.identifiers`.
     """
 

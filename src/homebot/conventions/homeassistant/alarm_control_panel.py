@@ -22,7 +22,7 @@ __all__ = ["build_alarm_control_panel"]
 
 
 def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
-    """Describe an alarm. One that wants a code is told with one.
+    """Describe an alarm. One that wants a code is commanded with one.
 
     A code that the config names must be that one; where it says ``REMOTE_CODE`` the alarm itself judges any.
     """

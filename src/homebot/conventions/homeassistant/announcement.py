@@ -45,10 +45,10 @@ class Announced:
 
     Attributes:
         is_migrating: Whether it says only that another form of announcement follows; then all else is empty.
-        device: The device in full keys; empty where the message tells none.
+        device: The device in full keys; empty where the message has none.
         origin: Who announces, in full keys.
         components: What the device offers; those that the message takes back are left out.
-        common: The fields that all share, and of a single component its own: they tell the availability of the whole.
+        common: The fields that all share, and of a single component its own: they state the availability of the whole.
     """
 
     is_migrating: bool

@@ -13,7 +13,7 @@ __all__ = ["build_button", "build_scene"]
 
 
 def build_button(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a button. One that makes the device show or sound where it is can be told ``locate`` as well."""
+    """Describe a button. One that makes the device show or sound where it is takes ``locate`` as well."""
     command = config.required_command()
     payload = config.text("payload_press", "PRESS")
     entity = Entity(config, "x_setting")

@@ -17,7 +17,7 @@ __all__ = ["build_camera", "build_image"]
 
 
 def build_camera(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a camera: its part names the topic of its pictures, and its codec does not listen there."""
+    """Describe a camera: its part names the topic of its pictures, and its codec does not read there."""
     return _seen(config, "camera", config.required_source("topic").topic)
 
 

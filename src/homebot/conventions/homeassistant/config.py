@@ -56,11 +56,11 @@ class DiscoveryConfig:
             self.encoding = encoding if encoding in _CODECS else "utf-8"
 
     def has(self, key: str) -> bool:
-        """Tell whether the field is there and not null."""
+        """Return whether the field is there and not null."""
         return self.values.get(key) is not None
 
     def is_null(self, key: str) -> bool:
-        """Tell whether the field is there and null, which says of a payload that there is no such command."""
+        """Return whether the field is there and null, which means that there is no such command."""
         return key in self.values and self.values[key] is None
 
     def text(self, key: str, default: str = "") -> str:
@@ -154,7 +154,7 @@ class DiscoveryConfig:
         template_key: str = "value_template",
         variables: Mapping[str, object] | None = None,
     ) -> ValueSource | None:
-        """Return where a value is said, and how it is found in the message; None where it is not said.
+        """Return where a value is reported, and how it is found in the message; None where it is not.
 
         Args:
             topic_key: The field with the topic.

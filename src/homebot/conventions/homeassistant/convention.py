@@ -35,7 +35,7 @@ class HomeAssistantSettings(BaseModel):
     Attributes:
         prefixes: Discovery prefixes; two programs in one house may use different ones.
         announce_please: Whether to publish what Home Assistant publishes at its start, so that devices announce
-            themselves anew. A real Home Assistant in the house, and all that listens to it, hears that as well.
+            themselves anew. A real Home Assistant in the house, and all that subscribes to it, receives that as well.
         publish: Whether what homebot offers is published below the first prefix, for a Home Assistant to see.
     """
 

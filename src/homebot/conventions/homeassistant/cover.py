@@ -83,7 +83,7 @@ class _Steps:
 
 @dataclass(frozen=True, slots=True)
 class _CoverStateDecoder:
-    """Reads what the cover says."""
+    """Reads what the cover reports."""
 
     steps: _Steps
     states: Mapping[str, str | None]
@@ -91,7 +91,7 @@ class _CoverStateDecoder:
     position: ValueSource | None
 
     def read_state(self, message: StateMessage, text: str) -> Readings:
-        """One that stopped is closed where the same message says that it is at 0, and else open."""
+        """One that stopped is closed where the same message reports that it is at 0, and else open."""
         if text not in self.states:
             return NO_READINGS
         movement = self.states[text]
@@ -103,7 +103,7 @@ class _CoverStateDecoder:
         return {"movement": movement}
 
     def read_position(self, text: str) -> Readings:
-        """Without a state topic the position tells also whether it is open."""
+        """Without a state topic the position reports also whether it is open."""
         value: object = text
         found: dict[str, PlainValue] = {}
         if text.startswith("{"):

@@ -20,7 +20,7 @@ __all__ = ["build_moment"]
 
 
 def build_moment(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a date, a time of day, or both, as the component says; what is none is neither heard nor told."""
+    """Describe a date, a time of day, or both, as the component says; what is none is neither read nor sent."""
     kind = config.component
     parse = _PARSERS[kind]
     command = config.required_command()

@@ -37,9 +37,9 @@ class DeviceInfo:
     """The device block of a config.
 
     Attributes:
-        identifiers: See :func:`homebot.devices.identity.identifiers`; empty where the config tells none.
+        identifiers: See :func:`homebot.devices.identity.identifiers`; empty where the config names none.
         name: What people call it; empty where the config does not say.
-        area: The room it was said to be in.
+        area: The room that was announced for it.
         facts: Such as ``manufacturer``, ``model``, ``sw_version``, ``via_device``; ``origin`` is who announced it.
     """
 
@@ -159,7 +159,7 @@ MAX_SOURCES = 16
 
 @dataclass(frozen=True, slots=True)
 class PayloadAvailability:
-    """One topic that says two words, and which they are; see :class:`AvailabilitySource`.
+    """One topic with two payloads; see :class:`AvailabilitySource`.
 
     Attributes:
         topic: The topic.
@@ -174,7 +174,7 @@ class PayloadAvailability:
     unavailable: str
 
     def read(self, payload: bytes) -> bool | None:
-        """Return whether the device can be reached, or None when *payload* says neither."""
+        """Return whether the device can be reached, or None when *payload* means neither."""
         text = self.source.text(StateMessage(payload))
         if text == self.available:
             return True
@@ -182,7 +182,7 @@ class PayloadAvailability:
 
 
 def read_availability(config: DiscoveryConfig) -> Availability | None:
-    """Return how the device tells whether it can be reached; None where it does not.
+    """Return how the device reports whether it can be reached; None where it does not.
 
     Raises:
         WireError: Both forms are there, an entry has no valid topic, or the mode is none.

@@ -15,7 +15,7 @@ __all__ = ["build_device_tracker"]
 
 
 def build_device_tracker(config: DiscoveryConfig) -> DescribedPart:
-    """Describe what tells where somebody is. One that tells only coordinates has no place to say."""
+    """Describe what reports where somebody is. One that reports only coordinates has no place to report."""
     source = config.source("state_topic")
     if source is None and not config.has("json_attributes_topic"):
         raise WireError("device_tracker: it has neither state_topic nor json_attributes_topic")

@@ -48,7 +48,7 @@ class Entity(PartBuilder[StateMessage]):
         self._config = config
 
     def read_text_from(self, source: ValueSource | None, read: Callable[[str], Readings]) -> bool:
-        """Read the text at *source* with *read*, which never raises; tell whether it can be read.
+        """Read the text at *source* with *read*, which never raises; return whether it can be read.
 
         Where the template of the source is not supported, the part shows the payload as ``raw`` instead.
         """
@@ -68,7 +68,7 @@ class Entity(PartBuilder[StateMessage]):
             self.add_expiry(AutoExpiry(capability, seconds))
 
     def add_commands(self, *commands: CommandTopic | None) -> None:
-        """Name the topics that the part listens on."""
+        """Name the topics on which the part takes commands."""
         self.add_command_topics(*(one.topic for one in commands if one is not None))
 
     def add_value(
@@ -127,7 +127,7 @@ class Entity(PartBuilder[StateMessage]):
         payloads: Mapping[bool, str],
         states: Mapping[str, bool | None] | None = None,
     ) -> None:
-        """Be told true and false by *payloads*, and report them by *states*, or else by the same payloads."""
+        """Take true and false as *payloads*, and report them by *states*, or else by the same payloads."""
         if states is None:
             states = _not_empty({"None": None, payloads[False]: False, payloads[True]: True})
         writer = bool_writer(name, lambda on: command.publish(payloads[on]) if command else ())
@@ -162,7 +162,7 @@ class Entity(PartBuilder[StateMessage]):
         self.add_value(name, source, read, command, writer, unit=unit, bounds=bounds if command else ())
 
     def add_push(self, name: str, command: CommandTopic, payload: str) -> None:
-        """Be told true, and nothing else: the part does something and has no state."""
+        """Take true, and nothing else: the part does something and has no state."""
         self.add_capability(name, readable=False, writer=push_writer(name, lambda: command.publish(payload)))
         self.add_commands(command)
 

@@ -19,7 +19,7 @@ __all__ = ["build_event", "build_tag", "build_trigger"]
 
 
 def build_event(config: DiscoveryConfig) -> DescribedPart:
-    """Describe something that tells events of declared types, such as a doorbell."""
+    """Describe something that reports events of declared types, such as a doorbell."""
     source = config.required_source("state_topic").without_payload()
     if not config.has("event_types"):
         raise WireError("event: event_types is None, not a list of texts")

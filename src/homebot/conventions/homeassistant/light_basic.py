@@ -31,11 +31,11 @@ class Remembered:
     """The last state of a lamp, for commands that need it: some are made of brightness and colour together.
 
     Attributes:
-        brightness: 1 to 255; None before the first word.
+        brightness: 1 to 255; None before the first report.
         colors: Its colour at full brightness by mode.
-        has_mode: Whether it says its colour mode.
-        mode: The mode that it said last; None before the first word.
-        reported: What it said last in each mode, as it is reported.
+        has_mode: Whether it reports its colour mode.
+        mode: The mode that it reported last; None before the first report.
+        reported: What it reported last in each mode.
     """
 
     brightness: int | None = None
@@ -47,11 +47,11 @@ class Remembered:
 
 @dataclass(frozen=True, slots=True)
 class BasicState:
-    """Reads what the lamp says.
+    """Reads what the lamp reports.
 
     Attributes:
         lamp: What it can do.
-        remembered: What it last said.
+        remembered: What it last reported.
     """
 
     lamp: LightFeatures
@@ -98,7 +98,7 @@ class BasicState:
         return self._report("color_temp", kelvin)
 
     def _mode(self, text: str) -> Readings:
-        """Take which of its values it shows; the others were said before, or will be."""
+        """Take which of its values it shows; the others were reported before, or will be."""
         if text not in self.lamp.modes:
             return NO_READINGS
         self.remembered.mode = text
@@ -106,7 +106,7 @@ class BasicState:
         return NO_READINGS if reported is None else self._report(text, reported)
 
     def _report(self, mode: str, value: PlainValue) -> Readings:
-        """Take what it says in a colour mode; where it says the mode too, that decides whether it counts."""
+        """Take what it reports in a colour mode; where it reports the mode too, that decides whether it counts."""
         self.remembered.reported[mode] = value
         if self.remembered.has_mode and self.remembered.mode not in (None, mode):
             return NO_READINGS
@@ -122,7 +122,7 @@ class BasicState:
         return {"level": self.remembered.brightness * 100 / _BYTE}
 
     def _color(self, mode: str, own_level: bool, text: str) -> Readings:  # noqa: FBT001 - bound once, above
-        """A colour whose lamp has no topic for its brightness tells that as well."""
+        """A colour whose lamp has no topic for its brightness reports that as well."""
         channels = numbers_of(text, len(CHANNELS[mode]))
         most = _MOST.get(mode, (_BYTE,) * len(CHANNELS[mode]))
         if channels is None or not all(0 <= one <= limit for one, limit in zip(channels, most, strict=True)):
@@ -196,7 +196,7 @@ def _order(config: DiscoveryConfig) -> str:
 
 
 def _assumed(config: DiscoveryConfig) -> frozenset[str]:
-    """Return what the lamp does not say, so that what it was told counts: ``brightness`` and colour modes."""
+    """Return what the lamp does not report, so that its last command counts: ``brightness`` and colour modes."""
     if config.flag("optimistic"):
         return frozenset({"brightness", *CHANNELS})
     assumed = {mode for mode in CHANNELS if not config.has(f"{mode}_state_topic")}

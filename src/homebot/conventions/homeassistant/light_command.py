@@ -45,7 +45,7 @@ class LightCommand:
         mode: In which channels *color* is; empty to leave the colour.
         color: Its colour.
         effect: What to play; empty to leave it.
-        transition: Seconds that the change shall take; None where nothing was said of it.
+        transition: Seconds that the change shall take; None where nothing is declared of it.
     """
 
     on: bool
@@ -103,7 +103,7 @@ class LightFeatures:
 
     @property
     def color_mode(self) -> str:
-        """The channels in which a colour is told; empty where it has no colours."""
+        """The channels in which a colour is sent; empty where it has no colours."""
         return next((mode for mode in _PREFERRED if mode in self.modes), "")
 
     def add_to(self, entity: Entity, readable: Callable[[str], bool]) -> None:
@@ -111,7 +111,7 @@ class LightFeatures:
 
         Args:
             entity: The part in the making.
-            readable: Tells of a capability whether the lamp says it.
+            readable: Whether the lamp reports a capability.
         """
         entity.add_capability("on_off", readable=readable("on_off"), writer=self._on_off)
         if self.has_level:
@@ -159,7 +159,7 @@ class LightFeatures:
 
 
 def read_white_range(config: DiscoveryConfig) -> WhiteRange:
-    """Return warmest and coldest white, whichever way the config tells them."""
+    """Return warmest and coldest white, whichever way the config states them."""
     most = config.integer("max_mireds", 0, least=0, most=_MOST_MIRED)
     least = config.integer("min_mireds", 0, least=0, most=_MOST_MIRED)
     low = config.integer("min_kelvin", 2_000, least=1, most=_MOST_KELVIN)

@@ -1,4 +1,4 @@
-"""A lamp of schema ``json``: one JSON object tells its state, one commands it. Pure.
+"""A lamp of schema ``json``: one JSON object reports its state, one commands it. Pure.
 
 Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_json.py``.
 """
@@ -31,7 +31,7 @@ __all__ = ["build_json_light"]
 
 
 def build_json_light(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a lamp that speaks JSON."""
+    """Describe a lamp that uses JSON."""
     command = config.required_command(template_key="")
     scale = config.integer("brightness_scale", 255, least=1)
     in_kelvin = config.flag("color_temp_kelvin")
@@ -78,7 +78,7 @@ def _publish(command: CommandTopic, scale: int, in_kelvin: bool, light: LightCom
 
 @dataclass(frozen=True, slots=True)
 class _State:
-    """Reads what the lamp says.
+    """Reads what the lamp reports.
 
     A colour counts where the message names its mode, as in Home Assistant, and where it names none but has one only.
     """

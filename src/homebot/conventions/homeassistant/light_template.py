@@ -24,7 +24,7 @@ __all__ = ["build_template_light"]
 
 
 def build_template_light(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a lamp that templates speak for."""
+    """Describe a lamp that is read and commanded by templates."""
     for key in ("command_on_template", "command_off_template"):
         if not config.has(key):
             raise WireError(f"light: {key} is missing, which a lamp of schema template must have")
@@ -98,7 +98,7 @@ def _publish(on: CommandTopic, off: CommandTopic, in_kelvin: bool, command: Ligh
 
 @dataclass(frozen=True, slots=True)
 class _TemplateLightReader:
-    """Reads what the lamp says, one template at a time; the colour needs three."""
+    """Reads what the lamp reports, one template at a time; the colour needs three."""
 
     sources: Mapping[str, ValueSource]
     lamp: LightFeatures

@@ -20,7 +20,7 @@ _STATES = ("unlocked", "locked", "unlocking", "open", "locking", "opening", "jam
 
 
 def build_lock(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a door lock. One that wants a code is told with one, and judges it itself.
+    """Describe a door lock. One that wants a code is commanded with one, and judges it itself.
 
     Of the config's ``code_format`` nothing is checked but that it is there: it is a stranger's regular expression.
     """

@@ -14,7 +14,7 @@ __all__ = ["build_number"]
 
 
 def build_number(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a number in its own unit; what lies outside of its bounds is neither heard nor told."""
+    """Describe a number in its own unit; what lies outside of its bounds is neither read nor sent."""
     least, most = config.number("min", 0.0), config.number("max", 100.0)
     if least > most:
         raise WireError(f"number: max is {most:g}, below min {least:g}")
@@ -37,5 +37,5 @@ def build_number(config: DiscoveryConfig) -> DescribedPart:
 
 
 def _shortest(number: float) -> float:
-    """A whole number is told without point."""
+    """A whole number is sent without point."""
     return int(number) if number.is_integer() else number

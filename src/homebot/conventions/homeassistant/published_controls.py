@@ -66,7 +66,7 @@ _LOCK_STATES = ("locked", "unlocked", "locking", "unlocking", "open", "opening",
 def publish_cover(part: Part, available: Available, topics: EntityTopics) -> Entities:
     """Take what moves, how far it is open and how its slats are.
 
-    A position or a tilt that is not told back is no part of it: Home Assistant sets none that it does not know.
+    A position or a tilt that is not reported back is no part of it: Home Assistant sets none that it does not know.
     """
     movement = take_settable(available, "movement")
     position = _take_percentage(available, "position")
@@ -107,12 +107,12 @@ def _take_percentage(available: Available, name: str) -> Capability | None:
 
 
 def _settable_payloads(capability: Capability, payloads: Mapping[str, str]) -> dict[str, str]:
-    """The payloads of what *capability* can be told: of its options, or else all."""
+    """The payloads of what *capability* can be set to: of its options, or else all."""
     return {key: option for key, option in payloads.items() if not capability.options or option in capability.options}
 
 
 def publish_valve(_part: Part, available: Available, topics: EntityTopics) -> Entities:
-    """Take the valve, and how far it is open where that is told back: then open and closed are positions."""
+    """Take the valve, and how far it is open where that is reported back: then open and closed are positions."""
     valve = take_settable(available, "valve")
     if valve is None:
         return ()

@@ -36,7 +36,7 @@ Values: TypeAlias = Mapping[str, PlainValue]
 """The known values of a part, by capability."""
 
 StateWriter: TypeAlias = Callable[[Values], str]
-"""The payload that tells the values; empty for one that clears what the broker keeps."""
+"""The payload of the values; empty for one that clears what the broker keeps."""
 
 CommandReader: TypeAlias = Callable[[str], Values]
 """The values that a payload commands, by capability, in this order; empty for what is no command. Never raises."""
@@ -70,9 +70,9 @@ class PublishedState:
 
     Attributes:
         topic: The topic.
-        capabilities: Whose values it tells.
+        capabilities: Whose values it publishes.
         write: Makes the payload of the values.
-        is_event: Whether it tells what happens and is over, which the broker must not keep.
+        is_event: Whether it publishes what happens and is over, which the broker must not keep.
     """
 
     topic: str
@@ -129,7 +129,7 @@ class PublishedEntity:
 
 
 def unknown_text(name: str) -> StateWriter:
-    """Return what tells a text; ``None`` stands for unknown."""
+    """Return a writer of a text; ``None`` stands for unknown."""
 
     def write(values: Values) -> str:
         value = values.get(name)
@@ -139,7 +139,7 @@ def unknown_text(name: str) -> StateWriter:
 
 
 def flag_text(name: str, on: str = "ON", off: str = "OFF", unknown: str = "None") -> StateWriter:
-    """Return what tells a truth."""
+    """Return a writer of a truth."""
 
     def write(values: Values) -> str:
         value = values.get(name)
@@ -149,7 +149,7 @@ def flag_text(name: str, on: str = "ON", off: str = "OFF", unknown: str = "None"
 
 
 def number_text(name: str, unknown: str = "None") -> StateWriter:
-    """Return what tells a number."""
+    """Return a writer of a number."""
 
     def write(values: Values) -> str:
         value = values.get(name)
@@ -206,7 +206,7 @@ def reader_of(capability: Capability) -> CommandReader:
 
 
 def take_settable(available: Available, name: str) -> Capability | None:
-    """Take the capability *name* out of *available* where it is there and can be told."""
+    """Take the capability *name* out of *available* where it is there and can be set."""
     known = available.get(name)
     return available.pop(name) if known is not None and known.settable else None
 
@@ -218,7 +218,7 @@ def take_reported(available: Available, name: str) -> Capability | None:
 
 
 def take_choice(available: Available, name: str, unlike: str = "") -> Capability | None:
-    """Take the capability *name* out of *available* where it can be told options, none of which is *unlike*."""
+    """Take the capability *name* out of *available* where it can be set to options, none of which is *unlike*."""
     known = available.get(name)
     if known is None or not known.settable or not known.options or (unlike and unlike in known.options):
         return None

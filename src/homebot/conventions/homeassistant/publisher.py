@@ -88,7 +88,7 @@ class HomeAssistantPublisher:
     Args:
         prefix: The discovery prefix.
         owner: Which homebot this is: lasting, and unique in the house.
-        status_topic: Where that says ``online`` and ``offline``.
+        status_topic: Where that publishes ``online`` and ``offline``.
     """
 
     def __init__(self, prefix: str, owner: str, status_topic: str) -> None:
@@ -120,7 +120,7 @@ class HomeAssistantPublisher:
     def states(
         self, offer: ExposedDevice, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
     ) -> tuple[Publication, ...]:
-        """Return what tells what is *known* of *offer* now that *changed* are news, by part and capability."""
+        """Return what publishes what is *known* of *offer* now that *changed* are news, by part and capability."""
         found: list[Publication] = []
         for part, entities in self._published.get(offer.id, ()):
             news = {name for part_id, name in changed if part_id == part.id}

@@ -38,7 +38,7 @@ class HomeAssistantReader:
         self._devices = DeviceReader()
 
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - a config counts as much when it was kept
-        """Take a config and return what it tells of its device."""
+        """Take a config and return what it describes of its device."""
         where = self._where(topic)
         if where is None or (where.component != DEVICE and where.component not in BUILDERS):
             return ()

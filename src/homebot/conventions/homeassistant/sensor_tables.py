@@ -15,7 +15,7 @@ __all__ = ["QUANTITY_CLASSES", "is_quantity", "quantity_of"]
 
 
 def is_quantity(device_class: str) -> bool:
-    """Tell whether a sensor of this class measures, even where it says nothing else."""
+    """Return whether a sensor of this class measures, even where it says nothing else."""
     return device_class in _CLASSES
 
 

@@ -23,7 +23,7 @@ __all__ = ["build_siren"]
 
 
 def build_siren(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a siren, which is told in JSON where it has no template."""
+    """Describe a siren, which is commanded in JSON where it has no template."""
     on = config.required_command()
     off = config.required_command(template_key="command_off_template")
     payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
@@ -80,7 +80,7 @@ class _SirenCommands:
 
 @dataclass(frozen=True, slots=True)
 class _SirenStateDecoder:
-    """Reads what the siren says: a plain word, or an object with ``state`` and more."""
+    """Reads what the siren reports: a plain word, or an object with ``state`` and more."""
 
     states: Mapping[str, bool | None]
     tones: tuple[str, ...]

@@ -84,7 +84,7 @@ def read_thermometer(config: DiscoveryConfig) -> Thermometer:
 
 
 def source_of(config: DiscoveryConfig, name: str) -> ValueSource | None:
-    """Return where a climate device says *name*; one template may stand for all that have none of their own."""
+    """Return where a climate device reports *name*; one template may stand for all that have none of their own."""
     return source_at(config, f"{name}_topic", f"{name}_template")
 
 
@@ -98,7 +98,7 @@ class TargetMode:
     """The mode of a thermostat, as far as its targets depend on it.
 
     Attributes:
-        is_reported: Whether it says its mode; else what it was told counts.
+        is_reported: Whether it reports its mode; else its last command counts.
         mode: Its last mode; None for unknown.
     """
 
@@ -106,7 +106,7 @@ class TargetMode:
     mode: str | None = None
 
     def take_command(self, mode: str) -> None:
-        """Take the mode that it was told."""
+        """Take the mode of a command."""
         if not self.is_reported:
             self.mode = mode
 
@@ -200,7 +200,7 @@ def _add_both(
 
 @dataclass(frozen=True, slots=True)
 class _Targets:
-    """A single target and a pair, of which the mode says which count: by capability, and what they last said by key."""
+    """A single target and a pair, of which the mode selects one: by capability, and their last reports by key."""
 
     mode: TargetMode
     limits: Limits
@@ -210,7 +210,7 @@ class _Targets:
     last_values: dict[str, PlainValue] = field(default_factory=dict)
 
     def read_mode(self, modes: frozenset[str], text: str) -> Readings:
-        """Take the mode; with it other targets may count, which were said before."""
+        """Take the mode; with it other targets may count, which were reported before."""
         if text != "None" and text not in modes:
             return NO_READINGS
         was_pair = self.mode.is_pair

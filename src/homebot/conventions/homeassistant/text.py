@@ -19,7 +19,7 @@ __all__ = ["build_notify", "build_text"]
 
 
 def build_text(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a text. A password is told, but never read.
+    """Describe a text. A password is sent, but never read.
 
     Of the config's ``pattern`` nothing is checked: it is a stranger's regular expression, and the device has its own.
     """
@@ -38,7 +38,7 @@ def build_text(config: DiscoveryConfig) -> DescribedPart:
 
 
 def build_notify(config: DiscoveryConfig) -> DescribedPart:
-    """Describe something that shows or speaks messages."""
+    """Describe something that shows or reads out messages."""
     return _build_setting(config, 0, _LONGEST_MESSAGE, None)
 
 

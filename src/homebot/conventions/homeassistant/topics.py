@@ -158,7 +158,7 @@ def _context(payload: bytes, encoding: str) -> PayloadContext | None:
 
 @dataclass(frozen=True, slots=True)
 class ValueSource:
-    """One topic that a part speaks on, and the template that finds one value there.
+    """One topic that a part publishes on, and the template that finds one value there.
 
     Attributes:
         topic: A topic, or a filter where the device declared one.
@@ -195,7 +195,7 @@ class ValueSource:
             return None
 
     def without_payload(self) -> ValueSource:
-        """Return the same, but a message that lacks what the template wants tells nothing."""
+        """Return the same, but a message that lacks what the template wants reports nothing."""
         return replace(self, or_payload=False)
 
 
@@ -204,7 +204,7 @@ _NO_VARIABLES: Mapping[str, object] = MappingProxyType({})
 
 @dataclass(frozen=True, slots=True)
 class CommandTopic:
-    """One topic that a part listens on.
+    """One topic on which a part takes commands.
 
     Attributes:
         topic: The topic.
@@ -221,7 +221,7 @@ class CommandTopic:
     encoding: str = "utf-8"
 
     def publication(self, value: object, variables: Mapping[str, object] = _NO_VARIABLES) -> Publication:
-        """Return what to publish to tell *value*.
+        """Return the command of *value*.
 
         Args:
             value: The payload as Python spells it, or what the template calls ``value``.

@@ -21,7 +21,7 @@ __all__ = ["build_update"]
 
 
 def build_update(config: DiscoveryConfig) -> DescribedPart:
-    """Describe the software of a device. It is never told to install anything: that is for people to decide."""
+    """Describe the software of a device. It never gets a command to install anything: that is for people to decide."""
     source = config.required_source("state_topic").without_payload()
     latest = config.source("latest_version_topic", "latest_version_template")
     entity = Entity(config, "x_update")

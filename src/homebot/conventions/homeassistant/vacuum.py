@@ -19,7 +19,7 @@ __all__ = ["build_vacuum"]
 
 
 def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a robot that cleans; it is told only what its ``supported_features`` say."""
+    """Describe a robot that cleans; it takes only the commands that its ``supported_features`` name."""
     features = frozenset(config.options("supported_features") if config.has("supported_features") else _FEATURES)
     command = config.command("command_topic", template_key="")
     set_speed = config.command("set_fan_speed_topic", template_key="")

@@ -22,7 +22,7 @@ __all__ = ["build_valve"]
 
 
 def build_valve(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a valve: one that opens and closes, or one that also takes and says how far it is open."""
+    """Describe a valve: one that opens and closes, or one that also takes and reports how far it is open."""
     scale = Scale(config.integer("position_closed", 0), config.integer("position_open", 100))
     variables = {"position_open": scale.full, "position_closed": scale.zero}
     has_position = config.flag("reports_position")
@@ -64,7 +64,7 @@ _ENDS = (0.0, 100.0)
 
 @dataclass(frozen=True, slots=True)
 class _ValveStateDecoder:
-    """Reads what the valve says: plain words and numbers, or an object with ``state`` and ``position``."""
+    """Reads what the valve reports: plain words and numbers, or an object with ``state`` and ``position``."""
 
     states: Mapping[str, str]
     scale: Scale

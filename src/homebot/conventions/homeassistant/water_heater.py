@@ -14,7 +14,7 @@ __all__ = ["build_water_heater"]
 
 
 def build_water_heater(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a water heater. It is told on and off where it has a topic for that, and never says it."""
+    """Describe a water heater. It is switched where it has a topic for that, and never reports it."""
     thermometer = read_thermometer(config)
     limits = thermometer.limits(config, *_CELSIUS)
     entity = Entity(config, "water_heater")

@@ -149,7 +149,7 @@ def _add_switch_of_speed(part: BytesPart, speed: HomieProperty) -> None:
 
 
 def _options_by_command(prop: HomieProperty | None, spellings: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
-    """The word of *prop* for each thing that it may be told."""
+    """The option of *prop* for each command."""
     if prop is None:
         return {}
     by_name = {option.casefold(): option for option in prop.options}
@@ -167,7 +167,7 @@ class Vacuum:
     Attributes:
         node: The node that takes its commands.
         command: What it does.
-        state: What it tells of that; None while it does not.
+        state: What it reports of that; None while it does not.
         power: How strong its fan is; None where that cannot be set.
     """
 

@@ -27,7 +27,7 @@ class HomieSettings(BaseModel):
     """The table of this convention.
 
     Attributes:
-        domains: The first level of the topics; ``+`` for any, as the convention tells who looks for devices.
+        domains: The first level of the topics; ``+`` for any, as the convention asks of what looks for devices.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -36,7 +36,7 @@ class HomieSettings(BaseModel):
 
 
 class Homie(LazyConvention[HomieSettings, "HomieReader"]):
-    """Understands what devices say of themselves; keeps it, bounded. Alerts and logs are passed over.
+    """Understands what devices report of themselves; keeps it, bounded. Alerts and logs are passed over.
 
     Args:
         settings: Its table.

@@ -27,7 +27,7 @@ def guess_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozense
 
 
 def is_opening(prop: HomieProperty) -> bool:
-    """Return whether it tells how something opens and closes."""
+    """Return whether it reports how something opens and closes."""
     return prop.datatype == "enum" and {one.casefold() for one in prop.options} <= _OPENINGS
 
 

@@ -125,7 +125,7 @@ class HomieProperty:
         name: What people call it.
         datatype: ``integer``, ``float``, ``boolean``, ``string``, ``enum``, ``color``, ``datetime``, ``duration`` or
             ``json``.
-        topic: Where it is told; commands go to ``<topic>/set``.
+        topic: Where it is reported; commands go to ``<topic>/set``.
         unit: Of a number; empty where it has none.
         range: Of a number.
         options: Of an enum, or the forms of a colour.
@@ -199,7 +199,7 @@ STATES: Mapping[str, bool | None] = {
     "disconnected": False,
     "lost": False,
 }
-"""Reachability of a device by its state; a sleeping one takes commands when it wakes, one that starts says neither."""
+"""Reachability of a device by its state; a sleeping one takes commands when it wakes, one that starts means neither."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,7 +213,7 @@ class StateTopic:
     topic: str
 
     def read(self, payload: bytes) -> bool | None:
-        """Return whether the device can be reached, or None when *payload* says neither."""
+        """Return whether the device can be reached, or None when *payload* means neither."""
         return STATES.get(payload.decode(errors="replace")) if len(payload) <= _LONGEST else None
 
 
@@ -221,7 +221,7 @@ _LONGEST = max(map(len, STATES))
 
 
 def availability_of(topic: str, root: str) -> Availability:
-    """Return how the device at *topic* tells whether it can be reached. One whose root is lost is lost.
+    """Return how the device at *topic* reports whether it can be reached. One whose root is lost is lost.
 
     Args:
         topic: What its topics begin with.

@@ -1,6 +1,6 @@
 """Types of nodes, quantities and conditions, by units and by words. Tables, pure.
 
-A guess needs both: words that speak for it and a form that fits. A qualifier beside them speaks against it: a child
+A guess needs both: words that suggest it and a form that fits. A qualifier beside them contradicts it: a child
 lock locks no door, a water tank does not leak.
 
 Source: hc-smarthome v2 and v1 (homie-homecontrol/hc-homie5-smarthome); homie5-device-profiles, draft; Homie
@@ -36,9 +36,9 @@ class Kind:
     """A kind of node.
 
     Attributes:
-        service_type: Of what it controls; empty where it only tells.
+        service_type: Of what it controls; empty where it only reports.
         roles: What each property does, by its id.
-        condition: What its first truth tells, whatever its id.
+        condition: What its first truth reports, whatever its id.
         tag: See :attr:`homebot.devices.Part.tag`.
     """
 
@@ -114,7 +114,7 @@ def declared_class(device_type: str) -> str:
 
 
 def guessed_kinds(node: HomieNode, around: frozenset[str]) -> tuple[str, ...]:
-    """Return the kinds that the words of *node* speak of, then those of which the words *around* it do."""
+    """Return the kinds that the words of *node* suggest, then those of which the words *around* it do."""
     own = tokens_in(node.type, node.id, node.name, *(prop.id for prop in node.properties))
     return tuple(dict.fromkeys(kind for tokens in (own, around) for kind, hints in _GUESSES if tokens & hints))
 
@@ -232,7 +232,7 @@ def quantity_of(unit: str, tokens: frozenset[str]) -> tuple[str, bool]:
 
 
 def condition_of(tokens: frozenset[str], around: frozenset[str]) -> str:
-    """Return the capability of a truth; ``state`` where nothing tells.
+    """Return the capability of a truth; ``state`` where nothing else is known.
 
     Args:
         tokens: Of the property. One of a thing, such as a water tank, is no condition.

@@ -145,7 +145,7 @@ def describe(device: HomieDevice, domain: str, *, is_alive: bool) -> DeviceAnnou
     """Return the description of *device*; None where it offers nothing itself, as a bridge does.
 
     Who it is, is its id in its domain: a hardware address counts where the id ends with one. The ``$mac`` of version 4
-    is that of the computer that speaks for it, and perhaps for many.
+    is that of the computer that publishes for it, and perhaps for many.
     """
     parts = build_parts(device)
     if not parts:

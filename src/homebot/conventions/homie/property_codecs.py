@@ -1,4 +1,4 @@
-"""Single properties as capabilities: how each is read, and how it is told. Pure."""
+"""Single properties as capabilities: how each is read, and how it is set. Pure."""
 
 from __future__ import annotations
 
@@ -149,12 +149,12 @@ def _add(
 
 
 def percent_of(prop: HomieProperty, payload: bytes) -> float | None:
-    """Return what *payload* tells of *prop* in percent of its range."""
+    """Return *payload* of *prop* in percent of its range."""
     return _percent(prop, read_plain(prop, payload))
 
 
 def percent_written(prop: HomieProperty, capability: str, percent: float) -> Publication:
-    """Return what tells *prop* to be *percent* of its range; below its smallest value, that."""
+    """Return what sets *prop* to *percent* of its range; below its smallest value, that."""
     return publication(prop, _spell_percent(prop, capability, percent))
 
 

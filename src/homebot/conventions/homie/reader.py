@@ -10,7 +10,7 @@ __all__ = ["HomieReader"]
 
 
 class HomieReader:
-    """Reads the attributes of devices of any version, and keeps what they said."""
+    """Reads the attributes of devices of any version, and keeps what they reported."""
 
     def __init__(self) -> None:
         self.rejected = 0
@@ -28,7 +28,7 @@ class HomieReader:
         return self._version4.ignored + self._version5.ignored
 
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - the broker keeps all attributes
-        """Take an attribute and return what it tells of its device."""
+        """Take an attribute and return what it describes of its device."""
         domain, _, rest = topic.partition("/")
         device_id, _, attribute = rest.partition("/")
         if device_id != "5":

@@ -25,7 +25,7 @@ CONTROLS = frozenset(
     {"on_off", "level", "color", "color_temperature", "position", "tilt", "movement", "move", "lock", "lock_action"}
     | {"valve", "heating_setpoint", "cooling_setpoint", "thermostat_mode", "fan_mode", "fan_speed", "local_temperature"}
 )
-"""Roles of what a part is controlled by; every other role is a capability that it only tells."""
+"""Roles of what a part is controlled by; every other role is a capability that it only reports."""
 
 THERMOSTAT_ROLES = frozenset({"heating_setpoint", "cooling_setpoint", "thermostat_mode"})
 """Those of which a thermostat has at least one."""
@@ -36,7 +36,7 @@ class Role:
     """The role of a property.
 
     Attributes:
-        name: One of :data:`CONTROLS`, or the capability that it tells; empty for a setting.
+        name: One of :data:`CONTROLS`, or the capability that it reports; empty for a setting.
         prop: The property.
         is_guess: Whether its shape suggested it.
     """
@@ -90,7 +90,7 @@ def find_roles(node: HomieNode, around: frozenset[str]) -> NodeRoles:
 
 
 _SHARES = frozenset({"level", "position", "tilt"})
-"""Roles that a number alone does not bear out where words speak of something else: the position of a valve."""
+"""Roles that a number alone does not bear out where words suggest something else: the position of a valve."""
 
 
 def as_settings(node: NodeRoles, without: tuple[HomieProperty, ...]) -> NodeRoles:

@@ -52,13 +52,13 @@ def read_plain(prop: HomieProperty, payload: bytes) -> PlainValue:
 
 
 def is_unknown_number(prop: HomieProperty, payload: bytes) -> bool:
-    """Tell whether *payload* says that *prop* is a number which the device does not know."""
+    """Return whether *payload* says that *prop* is a number which the device does not know."""
     text = to_text(payload) if prop.datatype in _NUMBERS else None
     return text is not None and is_unknown(text)
 
 
 def spell_plain(prop: HomieProperty, capability: str, value: PlainValue) -> str:
-    """Return *value* as *prop* is told it.
+    """Return *value* as a command to *prop* spells it.
 
     Raises:
         RefusedError: It does not take that.
@@ -98,7 +98,7 @@ def read_color(prop: HomieProperty, payload: bytes) -> tuple[float, float, float
 
 
 def spell_color(prop: HomieProperty, hue: float, saturation: float) -> str:
-    """Return a colour at full brightness as *prop* is told it."""
+    """Return a colour at full brightness as a command to *prop* spells it."""
     form = next((one for one in COLOR_FORMS if one in prop.options), "rgb")
     if form == "hsv":
         numbers: tuple[float, ...] = (round(hue), round(saturation), 100)
@@ -111,7 +111,7 @@ def spell_color(prop: HomieProperty, hue: float, saturation: float) -> str:
 
 
 def publication(prop: HomieProperty, text: str) -> Publication:
-    """Return the command that tells *prop* a value: never retained, and exactly once where it is a state."""
+    """Return the command that sets *prop*: never retained, and exactly once where it is a state."""
     return Publication(f"{prop.topic}/set", text.encode(), _EXACT_QOS if prop.is_retained else 0)
 
 

@@ -150,7 +150,7 @@ class _Homie4Device:
 class Version4:
     """Knows the devices of versions 3 and 4.
 
-    There is room for 2,000, and for 16 million characters of all of them: of more devices, the one that was heard
+    There is room for 2,000, and for 16 million characters of all of them: of more devices, the one that was seen
     first and never became complete is forgotten; of more characters, the newest are not taken.
 
     Attributes:

@@ -198,7 +198,7 @@ class _Homie5Device:
         state: Its state; empty while it is unknown.
         document_hash: Hash of its document; None while there is none.
         waiting: Its document, as it came, while it counts for nothing because of the state.
-        is_described: Whether the gateway was told of it.
+        is_described: Whether the gateway knows of it.
     """
 
     state: str = ""
@@ -214,7 +214,7 @@ class _Homie5Device:
 class Version5:
     """Knows the devices of version 5.
 
-    There is room for 5,000, and for 16 MB of documents that wait for a state: of more devices, the one that was heard
+    There is room for 5,000, and for 16 MB of documents that wait for a state: of more devices, the one that was seen
     first and never described is forgotten; of more documents, the newest are not taken.
 
     Attributes:
@@ -265,7 +265,7 @@ class Version5:
         return document
 
     def _take_document(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
-        """Return the document if it is another one and need not wait; what is illegal in it is told now anyway."""
+        """Return the document if it is another one and need not wait; what is illegal in it is reported now anyway."""
         document_hash = hash(payload)
         if device.document_hash == document_hash:
             return None

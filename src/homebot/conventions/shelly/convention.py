@@ -37,7 +37,7 @@ class ShellySettings(BaseModel):
 
 
 class Shelly(LazyConvention[ShellySettings, "ShellyReader"]):
-    """Understands what Shelly's devices say of themselves. Keeps what they said, bounded.
+    """Understands what Shelly's devices report of themselves, and keeps it, bounded.
 
     Args:
         settings: Its table.
@@ -58,7 +58,7 @@ class Shelly(LazyConvention[ShellySettings, "ShellyReader"]):
         return tuple(dict.fromkeys((*second, *_FIRST)))
 
     def birth_messages(self) -> tuple[Publication, ...]:
-        """Return what makes the first generation announce itself and tell its states; the second is asked by id."""
+        """Return what makes the first generation announce itself and report its states; the second is asked by id."""
         return Publication("shellies/command", b"announce"), Publication("shellies/command", b"update")
 
     def load_reader(self) -> ShellyReader:

@@ -39,16 +39,16 @@ class Gen1Device:
     Attributes:
         topics: Its topics.
         model: What its name or its announcement says that it is; None where that is not known.
-        suffixes: Topics below its own that it was heard on.
+        suffixes: Topics below its own on which it published.
         mac: Its hardware address, once it announced itself; likewise the following.
         model_name: Of its maker.
         mode: How it is set up, where it has modes.
         version: Of its firmware.
         address: In the network.
         is_announced: Whether it announced itself.
-        is_online: Whether it said that it is online.
+        is_online: Whether it reported that it is online.
         topic: Where it was first known by.
-        presses: What it told of each of its inputs, at most 16.
+        presses: What it reported of each of its inputs, at most 16.
     """
 
     topics: Gen1Topics
@@ -65,7 +65,7 @@ class Gen1Device:
     presses: defaultdict[int, Presses] = field(default_factory=lambda: defaultdict(Presses))
 
     def announce(self, device_id: str, mac: str, announcement: Mapping[str, object]) -> bool:
-        """Take what it says of itself; tell whether that differs from what it said before."""
+        """Take what it reports of itself; return whether that differs from its last report."""
         before = self._announced_facts()
         mode = announcement.get("mode")
         self.mac = mac
@@ -77,7 +77,7 @@ class Gen1Device:
         return self._announced_facts() != before
 
     def known(self) -> frozenset[str]:
-        """Return the topics that it publishes on: what is sure of its model, and what was heard."""
+        """Return the topics that it publishes on: what is sure of its model, and what was seen."""
         model = self.model
         if model is None:
             return frozenset(self.suffixes)
@@ -92,7 +92,7 @@ class Gen1Device:
         """Return its description; without parts where it is known by none yet.
 
         Args:
-            topic: Where it told last.
+            topic: Where it reported last.
         """
         topics = self.topics
         sleeps = self.model is not None and self.model.sleeps

@@ -90,11 +90,11 @@ _PRESSES = {
 
 
 class Presses:
-    """Tells a new press from one that the device only repeats, by the counter beside it.
+    """Distinguishes a new press from one that the device only repeats, by the counter beside it.
 
-    A device that was asked for its state tells its last press again. So the first one that is heard only sets the
-    counter, but for a device that wakes up to tell it. It outlives a description, which a device that is heard on one
-    more topic gets anew.
+    A device that was asked for its state reports its last press again. So the first one that is seen only sets the
+    counter, but for a device that wakes up to report it. It outlives a description, which a device that publishes on
+    one more topic gets anew.
     """
 
     __slots__ = ("_count",)
@@ -103,7 +103,7 @@ class Presses:
         self._count: object = None
 
     def read(self, payload: bytes, *, counts_first: bool) -> Readings:
-        """Return the press that *payload* tells, if it is a new one; the first counts where *counts_first* says so."""
+        """Return the press that *payload* reports, if it is a new one; the first counts where *counts_first*."""
         message = to_json(payload)
         if not isinstance(message, dict):
             return NO_READINGS
@@ -120,15 +120,15 @@ class Presses:
 def build_input(
     topics: Gen1Topics, index: int, presses: Presses, *, has_state: bool, has_events: bool, counts_first: bool
 ) -> BytesPart:
-    """Describe an input: a button where it tells presses.
+    """Describe an input: a button where it reports presses.
 
     Args:
         topics: Those of the device.
         index: Number of the input.
         presses: Its presses so far.
-        has_state: Whether it tells if it is on.
-        has_events: Whether it tells presses.
-        counts_first: Whether the first press that is heard is a new one.
+        has_state: Whether it reports if it is on.
+        has_events: Whether it reports presses.
+        counts_first: Whether the first press that is seen is a new one.
     """
     part = BytesPart(f"input:{index}", "generic_switch" if has_events else "x_binary_sensor", advertised="input")
     if has_state:

@@ -1,6 +1,6 @@
 """Models of Shelly's first generation: the topics that each publishes from the start. A table, pure.
 
-What only appears with an accessory, such as ``ext_temperature/0``, is not here: it is taken when it is heard.
+What only appears with an accessory, such as ``ext_temperature/0``, is not here: it is taken when it is seen.
 
 Source: iobroker.shelly 12.0, ``lib/devices/gen1``; Shelly Gen1 API.
 """
@@ -43,7 +43,7 @@ class Gen1Model:
         prefix: What its id begins with, before ``-`` and the end of its hardware address; in small letters.
         topics: What it publishes in every mode, below its own topic.
         modes: What it publishes besides in a mode.
-        sleeps: Whether it is off the network most of the time, so that silence says nothing.
+        sleeps: Whether it is off the network most of the time, so that silence means nothing.
         is_plug: Whether its relay is a socket.
     """
 
@@ -147,7 +147,7 @@ MODELS: tuple[Gen1Model, ...] = (
     _model("SHMOS-02", "shellymotion2", _MOTION),
     _model("SHTRV-01", "shellytrv", _MOTION),
 )
-"""All models. A model of several modes shows by its mode, or else by what it is heard to publish."""
+"""All models. A model of several modes shows by its mode, or else by what it is seen to publish."""
 
 
 def find_model(name: str, device_id: str) -> Gen1Model | None:

@@ -23,7 +23,7 @@ MAX_CHANNELS = 16
 
 
 def is_known_topic(suffix: str) -> bool:
-    """Return whether *suffix*, a topic below the device's own, tells of a part."""
+    """Return whether *suffix*, a topic below the device's own, belongs to a part."""
     if suffix in SENSORS or suffix in _WHOLE:
         return True
     match = _CHANNEL.fullmatch(suffix)
@@ -39,7 +39,7 @@ def build_parts(
         topics: Its topics.
         model: What it is, where that is known.
         suffixes: What it publishes on.
-        presses: What it told so far of each of its inputs.
+        presses: What it reported so far of each of its inputs.
     """
     parts: list[BytesPart] = []
     for channel in _channels(suffixes):

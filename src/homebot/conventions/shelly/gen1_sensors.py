@@ -49,7 +49,7 @@ class Gen1Sensor:
     service_type: str = ""
 
     def read(self, payload: bytes) -> Readings:
-        """Return what *payload* tells; never raises."""
+        """Return what *payload* reports; never raises."""
         text = to_text(payload) or ""
         if text in self.values:
             return {self.capability: self.values[text]}
@@ -63,7 +63,7 @@ class Gen1Sensor:
 
 _FLAG_VALUES: Mapping[str, PlainValue] = {"true": True, "false": False, "1": True, "0": False, "-1": None}
 _MOST_CELSIUS = 998.0
-"""A sensor that is broken or absent says 999."""
+"""A sensor that is broken or absent reports 999."""
 
 _DOORS: Mapping[str, PlainValue] = {"open": True, "close": False, "unknown": None}
 _GASES: Mapping[str, PlainValue] = {"none": False, "mild": True, "heavy": True, "unknown": None}
@@ -108,7 +108,7 @@ _METERED: Mapping[str, tuple[str, float]] = {
     "voltage": ("voltage", 1.0),
     "current": ("current", 1.0),
 }
-"""The capability of what a meter tells, and what makes its unit of Shelly's: watt-minutes, watt-hours."""
+"""The capability of what a meter reports, and what makes its unit of Shelly's: watt-minutes, watt-hours."""
 
 
 def build_sensor(topics: Gen1Topics, sensor: Gen1Sensor, index: int | None = None) -> BytesPart:
@@ -134,7 +134,7 @@ def build_meter(topics: Gen1Topics, part_id: str, suffixes: Mapping[str, str]) -
     Args:
         topics: Those of its device.
         part_id: Of the part.
-        suffixes: Topics below the device's, by what is told there: power, energy, total, total_returned, voltage,
+        suffixes: Topics below the device's, by what is reported there: power, energy, total, total_returned, voltage,
             current.
     """
     part = BytesPart(part_id, "electrical_meter", advertised="meter")
@@ -155,7 +155,7 @@ _UNCLEAR = object()
 
 
 def build_motion(topics: Gen1Topics) -> tuple[BytesPart, ...]:
-    """Describe what a motion sensor tells in its one ``status``."""
+    """Describe what a motion sensor reports in its one ``status``."""
     return tuple(
         _status_part(topics, part_id, capability, find, category) for part_id, capability, find, category in _MOTION
     )

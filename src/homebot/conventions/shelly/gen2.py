@@ -1,8 +1,8 @@
 """Shelly's second generation and later: who is there, and what they answer when asked. Pure.
 
-These devices do not announce themselves. One that says that it is online, or tells anything, is asked who it is, how
-it is set up and how it is; the last answer makes it known. One that sleeps most of the time tells its whole status
-when it wakes, which does as well. One that does not answer is known by the components that it tells of,
+These devices do not announce themselves. One that reports that it is online, or anything else, is asked who it is, how
+it is set up and how it is; the last answer makes it known. One that sleeps most of the time reports its whole status
+when it wakes, which does as well. One that does not answer is known by the components that it reports,
 where its topics begin with its own id.
 
 Source: Shelly Gen2+ API, General (RPC Protocol, Notifications) and MQTT.
@@ -38,7 +38,7 @@ _REQUESTED_METHODS = ("Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetSta
 class Gen2:
     """Knows the devices of the second generation in one broker.
 
-    There is room for 3,000: of more, the one that was heard first and never described is forgotten. Answers are kept
+    There is room for 3,000: of more, the one that was seen first and never described is forgotten. Answers are kept
     up to 32 MB together.
 
     Args:
@@ -52,7 +52,7 @@ class Gen2:
         self._refused = 0
 
     def knows(self, prefix: str) -> bool:
-        """Return whether a device of this generation was heard at *prefix*."""
+        """Return whether a device of this generation was seen at *prefix*."""
         return self._devices.get(prefix) is not None
 
     @property

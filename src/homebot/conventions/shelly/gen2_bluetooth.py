@@ -1,4 +1,4 @@
-"""Bluetooth devices that a Shelly publishes as a gateway: they speak BTHome, and each value is a component. Pure.
+"""Bluetooth devices that a Shelly publishes as a gateway: they use BTHome, and each value is a component. Pure.
 
 Source: Shelly Gen2+ API, components BTHomeDevice and BTHomeSensor; BTHome v2, object ids.
 """
@@ -19,7 +19,7 @@ __all__ = ["build_bluetooth_device", "build_bluetooth_sensor"]
 
 
 def build_bluetooth_device(component: ShellyComponent) -> tuple[JsonPart, ...]:
-    """Describe a device itself: its battery, how well it is heard, and the presses of its buttons."""
+    """Describe a device itself: its battery, how well it is received, and the presses of its buttons."""
     parts: list[JsonPart] = []
     for field, capability in (("battery", "battery"), ("rssi", "signal_strength")):
         if field in component.status:

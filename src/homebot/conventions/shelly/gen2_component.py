@@ -64,7 +64,7 @@ class ShellyComponent:
     Attributes:
         topics: Those of its device.
         key: Its name, for example ``switch:0``.
-        status: What it told when it was asked.
+        status: What it reported when it was asked.
         config: How it is set up; empty where that is not known.
     """
 

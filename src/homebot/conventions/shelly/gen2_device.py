@@ -83,7 +83,7 @@ def is_config_change(params: Fields) -> bool:
 
 
 def sleeps(status: Fields) -> bool:
-    """Return whether a device is off the network most of the time, so that silence says nothing."""
+    """Return whether a device is off the network most of the time, so that silence means nothing."""
     period = to_number(fields_in(status, "sys").get("wakeup_period"))
     external = fields_in(fields_in(status, "devicepower:0"), "external")
     runs_on_battery = "devicepower:0" in status and external.get("present") is not True
@@ -166,7 +166,7 @@ class Gen2Device:
         prefix: What its topics begin with.
         info: The answer to ``Shelly.GetDeviceInfo``.
         config: That to ``Shelly.GetConfig``.
-        status: That to ``Shelly.GetStatus``, or what it told when it woke; before, what it told of components.
+        status: That to ``Shelly.GetStatus``, or what it reported when it woke; before, what it reported of components.
         sizes: Bytes of each answer that is kept.
         signs_of_life: Signs of life before it was described.
         described: Its description as it was given last; None before.
@@ -193,7 +193,7 @@ class Gen2Device:
 
     @property
     def has_status(self) -> bool:
-        """True if it told its whole status."""
+        """True if it reported its whole status."""
         return "status" in self.sizes
 
     def has_new_fields(self, components: Fields) -> bool:
@@ -204,7 +204,7 @@ class Gen2Device:
         )
 
     def learn_components(self, components: Fields, size: int) -> None:
-        """Take what it tells of components; *size* is how many bytes of that are kept now."""
+        """Take what it reports of components; *size* is how many bytes of that are kept now."""
         self.sizes["components"] = size
         status = dict(self.status)
         for key, fields in components.items():
@@ -214,7 +214,7 @@ class Gen2Device:
 
     @property
     def mac(self) -> str:
-        """Its hardware address; empty where it did not tell it yet."""
+        """Its hardware address; empty where it did not report it yet."""
         address = text_of(self.info.get("mac")) or text_of(fields_in(self.status, "sys").get("mac"))
         return address or mac_in(self.prefix)
 
@@ -223,7 +223,7 @@ class Gen2Device:
 
         Args:
             client: As whom homebot asks.
-            topic: Where it told last.
+            topic: Where it reported last.
             device_id: What it called itself there.
         """
         device_id = text_of(self.info.get("id")) or device_id

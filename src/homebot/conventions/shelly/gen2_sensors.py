@@ -141,7 +141,7 @@ def build_meters(component: ShellyComponent) -> tuple[JsonPart, ...]:
 
 
 def build_own_temperature(component: ShellyComponent) -> tuple[JsonPart, ...]:
-    """Describe how warm the device itself is, where the component tells."""
+    """Describe how warm the device itself is, where the component reports that."""
     if not isinstance(component.status.get("temperature"), dict):
         return ()
     inner = measured("tC", "temperature")
@@ -175,7 +175,7 @@ def _build_phases(component: ShellyComponent) -> tuple[JsonPart, ...]:
 
 
 def _count(component: ShellyComponent, part: JsonPart, key: str, drawn: str, returned: str) -> None:
-    """Have *part* tell the energy that the component *key* counts both ways."""
+    """Have *part* report the energy that the component *key* counts both ways."""
     for field, capability in ((drawn, "energy"), (returned, "energy_returned")):
         component.add_measure(part, field, capability, _ENERGY, key)
 

@@ -92,7 +92,7 @@ def _build_zone(component: ShellyComponent) -> JsonPart:
 
 
 def _build_watched(component: ShellyComponent, role: str) -> JsonPart:
-    """Describe a value that is only told."""
+    """Describe a value that is only reported."""
     capability, unit = _WATCHED.get(role, (_READ_ONLY[component.kind], ""))
 
     def decode(status: Fields) -> Readings:

@@ -1,4 +1,4 @@
-"""Reader of what Shelly's devices say, of both generations. Pure."""
+"""Reader of what Shelly's devices publish, of both generations. Pure."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["ShellyReader"]
 
 
 class ShellyReader:
-    """Reads the messages of both generations, and keeps what devices said.
+    """Reads the messages of both generations, and keeps what devices reported.
 
     Args:
         client: As whom devices of the second generation are asked.
@@ -27,7 +27,7 @@ class ShellyReader:
         return self._gen1.dropped + self._gen2.dropped
 
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Take a message, and return what it tells of devices or makes one ask them."""
+        """Take a message, and return what it describes of devices or makes one ask them."""
         if self._is_first(topic):
             return self._gen1.take(topic, payload)
         return self._gen2.take(topic, payload, retained=retained)

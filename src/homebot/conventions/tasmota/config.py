@@ -39,9 +39,9 @@ class TasmotaConfig:
         mac: Its hardware address, 12 upper-case digits.
         name: What people call it.
         output_names: What people call its outputs; empty where one has no name of its own.
-        commands: Where it listens: a topic's beginning, to which a command is appended.
+        commands: Where it takes commands: a topic's beginning, to which a command is appended.
         results: Where it answers: likewise.
-        telemetry: Where it tells by itself: likewise.
+        telemetry: Where it reports by itself: likewise.
         state_texts: Its words for off, on, toggle and hold.
         online: Its word for being there.
         offline: Its last will.

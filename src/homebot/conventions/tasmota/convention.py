@@ -46,7 +46,7 @@ class TasmotaDiscovery(LazyConvention[TasmotaSettings, "TasmotaReader"]):
         return f"{self.settings.prefix}/+/config", f"{self.settings.prefix}/+/sensors"
 
     def reserved(self) -> tuple[str, ...]:
-        """Return what is below the announcements, and the topics that all devices of a fresh firmware listen on."""
+        """Return what is below the announcements, and the topics on which all new devices take commands."""
         return f"{self.settings.prefix}/#", "cmnd/tasmotas/#", "tasmotas/cmnd/#"
 
     def load_reader(self) -> TasmotaReader:

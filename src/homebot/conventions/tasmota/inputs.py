@@ -17,7 +17,7 @@ __all__ = ["describe_inputs"]
 
 
 def describe_inputs(topics: TasmotaTopics) -> Iterable[DescribedPart]:
-    """Describe what the inputs tell: whether a contact is on, and how a switch or a button was pressed."""
+    """Describe what the inputs report: whether a contact is on, and how a switch or a button was pressed."""
     for index, mode in enumerate(topics.config.switch_modes):
         if mode in _FOLLOWED:
             yield _contact(topics, index, mode)
@@ -37,7 +37,7 @@ _PULSES = frozenset({13, 14})
 """Modes of what says that it is on, and never that it is off."""
 
 _FOLLOWED = frozenset({1, 2, 3, 4, 5, 6, 9, 10, 13, 14, 15, 16})
-"""Modes in which the input's state is told."""
+"""Modes in which the input's state is reported."""
 
 _SINGLE = {_TOGGLE: "single"}
 _PRESSED: Mapping[int, Mapping[int, str]] = {
@@ -53,7 +53,7 @@ _PRESSED: Mapping[int, Mapping[int, str]] = {
     11: _SINGLE,
     12: _SINGLE,
 }
-"""Modes in which presses are told, and what each word then means."""
+"""Modes in which presses are reported, and the meaning of each word then."""
 
 _BUTTONS_OPTION, _SWAP_OPTION, _SINGLE_ONLY_OPTION = 73, 11, 13
 _BUTTON_ACTIONS: Mapping[str, str] = {

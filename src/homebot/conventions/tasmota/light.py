@@ -54,7 +54,7 @@ class LampState:
         self._mired = 0.0
 
     def update(self, is_on: object, level: object, color: object, mired: object) -> None:
-        """Take what one message says; what it leaves out, or says in another way, stays."""
+        """Take what one message reports; what it leaves out, or spells in another way, stays."""
         if isinstance(is_on, bool):
             self._is_on = is_on
         number = finite_number(level)
@@ -161,7 +161,7 @@ class _TasmotaLamp:
         kind: Its light type.
         dimmer: The command for its brightness.
         dimmer_key: What its brightness is called in messages.
-        last_state: What it said last; a command that shall take time depends on it.
+        last_state: What it reported last; a command that shall take time depends on it.
     """
 
     topics: TasmotaTopics

@@ -46,7 +46,7 @@ _MIDDLE = 2
 class _Fan:
     """The state and the commands of a fan.
 
-    It has no command for the speed from before, so the last one that it told is remembered.
+    It has no command for the speed from before, so the last one that it reported is remembered.
     """
 
     __slots__ = ("_speed", "_topics")
@@ -166,8 +166,8 @@ class _Shutter:
 def build_parts(config: TasmotaConfig, leaves: Iterable[Leaf]) -> tuple[DescribedPart, ...]:
     """Describe the parts of a device, each id once.
 
-    The first relay of an iFan is its lamp. The others make the speeds of its fan: they are told, and nobody switches
-    one of them alone, as Home Assistant would let people do.
+    The first relay of an iFan is its lamp. The others make the speeds of its fan: they are reported, and nobody
+    switches one of them alone, as Home Assistant would let people do.
     """
     topics = TasmotaTopics(config)
     described = chain(_outputs(topics), describe_inputs(topics), describe_sensors(topics, leaves))

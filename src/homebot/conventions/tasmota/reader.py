@@ -31,7 +31,7 @@ MAX_WAITING = 1_000
 
 
 class TasmotaReader:
-    """Reads both messages of each device, and keeps what they said.
+    """Reads both messages of each device, and keeps what they reported.
 
     A device is :class:`DeviceAnnounced` when its ``config`` comes, and again when its ``sensors`` do; before the
     ``config`` they wait. A ``config`` that says nothing new gives the same description again, whose codecs still know
@@ -54,7 +54,7 @@ class TasmotaReader:
         self._devices: dict[str, DeviceAnnounced] = {}
 
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - an announcement counts as much when it was kept
-        """Take a message and return what it tells of its device; nothing as long as only its sensors are known."""
+        """Take a message and return what it describes of its device; nothing as long as only its sensors are known."""
         match = _TOPIC.fullmatch(topic.removeprefix(f"{self._prefix}/"))
         if match is None or not topic.startswith(f"{self._prefix}/"):
             return ()

@@ -26,7 +26,7 @@ def quantity_of(path: tuple[str | int, ...], sensors: Mapping[str, object]) -> Q
 
     Args:
         path: Sensor, name, and at times an index or an inner name.
-        sensors: The device's message, which also tells the units of temperature and pressure.
+        sensors: The device's message, which also names the units of temperature and pressure.
     """
     sensor, name = str(path[0]), str(path[1])
     inner = path[2] if len(path) > _SHORTEST else None
@@ -191,7 +191,7 @@ def _read(path: Path, capability: str, what: Quantity, message: JsonMessage) -> 
 def _at(path: Path, message: JsonMessage) -> tuple[bool, object]:
     """Return whether there is a value at *path*, and which.
 
-    A meter that was announced with several phases may tell one only, and then not as a list.
+    A meter that was announced with several phases may report one only, and then not as a list.
     """
     value: object = message
     for step in path:

@@ -1,7 +1,8 @@
 """The topic layout of the thesis: ``HOME/SERVICE_TYPE/DEVICE_ID/CHANNEL``, with the channels ``out`` and ``in``. Pure.
 
-Subscribed to is only what devices say, so that a command of ours never comes back as if a device had spoken, whatever
-the MQTT version. Topics of the home with too few or too many levels are subscribed to as well, to be able to say so.
+Only what devices publish is subscribed to, so that a command of ours never comes back as if a device had sent it,
+whatever the MQTT version. Topics of the home with too few or too many levels are subscribed to as well, so that
+they can be reported.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ class Thesis:
         self._root = settings.root
 
     def filters(self) -> tuple[str, ...]:
-        """Return the filters for what devices say, and for topics of the home that break the layout."""
+        """Return the filters for what devices publish, and for topics of the home that break the layout."""
         if not self._root:
             return ("+/+/+/out",)
         root = self._root
@@ -66,7 +67,7 @@ class Thesis:
         return ()
 
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Return the device that speaks on *topic*; an empty payload takes it out of the house.
+        """Return the device that publishes on *topic*; an empty payload takes it out of the house.
 
         Raises:
             WireError: The topic has too few or too many levels, or an empty one.
@@ -84,7 +85,7 @@ class Thesis:
         return (DeviceWithdrawn(device.key, "its retained message was deleted", is_final=True, device=device),)
 
     def announced(self, topic: str) -> DeviceAnnounced | None:
-        """Return the device that speaks on *topic*; None for another home, or a channel that is not ``out``.
+        """Return the device that publishes on *topic*; None for another home, or a channel that is not ``out``.
 
         Raises:
             WireError: The topic has too few or too many levels, or an empty one.

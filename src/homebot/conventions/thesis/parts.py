@@ -1,7 +1,7 @@
 """Part of a device of the thesis's layout, by the service type in its topic alone. Pure.
 
-Source: ``docs/house.md``, the table of devices. A word with several meanings means what can be told something, because
-every device of the layout listens: ``windows`` are windows with a motor.
+Source: ``docs/house.md``, the table of devices. A word with several meanings means what can be commanded, because
+every device of the layout takes commands: ``windows`` are windows with a motor.
 """
 
 from __future__ import annotations
@@ -72,8 +72,8 @@ def thesis_part(service_type: str, address: str, command_address: str) -> Part:
 
     Args:
         service_type: As it stands in the topic, for example ``lights``.
-        address: Where the device speaks.
-        command_address: Where it listens.
+        address: The topic on which the device publishes.
+        command_address: The topic on which it takes commands.
     """
     name, tag, capabilities = _found(service_type)
     takes_commands = any(one.settable for one in capabilities)

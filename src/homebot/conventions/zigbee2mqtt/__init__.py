@@ -1,4 +1,4 @@
-"""Zigbee devices as Zigbee2MQTT itself tells of them, without Home Assistant's discovery."""
+"""Zigbee devices as Zigbee2MQTT itself announces them, without Home Assistant's discovery."""
 
 from homebot.conventions.zigbee2mqtt.convention import Zigbee2Mqtt, Zigbee2MqttSettings
 

@@ -27,7 +27,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class StateAvailability:
-    """One topic that says ``{"state":"online"}`` or ``{"state":"offline"}``; old bridges say the plain word.
+    """One topic with ``{"state":"online"}`` or ``{"state":"offline"}``; old bridges publish the plain word.
 
     Attributes:
         topic: The topic.
@@ -36,7 +36,7 @@ class StateAvailability:
     topic: str
 
     def read(self, payload: bytes) -> bool | None:
-        """Return whether it can be reached, or None when *payload* says neither."""
+        """Return whether it can be reached, or None when *payload* means neither."""
         if payload in _STATES:
             return _STATES[payload]
         try:
@@ -60,7 +60,7 @@ class AvailabilityRule:
     exceptions: Mapping[str, bool] = field(default_factory=dict)
 
     def availability(self, base: str, ieee: str, topic: str) -> Availability:
-        """Return how the device at *topic* tells it."""
+        """Return how the device at *topic* reports it."""
         sources = (StateAvailability(f"{base}/bridge/state"), StateAvailability(f"{topic}/availability"))
         is_on = self.exceptions.get(ieee, self.is_on)
         return Availability(sources if is_on else sources[:1], mode="all")
@@ -103,10 +103,10 @@ class BridgeDevice:
     Attributes:
         ieee: Its address, as ``0x`` and 16 lower-case digits.
         name: Its friendly name, as it is.
-        topic: Where it speaks.
+        topic: Where it publishes.
         is_coordinator: Whether it is the bridge's own radio.
         is_disabled: Whether the user put it out of use.
-        is_awake: Whether it hears at any time; one with a battery does not.
+        is_awake: Whether it receives at any time; one with a battery does not.
         model: Which model it is.
         exposes: What it exposes, not yet checked; None where the bridge does not know (yet).
         has_updates: Whether its firmware can be updated over the air.

@@ -1,6 +1,6 @@
 """Thermostats and air conditioners that Zigbee2MQTT knows. Pure.
 
-Some thermostats say apart whether they follow their program: one mode out of two properties.
+Some thermostats report apart whether they follow their program: one mode out of two properties.
 
 Source: zigbee2mqtt.io, Usage > Exposes > climate; temperatures are in °C. zigbee-herdsman-converters 26.105.0, Bosch
 BTH-RA, BTH-RM and BTH-RM230Z, as Zigbee2MQTT 2.14.1 announces them to Home Assistant: paused is off, and what
@@ -30,7 +30,7 @@ _PAIR = 2
 
 
 def is_program(expose: Expose) -> bool:
-    """Return whether *expose* says if a thermostat follows its program, is told by hand, or paused."""
+    """Return whether *expose* says if a thermostat follows its program, is set by hand, or paused."""
     is_whole = expose.is_published and expose.is_settable
     return expose.name == "operating_mode" and is_whole and set(expose.options) == {_MANUAL, *_MODES}
 

@@ -41,7 +41,7 @@ def build_cover(part: JsonPart, topics: Zigbee2MqttTopics, cover: Expose, motor:
         part: The part in the making.
         topics: The topics of its device.
         cover: What it exposes.
-        motor: The enum that tells how its motor turns; None where it has none.
+        motor: The enum that reports how its motor turns; None where it has none.
     """
     state, position, tilt = (cover.feature(name) for name in ("state", "position", "tilt"))
     part.add_command_topics(topics.command)
@@ -91,7 +91,7 @@ _DIRECTIONS: Mapping[str, str] = {
     **dict.fromkeys(("opening", "open", "forward", "up", "rising"), "opening"),
     **dict.fromkeys(("closing", "close", "backward", "back", "reverse", "down", "declining"), "closing"),
 }
-"""Words for a motor that turns; when it stands, the state tells where."""
+"""Words for a motor that turns; when it stands, the state has the end."""
 
 
 def _percent(value: object) -> float | None:

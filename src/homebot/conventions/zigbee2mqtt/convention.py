@@ -57,11 +57,11 @@ class Zigbee2Mqtt(LazyConvention[Zigbee2MqttSettings, "Zigbee2MqttReader"]):
         return tuple(f"{base}/bridge/{topic}" for base in self.settings.bases for topic in ("info", "devices"))
 
     def reserved(self) -> tuple[str, ...]:
-        """Return what the bridges themselves are told and tell."""
+        """Return what the bridges themselves take and publish."""
         return tuple(f"{base}/bridge/#" for base in self.settings.bases)
 
     def problems(self) -> tuple[str, ...]:
-        """Return which bridges told how they are set up, but not which devices they have: both are retained."""
+        """Return which bridges reported how they are set up, but not which devices they have: both are retained."""
         return self.reader.problems() if self.is_loaded else ()
 
     def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[AnnouncementEvent | None]:
@@ -73,7 +73,7 @@ class Zigbee2Mqtt(LazyConvention[Zigbee2MqttSettings, "Zigbee2MqttReader"]):
             raise
 
     def load_reader(self) -> Zigbee2MqttReader:
-        """Return a reader of what bridges say."""
+        """Return a reader of what bridges publish."""
         from homebot.conventions.zigbee2mqtt.reader import Zigbee2MqttReader  # noqa: PLC0415 - see LazyConvention
 
         return Zigbee2MqttReader(self.settings.bases)

@@ -26,7 +26,7 @@ SPECIFIC_TYPES = frozenset({"light", "switch", "cover", "lock", "climate", "fan"
 
 @dataclass(frozen=True)
 class Expose:
-    """One thing that a device can say or be told, or a part that has several of them.
+    """One thing that a device can report or take, or a part that has several of them.
 
     Attributes:
         type: ``binary``, ``numeric``, ``enum``, ``text``, ``composite``, ``list``, or one of :data:`SPECIFIC_TYPES`.
@@ -35,11 +35,11 @@ class Expose:
         endpoint: Which of several equal parts; empty where there is one.
         label: What people call it.
         category: As declared; empty where nothing was.
-        access: 1 it is said, 2 it can be told, 4 it can be asked for; added up.
+        access: 1 it is published, 2 it can be set, 4 it can be requested; added up.
         unit: Of a number.
         value_on: The value of a binary that stands for yes; None where it has none.
         value_off: And for no.
-        least: Smallest number; None where nothing was said.
+        least: Smallest number; None where nothing is declared.
         most: Largest number.
         values: What an enum may be.
         features: What a specific type or a composite consists of.

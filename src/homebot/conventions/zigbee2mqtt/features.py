@@ -189,14 +189,14 @@ def add_enum(
 
 
 def flag_of(feature: Expose, value: object) -> bool | None:
-    """Return what *value* of a binary says; None where it says neither yes nor no."""
+    """Return what *value* of a binary says; None where it means neither yes nor no."""
     if same_scalar(value, feature.value_on):
         return True
     return False if same_scalar(value, feature.value_off) else None
 
 
 def same_scalar(value: object, expected: Scalar | None) -> bool:
-    """Tell whether *value* is *expected*; true and 1 are two things."""
+    """Return whether *value* is *expected*; true and 1 are two things."""
     return isinstance(value, bool) == isinstance(expected, bool) and value == expected
 
 

@@ -57,7 +57,7 @@ CONDITIONS: Mapping[str, str] = {name: capability for capability, names in _COND
 """Capability of a binary that is reported and cannot be set; true is its ``value_on``."""
 
 TRUE_IS_CLOSED = frozenset({"garage_door_contact"})
-"""Binaries whose ``value_on`` is true where it should be false: what they say is whether the contact is closed."""
+"""Binaries whose ``value_on`` is true where it should be false: what they report is whether the contact is closed."""
 
 
 def measure(name: str, unit: str) -> Quantity:
@@ -98,7 +98,7 @@ _NO_READINGS = frozenset(
 
 
 def _capability_of(name: str, unit: str) -> str:
-    """Electrical units tell what is measured; degrees and percent do not without the name."""
+    """Electrical units imply what is measured; degrees and percent do not without the name."""
     for capability in _BY_UNIT_ALONE:
         if conversion_of(capability, unit) is not None:
             return capability
@@ -109,7 +109,7 @@ def _capability_of(name: str, unit: str) -> str:
 
 
 def build_generic(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
-    """Describe one generic expose, as a part of its own; None for one that neither says nor takes anything.
+    """Describe one generic expose, as a part of its own; None for one that neither reports nor takes anything.
 
     What can be set is a setting, whatever it is called: a child lock is no door lock, and nobody who turns off
     everything wants to turn off an indicator. Only a binary that is called ``state`` is a switch.

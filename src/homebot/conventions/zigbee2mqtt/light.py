@@ -67,7 +67,7 @@ class _Zigbee2MqttLamp:
         topics: Its topics.
         features: What it exposes, by name.
         suffix: What its properties end in.
-        mode: ``xy`` or ``hs``, in which its colours are told; empty where it has none.
+        mode: ``xy`` or ``hs``, in which its colours are sent; empty where it has none.
         effect: The enum of its effects.
     """
 
@@ -78,7 +78,7 @@ class _Zigbee2MqttLamp:
     effect: Expose | None
 
     def read(self, message: JsonMessage) -> Readings:
-        """A brightness of 0 is that of a lamp that is off, and tells nothing."""
+        """A brightness of 0 is that of a lamp that is off, and is no report."""
         found: dict[str, PlainValue] = {}
         state = self.features.get("state")
         if state is not None and state.key in message:

@@ -36,7 +36,7 @@ __all__ = ["build_parts"]
 
 
 def build_parts(device: BridgeDevice) -> tuple[DescribedPart, ...]:
-    """Describe the parts of a device, each id once. One that the bridge does not know shows what it says as it is."""
+    """Describe the parts of a device, each id once. One unknown to the bridge shows its messages as they are."""
     topics = Zigbee2MqttTopics(device.topic, device.is_awake, device.takes_transition, device.bare_endpoints)
     exposes = read_exposes(device.exposes)
     return with_own_ids(_described(device, topics, exposes), _MOST_PARTS) or (_unknown(topics),)

@@ -36,7 +36,7 @@ _DEFAULT_BASE = "zigbee2mqtt"
 
 
 class Zigbee2MqttReader:
-    """Reads what bridges say; keeps the descriptions of the last list per bridge, at most :data:`MAX_DEVICES`.
+    """Reads what bridges publish; keeps the descriptions of the last list per bridge, at most :data:`MAX_DEVICES`.
 
     Args:
         bases: Base topics of the bridges.
@@ -49,7 +49,7 @@ class Zigbee2MqttReader:
         self._listless = dict.fromkeys(bases, False)  # no list came yet; whether what is beside it did
 
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Take a list of devices and return what it tells of each. A broken entry costs that device alone."""
+        """Take a list of devices and return what it describes of each. A broken entry costs that device alone."""
         return tuple(one for one in self.take_slices(topic, payload, retained=retained) if one is not None)
 
     def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[AnnouncementEvent | None]:  # noqa: ARG002 - the bridge keeps its lists
@@ -63,7 +63,7 @@ class Zigbee2MqttReader:
             yield from self._take_info(base, payload)
 
     def problems(self) -> tuple[str, ...]:
-        """Return which bridges told how they are set up, but not which devices they have: both are retained."""
+        """Return which bridges reported how they are set up, but not which devices they have: both are retained."""
         return tuple(
             f"{base}/bridge/info came, but {base}/bridge/devices did not: a list that is larger than max_announcement "
             "is dropped by the broker without a word"
@@ -137,7 +137,7 @@ class Zigbee2MqttReader:
         )
 
     def _take_info(self, base: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
-        """Take how the bridge is set up, and describe anew the devices whose availability is told otherwise now."""
+        """Take how the bridge is set up, and describe anew the devices whose availability is reported otherwise now."""
         if base in self._listless:
             self._listless[base] = True
         rule = read_availability_rule(parse_object(payload, MAX_BRIDGE_BYTES))
@@ -155,7 +155,7 @@ class Zigbee2MqttReader:
 
 @dataclass(frozen=True, slots=True)
 class _KnownDevice:
-    """A device of the last list, and the topic on which it speaks."""
+    """A device of the last list, and the topic on which it publishes."""
 
     topic: str
     described: DeviceAnnounced

@@ -54,7 +54,7 @@ def is_supported(content_type: str) -> bool:
 
 
 def decode_value(capability: Capability, affordance: Affordance, payload: bytes) -> tuple[PlainValue] | None:
-    """Return the value that *payload* tells, in a tuple because it may be None, unknown; None where it tells none."""
+    """Return the value of *payload*, in a tuple because it may be None, unknown; None where it has none."""
     if len(payload) > MAX_STATE_BYTES:
         return None
     try:
@@ -172,7 +172,7 @@ def thing_codec(part: ClassifiedPart) -> TableCodec[bytes]:
     """Return the codec of one part of a thing.
 
     Args:
-        part: The part; what it reads and writes is said by its capabilities, whatever its affordances offer.
+        part: The part; what it reads and writes follows from its capabilities, whatever its affordances offer.
     """
     readers: dict[str, tuple[Reader[bytes], ...]] = {}
     event_readers: dict[str, tuple[Reader[bytes], ...]] = {}
