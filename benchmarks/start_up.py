@@ -20,7 +20,9 @@ from rounds import Measure, measure_interleaved
 
 __all__ = ["run"]
 
-CORE = "import aiomqtt, pydantic, anyio, structlog"
+CORE = """import sys
+sys.modules.update(rich=None, twisted=None)  # structlog loads both where they are; homebot keeps it from that
+import aiomqtt, pydantic, anyio, structlog"""
 PEER = "imports of the four core packages"
 IN_USE = "the same in use: one model, one loop"
 IMPORT = "import homebot.runtime"
@@ -57,7 +59,7 @@ def run(plan: Plan) -> Report:
         (IMPORT, PEER, None if RUN in samples else aim),
         (IMPORT, IN_USE, None),
         (RUN, PEER, aim),
-        (RUN, IN_USE, None),
+        (RUN, IN_USE, Aim("at most", 2.0)),
     ]
     comparisons: list[Comparison] = compare("start-up", samples, pairs, seconds)
     comparisons += compare("peak memory", memory, [(ours, peer, None) for ours, peer, _ in pairs], megabytes)

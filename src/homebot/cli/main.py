@@ -119,7 +119,7 @@ def _run(argv: Sequence[str]) -> int:
 def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:
     """Add the arguments of *command*, and what runs it, to its *parser*."""
     name = "import_thing" if command == "import" else command
-    with uncollected(), _no_rich():
+    with uncollected(), _structlog_alone():
         module = importlib.import_module(f"homebot.cli.commands.{name}")
     add_arguments: Callable[[argparse.ArgumentParser], None] = module.add_arguments
     add_arguments(parser)
@@ -136,13 +136,13 @@ def uncollected() -> Iterator[None]:
 
 
 @contextmanager
-def _no_rich() -> Iterator[None]:
-    """Keep structlog from loading rich, with which it would print tracebacks: a tenth of the time of a command."""
-    if "rich" in sys.modules:
-        yield
-        return
-    sys.modules["rich"] = None  # type: ignore[assignment]  # Python's own way to say that there is none
+def _structlog_alone() -> Iterator[None]:
+    """Keep structlog from loading what it would print tracebacks or serve a framework with: a tenth of a command."""
+    unused = {"rich", "twisted"} - sys.modules.keys()
+    for library in unused:
+        sys.modules[library] = None  # type: ignore[assignment]  # Python's own way to say that there is none
     try:
         yield
     finally:
-        del sys.modules["rich"]
+        for library in unused:
+            del sys.modules[library]

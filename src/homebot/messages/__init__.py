@@ -1,10 +1,15 @@
-"""Frozen, typed messages with exact ROS field types."""
+"""Frozen, typed messages with exact ROS field types; each is imported when it is first asked for."""
 
-from homebot.messages.builtin_interfaces import Duration, Time
-from homebot.messages.message import Message, ServiceType
-from homebot.messages.rcl_interfaces import Log, Parameter, ParameterEvent, ParameterValue
-from homebot.messages.std_msgs import Bool, Empty, Float32, Float64, Int32, Int64, String, UInt8
-from homebot.messages.std_srvs import SetBool, Trigger
+from typing import TYPE_CHECKING
+
+from homebot.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from homebot.messages.builtin_interfaces import Duration, Time
+    from homebot.messages.message import Message, ServiceType
+    from homebot.messages.rcl_interfaces import Log, Parameter, ParameterEvent, ParameterValue
+    from homebot.messages.std_msgs import Bool, Empty, Float32, Float64, Int32, Int64, String, UInt8
+    from homebot.messages.std_srvs import SetBool, Trigger
 
 __all__ = [
     "Bool",
@@ -26,3 +31,15 @@ __all__ = [
     "Trigger",
     "UInt8",
 ]
+
+if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+    __getattr__ = lazy_names(
+        __name__,
+        {
+            "homebot.messages.builtin_interfaces": "Duration Time",
+            "homebot.messages.message": "Message ServiceType",
+            "homebot.messages.rcl_interfaces": "Log Parameter ParameterEvent ParameterValue",
+            "homebot.messages.std_msgs": "Bool Empty Float32 Float64 Int32 Int64 String UInt8",
+            "homebot.messages.std_srvs": "SetBool Trigger",
+        },
+    )

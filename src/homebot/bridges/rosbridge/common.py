@@ -1,18 +1,21 @@
-"""State that all clients of the door share: counters, the log of their mistakes, and the door's parts."""
+"""State that all clients of the door share: counters, their mistakes, topics to come, the door's parts."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, final
+
+import anyio
+from anyio.abc import TaskStatus
 
 from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.settings import DoorSettings
-from homebot.bridges.rosbridge.subscriptions import ExpectedTopics
 from homebot.bridges.rosbridge.turns import Turns
-from homebot.graph import Node
+from homebot.graph import EntityKind, Graph, Node
 from homebot.log import LogLimit
 
-__all__ = ["ClientErrorLog", "Common", "DoorCounters", "operation_text"]
+__all__ = ["ClientErrorLog", "Common", "DoorCounters", "ExpectedTopics", "operation_text"]
 
 
 @dataclass(slots=True)
@@ -103,6 +106,39 @@ def operation_text(op: str, name: str) -> str:
 
 def _short(text: str, longest: int = _LONGEST) -> str:
     return text if len(text) <= longest else f"{text[: longest - 1]}…"
+
+
+@final
+class ExpectedTopics:
+    """Calls back when a topic appears; :meth:`run` has to run for that.
+
+    Args:
+        graph: Where to look.
+    """
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+        self._expected: dict[str, dict[Callable[[str], None], None]] = {}
+
+    def expect(self, topic: str, callback: Callable[[str], None]) -> None:
+        """Call *callback* once with the full name *topic* when somebody begins to use it."""
+        self._expected.setdefault(topic, {})[callback] = None
+
+    def forget(self, topic: str, callback: Callable[[str], None]) -> None:
+        """Do not call *callback* for *topic* any more; one that was not expected is fine."""
+        expecting = self._expected.get(topic, {})
+        expecting.pop(callback, None)
+        if not expecting:
+            self._expected.pop(topic, None)
+
+    async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Watch until cancelled."""
+        with self._graph.watch() as changes:
+            task_status.started()
+            async for change in changes:
+                if change.change == "added" and change.entity.kind in {EntityKind.PUBLISHER, EntityKind.SUBSCRIPTION}:
+                    for callback in self._expected.pop(change.entity.name, {}):
+                        callback(change.entity.name)
 
 
 @dataclass(frozen=True, slots=True)

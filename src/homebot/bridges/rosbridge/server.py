@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator
 from dataclasses import asdict
 from functools import partial
 from http import HTTPStatus
-from typing import Final, cast
+from typing import TYPE_CHECKING, Final, cast
 
 import anyio
 from anyio.abc import TaskStatus
@@ -23,16 +23,17 @@ from websockets.http11 import Request, Response
 from homebot.addresses import is_loopback
 from homebot.bridges.rosbridge.admission import is_token, refusal, token_of
 from homebot.bridges.rosbridge.backlog import DoorBacklog
-from homebot.bridges.rosbridge.common import ClientErrorLog, Common, DoorCounters
+from homebot.bridges.rosbridge.common import ClientErrorLog, Common, DoorCounters, ExpectedTopics
 from homebot.bridges.rosbridge.connection import DoorConnection
 from homebot.bridges.rosbridge.guards import TokenGuard
-from homebot.bridges.rosbridge.session import ClientSession
 from homebot.bridges.rosbridge.settings import DoorSettings
-from homebot.bridges.rosbridge.subscriptions import ExpectedTopics
 from homebot.bridges.rosbridge.turns import Turns
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.errors import ConfigError, LinkError
 from homebot.graph import Node
+
+if TYPE_CHECKING:
+    from homebot.bridges.rosbridge.session import ClientSession
 
 __all__ = ["Door"]
 
@@ -195,6 +196,7 @@ class Door:
         if len(self._sessions) >= self._settings.max_clients:  # several were let in at the same time
             await connection.close(CloseCode.TRY_AGAIN_LATER, "too many clients are connected")
             return
+        from homebot.bridges.rosbridge.session import ClientSession  # noqa: PLC0415 - loaded with the first client
 
         async def send(text: str) -> None:
             with anyio.move_on_after(self._settings.stall_timeout) as limit:

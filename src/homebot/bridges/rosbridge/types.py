@@ -7,12 +7,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 from homebot import devices
 from homebot.errors import PeerError, TypeMismatchError
 from homebot.graph import Graph
-from homebot.messages import builtin_interfaces, rcl_interfaces, std_msgs, std_srvs
 from homebot.messages.builtin_interfaces import Duration, Time
 from homebot.messages.definition import FieldDefinition, fields_of, nested_types
 from homebot.messages.json import message_from_json
@@ -27,36 +27,49 @@ __all__ = [
     "service_type_of",
 ]
 
-_MESSAGES: tuple[type[Message], ...] = (
-    builtin_interfaces.Duration,
-    builtin_interfaces.Time,
-    devices.Device,
-    devices.DeviceChange,
-    devices.Endpoint,
-    devices.KeyValue,
-    devices.RawCommand,
-    devices.RawMessage,
-    devices.Sighting,
-    rcl_interfaces.Log,
-    rcl_interfaces.Parameter,
-    rcl_interfaces.ParameterEvent,
-    rcl_interfaces.ParameterValue,
-    std_msgs.Bool,
-    std_msgs.Empty,
-    std_msgs.Float32,
-    std_msgs.Float64,
-    std_msgs.Int32,
-    std_msgs.Int64,
-    std_msgs.String,
-    std_msgs.UInt8,
-)
-_SERVICES: tuple[ServiceType[Any, Any], ...] = (
-    devices.FindDevices,
-    devices.GetIndexData,
-    devices.SubscribeToTopic,
-    std_srvs.SetBool,
-    std_srvs.Trigger,
-)
+
+@lru_cache
+def _standard_messages() -> dict[tuple[str, str], type[Message]]:
+    """Return the types that need not be in use, by package and name; loaded when somebody asks for a type by name."""
+    from homebot.messages import rcl_interfaces, std_msgs  # noqa: PLC0415 - as above
+
+    known: tuple[type[Message], ...] = (
+        Duration,
+        Time,
+        devices.Device,
+        devices.DeviceChange,
+        devices.Endpoint,
+        devices.KeyValue,
+        devices.RawCommand,
+        devices.RawMessage,
+        devices.Sighting,
+        rcl_interfaces.Log,
+        rcl_interfaces.Parameter,
+        rcl_interfaces.ParameterEvent,
+        rcl_interfaces.ParameterValue,
+        std_msgs.Bool,
+        std_msgs.Empty,
+        std_msgs.Float32,
+        std_msgs.Float64,
+        std_msgs.Int32,
+        std_msgs.Int64,
+        std_msgs.String,
+        std_msgs.UInt8,
+    )
+    return {_parts(one.ros_type): one for one in known}
+
+
+def _standard_services() -> tuple[ServiceType[Any, Any], ...]:
+    from homebot.messages import std_srvs  # noqa: PLC0415 - as above
+
+    return (
+        devices.FindDevices,
+        devices.GetIndexData,
+        devices.SubscribeToTopic,
+        std_srvs.SetBool,
+        std_srvs.Trigger,
+    )
+
 
 _LONGEST_TYPE = 100
 
@@ -110,13 +123,13 @@ def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
         PeerError: It is unknown; the message names what is similar.
     """
     wanted = _parts(ros_type)
-    if (standard := _STANDARD_MESSAGES.get(wanted)) is not None:
+    if (standard := _standard_messages().get(wanted)) is not None:
         return standard
     in_use = graph.get_message_types()
     for known in (*in_use, *(inner for outer in in_use for inner in nested_types(outer))):
         if _parts(known.ros_type) == wanted:
             return known
-    raise _unknown("message", ros_type, [known.ros_type for known in _MESSAGES])
+    raise _unknown("message", ros_type, [known.ros_type for known in _standard_messages().values()])
 
 
 def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
@@ -126,18 +139,15 @@ def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
         PeerError: It is unknown; the message names what is similar.
     """
     wanted = _parts(ros_type)
-    for known in (*_SERVICES, *graph.get_service_types()):
+    for known in (*_standard_services(), *graph.get_service_types()):
         if _parts(known.ros_type) == wanted:
             return known
-    raise _unknown("service", ros_type, [known.ros_type for known in _SERVICES])
+    raise _unknown("service", ros_type, [known.ros_type for known in _standard_services()])
 
 
 def _parts(ros_type: str) -> tuple[str, str]:
     package, _, rest = ros_type.partition("/")
     return package, rest.removeprefix("msg/").removeprefix("srv/")
-
-
-_STANDARD_MESSAGES = {_parts(known.ros_type): known for known in _MESSAGES}
 
 
 def _unknown(kind: str, ros_type: str, known: list[str]) -> PeerError:

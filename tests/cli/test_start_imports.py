@@ -1,0 +1,59 @@
+"""A start loads what it needs, and nothing for what may come."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+_MOST_MODULES = 330
+"""Modules of homebot; of more each should be needed before a start is done."""
+
+NOT_NEEDED = (
+    "aiomqtt",
+    "difflib",
+    "jinja2",
+    "paho",
+    "platformdirs",
+    "rich",
+    "shtab",
+    "sqlite3",
+    "tomllib",
+    "twisted",
+    "homebot.bridges.rosbridge.protocol",
+    "homebot.bridges.rosbridge.session",
+    "homebot.conventions.homeassistant.publisher",
+    "homebot.conventions.homeassistant.reader",
+    "homebot.conventions.homie.reader",
+    "homebot.conventions.jinja",
+    "homebot.conventions.shelly.reader",
+    "homebot.conventions.table_codec",
+    "homebot.conventions.tasmota.reader",
+    "homebot.conventions.zigbee2mqtt.reader",
+    "homebot.devices.handles.climate",
+    "homebot.devices.query.parse",
+    "homebot.discovery.store",
+    "homebot.house.description",
+    "homebot.house.kinds",
+    "homebot.messages.std_msgs",
+    "homebot.mqtt.client.aiomqtt_adapter",
+    "homebot.testing",
+    "homebot.wot.mqtt.reader",
+    "homebot.wot.parse",
+)
+
+
+def test_a_start_loads_no_more_than_it_needs(tmp_path: Path) -> None:
+    """A convention's reader waits for a message, a parser for a text, a session for a client, SQLite for a file."""
+    code = (
+        "import sys\nfrom homebot.cli import main\n"
+        "assert main(['run', '--door', '127.0.0.1:0', '--for', '0.1']) == 0\n"
+        "print(*sys.modules)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=40, cwd=tmp_path
+    )
+    loaded = done.stdout.split()
+    assert [one for one in loaded if one in NOT_NEEDED] == []
+    assert "home425 is running" in done.stderr
+    assert len([one for one in loaded if one.startswith("homebot")]) <= _MOST_MODULES

@@ -1,0 +1,45 @@
+"""Conventions listen for devices before they can read what those say."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.errors import WireError
+
+CODE = """
+import sys
+from homebot.gateways.mqtt.loaded_conventions import default_conventions, find_conventions
+
+def readers():
+    return [name for name in sys.modules if name.startswith("homebot.") and name.endswith(".reader")
+            and "packets" not in name]
+
+found = find_conventions(default_conventions(), {}, "home425")
+assert len(found) == 7
+for one in found:
+    assert one.filters() and one.rejected == 0
+    one.birth_messages()
+assert readers() == [], readers()
+homie = next(one for one in found if one.name == "homie")
+homie.take("homie/5/lamp/$state", b"init", retained=True)
+assert readers() == ["homebot.conventions.homie.reader"], readers()
+"""
+
+
+def test_only_the_convention_that_hears_something_loads_its_reader() -> None:
+    """Filters, births and counts need none."""
+    done = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, timeout=40, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_what_is_rejected_is_counted_from_the_first_message_on() -> None:
+    """The message that loads the reader counts too."""
+    convention = HomeAssistantDiscovery(HomeAssistantSettings())
+    assert (convention.is_loaded, convention.rejected) == (False, 0)
+    with pytest.raises(WireError):
+        convention.take("homeassistant/light/x/config", b"no JSON", retained=True)
+    assert (convention.is_loaded, convention.rejected) == (True, 1)
