@@ -8,7 +8,7 @@ import anyio
 from anyio.abc import TaskStatus
 from pydantic import BaseModel, ValidationError
 
-from homebot.devices.command import Command
+from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
 from homebot.gateways import Gateway, GatewayContext
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part

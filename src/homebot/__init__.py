@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from homebot.cli.script import run
     from homebot.config import Config, load_config, parse_config
     from homebot.devices import Device, DeviceChange, DevicePart, Devices, Follow, RawMessage, State, StateChange
-    from homebot.devices.exposed import ExposedDevice
+    from homebot.devices.exposure import ExposedDevice
     from homebot.devices.handles import (
         AirConditioner,
         AlarmPanel,
@@ -169,7 +169,7 @@ _NAMES = {
         HumiditySensor LawnMower Light LightSensor OccupancySensor Plug PressureSensor RoboticVacuumCleaner Siren
         SmokeAlarm Switch TemperatureSensor Thermostat WaterLeakDetector WaterValve WindowCovering
         """,
-    "homebot.devices.exposed": "ExposedDevice",
+    "homebot.devices.exposure": "ExposedDevice",
     "homebot.devices.part": "Capability Part",
     "homebot.errors": """
         ClosedError ConfigError HomebotError LinkError PeerError RefusedError ServiceError ServiceFailedError

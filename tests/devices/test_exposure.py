@@ -12,9 +12,9 @@ import anyio
 import pytest
 
 from homebot.config import parse_config
-from homebot.devices.command import Command
 from homebot.devices.devices import Devices
-from homebot.devices.exposed import ExposedDevice, ExposedState
+from homebot.devices.exposure import ExposedDevice, ExposedState
+from homebot.devices.gateway_messages import Command
 from homebot.devices.names import GatewayNames
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import Value

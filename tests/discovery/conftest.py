@@ -9,8 +9,8 @@ from typing import Literal
 import pytest
 
 from homebot.devices import KeyValue, Sighting
+from homebot.devices.gateway_messages import Reading, Report
 from homebot.devices.part import Capability, Category, Part
-from homebot.devices.report import Reading, Report
 from homebot.devices.value import PlainValue, Value
 from homebot.messages import Time
 

@@ -19,7 +19,7 @@ from homebot.devices import (
     GetIndexData,
     Sighting,
 )
-from homebot.devices.report import REACHABLE, Reading, Report
+from homebot.devices.gateway_messages import REACHABLE, Reading, Report
 from homebot.devices.value import Value
 from homebot.discovery import Directory, DirectorySettings
 from homebot.graph import Graph, Node, Subscription, qos_profile_latched

@@ -7,8 +7,8 @@ from typing import Literal
 import pytest
 
 from homebot.devices import DeviceChange, KeyValue, Sighting, StateChange
+from homebot.devices.gateway_messages import Reading, Report
 from homebot.devices.part import Capability, Part
-from homebot.devices.report import Reading, Report
 from homebot.devices.value import Value
 from homebot.discovery import DeviceIndex
 from homebot.messages import Time

@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.devices import DeviceChange, Sighting
+from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.part import Part
 from homebot.devices.query import parse_query
-from homebot.devices.report import REACHABLE, Report
 from homebot.discovery import DeviceIndex
 from homebot.discovery.ids import Tombstone, Tombstones
 from homebot.discovery.report_interval import ReportInterval

@@ -9,9 +9,9 @@ import pytest
 
 from homebot.devices import DeviceChange, Sighting
 from homebot.devices.device import EVERYTHING
+from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import parse_query
-from homebot.devices.report import Report
 from homebot.discovery import DeviceIndex
 
 Announce = Callable[..., Sighting]

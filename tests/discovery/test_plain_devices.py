@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from homebot.devices import Sighting
+from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Part
 from homebot.devices.query import parse_query
-from homebot.devices.report import Report
 from homebot.discovery import DeviceIndex
 from homebot.messages import Time
 

@@ -23,11 +23,11 @@ from homebot.devices import (
     Sighting,
     StateChange,
 )
+from homebot.devices.gateway_messages import Report
 from homebot.devices.health import GetHealth
 from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE, GatewayNames
 from homebot.devices.part import Part
 from homebot.devices.query import QueryTerm, parse_query, query_terms
-from homebot.devices.report import Report
 from homebot.devices.services import ForgetDevice
 from homebot.discovery import Directory, DirectorySettings
 from homebot.errors import UsageError

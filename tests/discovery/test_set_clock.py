@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from homebot.apps import App
 from homebot.apps.base import NoSettings
 from homebot.devices import DEVICE_CHANGES, DeviceChange, RawMessage, Sighting
+from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Part
-from homebot.devices.report import Report
 from homebot.discovery import DeviceIndex, Directory, DirectorySettings
 from homebot.discovery.record import entry_record, read_entry
 from homebot.graph import Graph, Node

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from homebot.bridges.rosbridge.protocol import FrameError, Operation, parse_frame
 from homebot.devices import RawMessage
-from homebot.devices.command import Command
+from homebot.devices.gateway_messages import Command
 from homebot.errors import TypeMismatchError
 from homebot.messages import Message
 from homebot.messages.json import message_from_json

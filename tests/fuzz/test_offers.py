@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from homebot.conventions.homeassistant.publisher import HomeAssistantPublisher
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.exposed import ExposedDevice
+from homebot.devices.exposure import ExposedDevice
 from homebot.devices.part import Capability, Part
 
 if TYPE_CHECKING:

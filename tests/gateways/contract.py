@@ -15,10 +15,9 @@ import anyio
 import pytest
 
 from homebot.devices import GatewayState, RawCommand, RawMessage, Sighting, SubscribeToTopic
-from homebot.devices.command import Command, SendCommand, SendCommandResponse
+from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.names import text_address
-from homebot.devices.report import Report
 from homebot.devices.services import SubscribeToTopicRequest
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways import Gateway

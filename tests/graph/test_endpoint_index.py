@@ -5,8 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.graph.endpoint import EndpointInfo, EntityKind
-from homebot.graph.endpoint_index import EndpointIndex
+from homebot.graph.endpoint import EndpointIndex, EndpointInfo, EntityKind
 
 INFOS = st.builds(
     EndpointInfo,

@@ -9,7 +9,8 @@ import pytest
 from pydantic import Field
 
 from homebot.errors import UsageError
-from homebot.messages import Empty, Log, Message, ParameterEvent, ParameterValue, String, Time, fields
+from homebot.messages import Empty, Log, Message, ParameterEvent, ParameterValue, String, Time
+from homebot.messages import message as fields
 from homebot.messages.definition import definition_text, fields_of, nested_types
 
 SEPARATOR = "=" * 80

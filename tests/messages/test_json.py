@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from pydantic import Field
 
 from homebot.errors import TypeMismatchError
-from homebot.messages import Bool, Empty, Float64, Int32, Log, Message, ParameterValue, String, Time, fields
+from homebot.messages import Bool, Empty, Float64, Int32, Log, Message, ParameterValue, String, Time
+from homebot.messages import message as fields
 from homebot.messages.json import message_from_json, message_to_json, message_to_text
 
 

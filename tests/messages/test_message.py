@@ -8,7 +8,8 @@ import pytest
 from pydantic import ValidationError
 
 from homebot.errors import UsageError
-from homebot.messages import Bool, Float64, Int32, Int64, Message, String, fields
+from homebot.messages import Bool, Float64, Int32, Int64, Message, String
+from homebot.messages import message as fields
 from homebot.messages.std_srvs import SetBool, Trigger
 
 

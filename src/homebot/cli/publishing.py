@@ -50,7 +50,7 @@ class GatewayPublisher:
         if state is None:
             raise LinkError(f"gateway {gateway} is not running")
         if not state["acts"]:
-            from homebot.devices.gateway_state import ONLY_OBSERVES  # noqa: PLC0415 - an error may take its time
+            from homebot.devices.gateway_messages import ONLY_OBSERVES  # noqa: PLC0415 - an error may take its time
 
             raise RefusedError(f"publishing through {gateway}", state["reason"] or ONLY_OBSERVES)
         if state["state"] != "active":

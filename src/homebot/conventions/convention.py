@@ -8,8 +8,8 @@ from typing import ClassVar, Protocol, runtime_checkable
 from pydantic import BaseModel
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, Publication
-from homebot.devices.command import Command
-from homebot.devices.exposed import ExposedDevice
+from homebot.devices.exposure import ExposedDevice
+from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 
 __all__ = [

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     )
     from homebot.devices.devices import Devices
     from homebot.devices.follow import Follow
-    from homebot.devices.gateway_state import GatewayState
+    from homebot.devices.gateway_messages import GatewayState, RawCommand, RawMessage, Sighting
     from homebot.devices.names import (
         DEVICE_CHANGES,
         DEVICE_STATES,
@@ -30,9 +30,7 @@ if TYPE_CHECKING:
         GatewayNames,
         gateway_of,
     )
-    from homebot.devices.raw import RawCommand, RawMessage
     from homebot.devices.services import FindDevices, Found, GetChanges, GetIndexData, QueryDevices, SubscribeToTopic
-    from homebot.devices.sighting import Sighting
 
 __all__ = [
     "DEVICE_CHANGES",
@@ -77,13 +75,11 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
                 """,
             "homebot.devices.devices": "Devices",
             "homebot.devices.follow": "Follow",
-            "homebot.devices.gateway_state": "GatewayState",
+            "homebot.devices.gateway_messages": "GatewayState RawCommand RawMessage Sighting",
             "homebot.devices.names": """
                 DEVICE_CHANGES DEVICE_STATES FIND_DEVICES GET_CHANGES GET_INDEX_DATA QUERY_DEVICES GatewayNames
                 gateway_of
                 """,
-            "homebot.devices.raw": "RawCommand RawMessage",
             "homebot.devices.services": "FindDevices Found GetChanges GetIndexData QueryDevices SubscribeToTopic",
-            "homebot.devices.sighting": "Sighting",
         },
     )

@@ -8,16 +8,14 @@ from typing import ParamSpec, TypeAlias, TypeVar, overload
 import anyio.lowlevel
 
 from homebot.devices.device import Device, Endpoint
-from homebot.devices.exposed import ExposedDevice
-from homebot.devices.exposure import Exposure
+from homebot.devices.exposure import ExposedDevice, Exposure
 from homebot.devices.follow import Follow
-from homebot.devices.gateway_state import ONLY_OBSERVES, GatewayState
+from homebot.devices.gateway_messages import ONLY_OBSERVES, GatewayState, RawCommand, RawMessage
 from homebot.devices.handles.follow import FollowHandles
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleType
 from homebot.devices.handles.handles import Handles
 from homebot.devices.names import FIND_DEVICES, GatewayNames
-from homebot.devices.raw import RawCommand, RawMessage
 from homebot.devices.services import (
     FindDevices,
     FindDevicesRequest,
@@ -28,7 +26,6 @@ from homebot.devices.services import (
 from homebot.devices.text.address import command_address, others_at
 from homebot.errors import ClosedError, InvalidNameError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node, Publisher, Subscription, qos_profile_latched
-from homebot.graph.service_watch import watch_services
 from homebot.log import LogLimit
 from homebot.messages import Time
 from homebot.names import validate_node_name
@@ -247,7 +244,7 @@ class Devices:
 
     async def _ask_again(self) -> None:
         """A gateway that was restarted has forgotten who listens; to another one, asking twice changes nothing."""
-        async for service in watch_services(self._node.graph):
+        async for service in self._node.graph.watch_services():
             for gateway, addresses in list(self._wanted.items()):
                 if service in {None, GatewayNames(gateway).subscribe}:
                     for address in sorted(addresses):

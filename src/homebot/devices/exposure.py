@@ -1,35 +1,77 @@
-"""Offering something of homebot's to other systems of the house, and hearing what they want of it."""
+"""Exposure of homebot's own parts to other systems of the house, such as Home Assistant: its robot, apps, switches.
+
+An exposed device goes to a gateway on ``/gateway/<name>/offers``, and its states on ``/gateway/<name>/offer_reports``.
+Both topics are latched. Commands of the other systems come on ``/gateway/<name>/offer_commands`` as
+:class:`homebot.devices.gateway_messages.Command`, with the id of the exposed device as key.
+"""
 
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from types import TracebackType
-from typing import Self
+from typing import ClassVar, Self
 
-from homebot.devices.command import Command
-from homebot.devices.exposed import ExposedDevice, ExposedState
+from homebot.devices.gateway_messages import Command, Reading
 from homebot.devices.names import GatewayNames
-from homebot.devices.report import Reading
+from homebot.devices.part import Part
 from homebot.devices.value import PlainValue, Value
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
+from homebot.messages.message import Message
 
-__all__ = ["Exposure"]
+__all__ = ["ExposedDevice", "ExposedState", "Exposure"]
+
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 _COMMANDS_DEPTH = 100
 
 
+class ExposedDevice(Message):
+    """A device that homebot exposes to other systems, such as Home Assistant.
+
+    Attributes:
+        id: Unique in this homebot; keep it the same over restarts.
+        name: The name for people.
+        parts: Its parts.
+        model: The model or kind, for people; may be empty.
+        area: The room that it is in; empty if it has none.
+        is_withdrawn: Whether it is no longer exposed.
+    """
+
+    key_field: ClassVar[str | None] = "id"
+
+    id: str
+    name: str
+    parts: tuple[Part, ...]
+    model: str = ""
+    area: str = ""
+    is_withdrawn: bool = False
+
+
+class ExposedState(Message):
+    """A reported state of an exposed device.
+
+    Attributes:
+        id: The id of the exposed device.
+        readings: The values; kept until there are others.
+    """
+
+    key_field: ClassVar[str | None] = "id"
+
+    id: str
+    readings: tuple[Reading, ...]
+
+
 class Exposure:
-    """An offer that others see within a ``with`` block, and that is withdrawn after it; one task reads its commands.
+    """An exposed device, published within a ``with`` block and withdrawn after it; one task reads its commands.
 
     Args:
-        node: Who offers.
-        offer: What.
+        node: The node that exposes it.
+        offer: The device.
         gateway: Name of the gateway that publishes it, where that is switched on.
 
     Attributes:
-        offer: The same.
+        offer: The device.
     """
 
     def __init__(self, node: Node, offer: ExposedDevice, gateway: str = "mqtt") -> None:
@@ -52,14 +94,14 @@ class Exposure:
         self._commands.close()
 
     def set_state(self, capability: str, value: PlainValue, part: str = "") -> None:
-        """Tell what it is now: *capability* of the part *part* has *value*."""
+        """Publish the new *value* of *capability* of the part *part*."""
         reading = Reading(part=part, capability=capability, value=Value.of(value))
         self._reports.publish(ExposedState(id=self.offer.id, readings=(reading,)))
 
     async def commands(self) -> AsyncIterator[Command]:
-        """Yield what others tell it to become, until the block or the node ends.
+        """Yield the commands of other systems, until the block or the node ends.
 
-        At most 100 wait; the oldest goes.
+        At most 100 wait; the oldest is dropped.
         """
         async for command in self._commands:
             if command.key == self.offer.id:

@@ -15,7 +15,6 @@ from homebot.devices.query import And, Query, type_is
 from homebot.devices.services import FindDevices, FindDevicesRequest, FindDevicesResponse
 from homebot.errors import ClosedError, ServiceError
 from homebot.graph import Client, Node, Subscription
-from homebot.graph.service_watch import watch_services
 from homebot.log import LogLimit
 
 __all__ = ["Follow"]
@@ -134,7 +133,7 @@ class Follow:
         """One that was restarted has a new index, and numbers its changes anew."""
         with self._watch:
             is_first = True
-            async for service in watch_services(self._node.graph):
+            async for service in self._node.graph.watch_services():
                 if service == FIND_DEVICES or (service is None and not is_first):
                     self._is_outdated = True
                     if self._changes is not None:

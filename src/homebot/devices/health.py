@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.fields import UInt32, UInt64
-from homebot.messages.message import Message, ServiceType
+from homebot.messages.message import Message, ServiceType, UInt32, UInt64
 
 __all__ = ["Count", "GetHealth", "HealthRequest", "HealthResponse", "PartFailure", "Quarantine"]
 

@@ -46,14 +46,14 @@ class GatewayNames:
         node: Full name of its node.
         received_topics: Topic of its sightings.
         out: Topic of the raw commands for its devices.
-        readings: Topic of what its devices say of themselves, as :class:`homebot.devices.report.Report`.
+        readings: Topic of what its devices say of themselves, as :class:`homebot.devices.gateway_messages.Report`.
         state: Topic of its own state.
         quarantine: Topic of where it listens only a little, as :class:`homebot.devices.health.Quarantine`.
         health: Service that tells what it counted and whom it ignores.
         offers: Topic of what homebot offers to other systems through it, as
-            :class:`homebot.devices.exposed.ExposedDevice`.
-        offer_reports: Topic of what that says of itself, as :class:`homebot.devices.exposed.ExposedState`.
-        offer_commands: Topic of what those systems tell it, as :class:`homebot.devices.command.Command`.
+            :class:`homebot.devices.exposure.ExposedDevice`.
+        offer_reports: Topic of what that says of itself, as :class:`homebot.devices.exposure.ExposedState`.
+        offer_commands: Topic of what those systems tell it, as :class:`homebot.devices.gateway_messages.Command`.
         send_command: Service that takes commands in the words of the vocabulary.
         subscribe: Service that starts the mirroring of raw messages.
     """

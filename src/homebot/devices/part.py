@@ -1,14 +1,19 @@
-"""Parts of a device that can be used by themselves, with their capabilities."""
+"""Parts of devices that can be used by themselves, with their capabilities."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Literal, TypeAlias
 
 from homebot.messages.message import Message
 
-__all__ = ["Capability", "Category", "Part"]
+__all__ = ["Capability", "Category", "Part", "size_of_parts", "size_of_texts"]
+
 
 Category: TypeAlias = Literal["", "config", "diagnostic"]
+
+_EACH = 32
+"""Bytes that a text takes beside its characters, about."""
 
 
 class Capability(Message):
@@ -58,3 +63,20 @@ class Part(Message):
     capabilities: tuple[Capability, ...] = ()
     reads: tuple[str, ...] = ()
     writes: tuple[str, ...] = ()
+
+
+def size_of_texts(texts: Iterable[str]) -> int:
+    """Return the size of *texts* in bytes, about."""
+    lengths = [*map(len, texts)]
+    return sum(lengths) + _EACH * len(lengths)
+
+
+def size_of_parts(parts: Iterable[Part]) -> int:
+    """Return the size of the topics and options of *parts* in bytes, about; the rest of a part is short."""
+    size = 0
+    for part in parts:
+        size += sum(map(len, part.reads)) + sum(map(len, part.writes)) + _EACH * (len(part.reads) + len(part.writes))
+        for capability in part.capabilities:
+            if capability.options:
+                size += size_of_texts(capability.options)
+    return size

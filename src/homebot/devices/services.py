@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from homebot.devices.device import Device, DeviceChange
+from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.query.terms import QueryTerm
-from homebot.devices.raw import RawMessage
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.fields import UInt32
-from homebot.messages.message import Message, ServiceType
+from homebot.messages.message import Message, ServiceType, UInt32
 
 __all__ = [
     "AnnouncedOn",

@@ -6,8 +6,7 @@ from typing import Annotated, TypeAlias
 
 from pydantic import Field
 
-from homebot.messages.fields import UInt8
-from homebot.messages.message import Message
+from homebot.messages.message import Message, UInt8
 
 __all__ = ["UNKNOWN", "PlainValue", "Value"]
 

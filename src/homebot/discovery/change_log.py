@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 
 from homebot.devices import DeviceChange
-from homebot.devices.text_size import size_of_parts, size_of_texts
+from homebot.devices.part import size_of_parts, size_of_texts
 
 __all__ = ["MAX_SIZE", "REMEMBERED", "ChangeLog"]
 

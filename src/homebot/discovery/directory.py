@@ -27,7 +27,7 @@ from homebot.devices import (
     StateChange,
     gateway_of,
 )
-from homebot.devices.report import Report
+from homebot.devices.gateway_messages import Report
 from homebot.discovery.index import MAX_DEVICES, DeviceIndex
 from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.services import DirectoryServices

@@ -11,8 +11,8 @@ from dataclasses import asdict
 from typing import final
 
 from homebot.devices import Device, DeviceChange, Sighting, StateChange
+from homebot.devices.gateway_messages import Report
 from homebot.devices.query import Query, facets_of, type_is
-from homebot.devices.report import Report
 from homebot.discovery.device_table import DeviceTable, IndexCounters
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness

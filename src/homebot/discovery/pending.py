@@ -7,7 +7,7 @@ from typing import final
 
 from homebot.devices import Sighting
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.report import REACHABLE, Report
+from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.discovery.source_record import SourceKey
 from homebot.messages import Time
 

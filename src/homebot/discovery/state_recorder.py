@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import final
 
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.report import REACHABLE, Reading, Report
+from homebot.devices.gateway_messages import REACHABLE, Reading, Report
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness

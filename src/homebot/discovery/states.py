@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from operator import attrgetter
 
 from homebot.devices import State
-from homebot.devices.report import Reading
+from homebot.devices.gateway_messages import Reading
 from homebot.discovery.entry import Entry
 from homebot.discovery.source_record import Reach, SourceRecord, StoredValue
 from homebot.messages import Time

@@ -53,8 +53,7 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
 from homebot.devices import GatewayNames, GatewayState, Sighting
-from homebot.devices.gateway_state import ONLY_OBSERVES
-from homebot.devices.report import Report
+from homebot.devices.gateway_messages import ONLY_OBSERVES, Report
 from homebot.gateways.context import GatewayContext, HostService
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, qos_profile_latched
 

@@ -14,7 +14,7 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.devices import RawCommand
-from homebot.devices.command import Command
+from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
 from homebot.gateways.announced.published_devices import MAX_DEVICES, PublishedDevices
 from homebot.gateways.base import Gateway

@@ -1,14 +1,18 @@
-"""Description of one end of a topic or service, for the look-up directory."""
+"""Entities of the graph: their descriptions, and the index that finds them. Pure."""
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Literal
+from typing import Literal, TypeAlias, TypeVar, final
 
 from homebot.graph.qos import QoSProfile
 
-__all__ = ["EndpointInfo", "EntityKind", "GraphChange"]
+__all__ = ["EndpointIndex", "EndpointInfo", "EntityKind", "GraphChange"]
+
+
+TermT = TypeVar("TermT", bound=Hashable)
 
 
 class EntityKind(StrEnum):
@@ -51,3 +55,83 @@ class GraphChange:
 
     change: Literal["added", "removed"]
     entity: EndpointInfo
+
+
+Entities: TypeAlias = dict[int, EndpointInfo]
+
+
+@final
+class EndpointIndex:
+    """The descriptions of all entities, in the order in which they were added.
+
+    A search costs what the rarest of its terms has, not what the graph has.
+    """
+
+    def __init__(self) -> None:
+        self._all: Entities = {}
+        self._by_kind: dict[EntityKind, Entities] = {}
+        self._by_name: dict[str, Entities] = {}
+        self._by_node: dict[str, Entities] = {}
+        self._by_type: dict[EntityKind, dict[str, Entities]] = {kind: {} for kind in EntityKind}
+
+    def add(self, entity: object, info: EndpointInfo) -> None:
+        """Show *entity* as *info*."""
+        self._all[id(entity)] = info
+        self._by_kind.setdefault(info.kind, {})[id(entity)] = info
+        self._by_name.setdefault(info.name, {})[id(entity)] = info
+        self._by_node.setdefault(info.node, {})[id(entity)] = info
+        self._by_type[info.kind].setdefault(info.ros_type, {})[id(entity)] = info
+
+    def remove(self, entity: object) -> EndpointInfo | None:
+        """Show *entity* no longer; return what it was shown as, or None where it was not."""
+        info = self._all.pop(id(entity), None)
+        if info is not None:
+            _remove(self._by_kind, info.kind, entity)
+            _remove(self._by_name, info.name, entity)
+            _remove(self._by_node, info.node, entity)
+            _remove(self._by_type[info.kind], info.ros_type, entity)
+        return info
+
+    def find(self, kind: EntityKind | None, name: str | None, node: str | None) -> tuple[EndpointInfo, ...]:
+        """Return the entities of one *kind*, *name* and *node*; None means any."""
+        rarest = self._all
+        if kind is not None:
+            rarest = _rarer(rarest, self._by_kind.get(kind))
+        if name is not None:
+            rarest = _rarer(rarest, self._by_name.get(name))
+        if node is not None:
+            rarest = _rarer(rarest, self._by_node.get(node))
+        return tuple(
+            info
+            for info in rarest.values()
+            if (kind is None or info.kind is kind)
+            and (name is None or info.name == name)
+            and (node is None or info.node == node)
+        )
+
+    def count_of(self, node: str) -> int:
+        """Return how many entities one *node* has."""
+        return len(self._by_node.get(node, {}))
+
+    def types(self, kind: EntityKind) -> tuple[str, ...]:
+        """Return the ROS types of the entities of one *kind*, each once."""
+        return tuple(self._by_type[kind])
+
+    def of_type(self, kind: EntityKind, ros_type: str) -> tuple[EndpointInfo, ...]:
+        """Return the entities of one *kind* whose full ROS type is *ros_type*."""
+        return tuple(self._by_type[kind].get(ros_type, {}).values())
+
+    def first_of_type(self, kind: EntityKind, ros_type: str) -> EndpointInfo | None:
+        """Return the oldest of those, or None."""
+        return next(iter(self._by_type[kind].get(ros_type, {}).values()), None)
+
+
+def _rarer(entities: Entities, others: Entities | None) -> Entities:
+    return (others or {}) if others is None or len(others) < len(entities) else entities
+
+
+def _remove(index: dict[TermT, Entities], term: TermT, entity: object) -> None:
+    known = index[term]
+    del known[id(entity)]
+    if not known:
+        del index[term]

@@ -5,14 +5,13 @@ It does the ROS master's job. One graph belongs to one event loop; nothing here 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import DuplicateNameError, TypeMismatchError
-from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphChange
-from homebot.graph.endpoint_index import EndpointIndex
+from homebot.graph.endpoint import EndpointIndex, EndpointInfo, EntityKind, GraphChange
 from homebot.graph.failures import Failures
 from homebot.graph.mailbox import Mailbox
 from homebot.graph.service import ServiceSlot
@@ -137,6 +136,23 @@ class Graph:
             changes.close()
 
     # What follows is for nodes.
+
+    async def watch_services(self) -> AsyncIterator[str | None]:
+        """Yield the full name of each service that comes, from the first step on; to be read to its end, in one task.
+
+        None comes at the beginning, and whenever more happened than could be remembered: any service may be a new one.
+        """
+        with self.watch() as changes:
+            yield None
+            lost = 0
+            async for change in changes:
+                if changes.lost > lost:
+                    lost = changes.lost
+                    while changes.take() is not None:
+                        pass
+                    yield None
+                elif change.change == "added" and change.entity.kind is EntityKind.SERVICE:
+                    yield change.entity.name
 
     def add_node(self, node: Node) -> None:
         """Take *node* in.

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.messages.fields import Int32, UInt32
-from homebot.messages.message import Message
+from homebot.messages.message import Int32, Message, UInt32
 
 __all__ = ["Duration", "Time"]
 

@@ -14,8 +14,7 @@ from annotated_types import MaxLen, MinLen
 from pydantic.fields import FieldInfo
 
 from homebot.errors import UsageError
-from homebot.messages.fields import RosType
-from homebot.messages.message import Message
+from homebot.messages.message import Message, RosType
 
 __all__ = ["FieldDefinition", "definition_text", "fields_of", "nested_types"]
 
@@ -133,7 +132,7 @@ def _element(
             return annotation.ros_type, annotation
         if issubclass(annotation, str):
             return "string", None
-    raise UsageError(f"{owner.__name__}.{name}: {annotation!r} has no ROS type; see homebot.messages.fields")
+    raise UsageError(f"{owner.__name__}.{name}: {annotation!r} has no ROS type; see homebot.messages.message")
 
 
 def _choices(annotation: object) -> type[StrEnum] | None:

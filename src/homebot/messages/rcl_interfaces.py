@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.fields import UInt8, UInt32
-from homebot.messages.message import Message
+from homebot.messages.message import Message, UInt8, UInt32
 
 __all__ = ["Log", "Parameter", "ParameterEvent", "ParameterValue"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.messages import fields
+from homebot.messages import message as fields
 from homebot.messages.message import Message
 
 __all__ = ["Bool", "Empty", "Float32", "Float64", "Int32", "Int64", "String", "UInt8"]

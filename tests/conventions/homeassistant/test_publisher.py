@@ -10,7 +10,7 @@ from homebot.conventions.description import DeviceAnnounced, DeviceWithdrawn, Pu
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.conventions.homeassistant.publisher import HomeAssistantPublisher
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.exposed import ExposedDevice
+from homebot.devices.exposure import ExposedDevice
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 

@@ -23,8 +23,8 @@ from homebot.devices import (
     State,
     StateChange,
 )
-from homebot.devices.command import Command, SendCommand, SendCommandResponse
 from homebot.devices.device import ChangeKind
+from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import facets_of, fits, read_terms
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from homebot.devices import Route
-from homebot.devices.command import SendCommandResponse
 from homebot.devices.device import EVERYTHING
+from homebot.devices.gateway_messages import SendCommandResponse
 from homebot.devices.handles import Light
 from homebot.errors import LinkError, RefusedError
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import anyio
 import pytest
 
-from homebot.devices.command import SendCommandResponse
+from homebot.devices.gateway_messages import SendCommandResponse
 from homebot.devices.handles import (
     AirConditioner,
     AlarmPanel,

@@ -10,9 +10,9 @@ import pytest
 from tests.gateways.contract import KEPT, kept, listen, running
 
 from homebot.devices import RawMessage, Sighting, SubscribeToTopic
+from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.names import text_address
 from homebot.devices.part import Capability, Part
-from homebot.devices.report import REACHABLE, Report
 from homebot.devices.services import SubscribeToTopicRequest
 from homebot.errors import UsageError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part

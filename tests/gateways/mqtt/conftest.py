@@ -26,11 +26,10 @@ from homebot.conventions.description import (
 )
 from homebot.conventions.payload import parse_object
 from homebot.devices import Sighting
-from homebot.devices.command import Command, SendCommand, SendCommandResponse
+from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse, Quarantine
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Capability, Part
-from homebot.devices.report import Report
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import RefusedError, WireError
 from homebot.gateways import GatewayContext

@@ -11,7 +11,7 @@ from structlog.testing import capture_logs
 
 from homebot.conventions.description import Publication
 from homebot.devices import RawMessage, SubscribeToTopic
-from homebot.devices.command import Command, SendCommand, SendCommandResponse
+from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.value import Value
 from homebot.errors import TypeMismatchError
 from homebot.gateways.mqtt.sent_secrets import MAX_TOPICS, SentSecrets

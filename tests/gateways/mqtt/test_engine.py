@@ -14,8 +14,8 @@ from tests.gateways.mqtt.conftest import SimpleCodec
 
 from homebot.devices import Devices, RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.device import Device, Endpoint
+from homebot.devices.gateway_messages import Report
 from homebot.devices.names import text_address
-from homebot.devices.report import Report
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.messages import Time

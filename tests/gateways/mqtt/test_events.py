@@ -11,8 +11,8 @@ import anyio
 import pytest
 
 from homebot.devices import Devices, RawMessage
+from homebot.devices.gateway_messages import Report
 from homebot.devices.handles import FollowHandles, Handle
-from homebot.devices.report import Report
 from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings

@@ -8,7 +8,7 @@ import anyio
 import pytest
 
 from homebot.devices import Sighting
-from homebot.devices.report import Report
+from homebot.devices.gateway_messages import Report
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient

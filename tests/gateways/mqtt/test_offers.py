@@ -10,10 +10,9 @@ from typing import Any, TypeAlias
 import anyio
 import pytest
 
-from homebot.devices.command import Command
-from homebot.devices.exposed import ExposedDevice, ExposedState
+from homebot.devices.exposure import ExposedDevice, ExposedState
+from homebot.devices.gateway_messages import Command, Reading
 from homebot.devices.part import Capability, Part
-from homebot.devices.report import Reading
 from homebot.devices.value import PlainValue, Value
 from homebot.graph import DurabilityPolicy, QoSProfile
 

@@ -13,8 +13,8 @@ from pydantic import BaseModel
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication, TextEndpoint
 from homebot.conventions.text_codec import TextCodec
 from homebot.devices import RawCommand, RawMessage
+from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Capability, Part
-from homebot.devices.report import Report
 from homebot.devices.services import SubscribeToTopic, SubscribeToTopicRequest
 from homebot.devices.value import PlainValue
 from homebot.graph import DurabilityPolicy, QoSProfile

@@ -14,7 +14,7 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel, ConfigDict
 
 from homebot.devices import RawCommand
-from homebot.devices.command import Command
+from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Capability, Part
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.gateways import Gateway, GatewayContext

@@ -8,8 +8,7 @@ from __future__ import annotations
 from homebot.bridges.rosapi.typedefs import absolute, unique
 from homebot.graph import EntityKind, Graph
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.fields import Int32, UInt8, UInt32
-from homebot.messages.message import Message, ServiceType
+from homebot.messages.message import Int32, Message, ServiceType, UInt8, UInt32
 from homebot.names import is_hidden
 
 __all__ = [

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from homebot.messages.definition import FieldDefinition, fields_of, nested_types
-from homebot.messages.fields import Int32
-from homebot.messages.message import Message
+from homebot.messages.message import Int32, Message
 
 __all__ = ["TypeDef", "absolute", "typedefs_of", "unique"]
 

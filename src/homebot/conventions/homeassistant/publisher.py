@@ -31,8 +31,8 @@ from homebot.conventions.homeassistant.published_controls import (
 from homebot.conventions.homeassistant.published_entity import Available, CommandReader, EntityTopics, PublishedEntity
 from homebot.conventions.homeassistant.published_light import publish_light
 from homebot.conventions.homeassistant.published_single import publish_single
-from homebot.devices.command import Command
-from homebot.devices.exposed import ExposedDevice
+from homebot.devices.exposure import ExposedDevice
+from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue, Value
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, TypeAlias, TypeVar
 from weakref import WeakValueDictionary
 
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.command import Command, SendCommand, SendCommandResponse
 from homebot.devices.device import EVERYTHING, Device, DeviceChange, DevicePart, State, StateChange
+from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES, GatewayNames
 from homebot.devices.query import query_terms
 from homebot.devices.services import FindDevices, FindDevicesRequest

@@ -14,8 +14,7 @@ from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.query.folding import fold
 from homebot.devices.value import UNKNOWN, PlainValue, Value
 from homebot.errors import UsageError
-from homebot.messages.fields import UInt32
-from homebot.messages.message import Message
+from homebot.messages.message import Message, UInt32
 
 __all__ = [
     "MAX_DEPTH",

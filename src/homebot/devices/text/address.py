@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from homebot.devices.device import Device, DevicePart, Endpoint
+from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.names import is_text_address, read_text_address, text_address
-from homebot.devices.raw import RawMessage
 from homebot.devices.text.commands import decode_command
 from homebot.errors import RefusedError
 

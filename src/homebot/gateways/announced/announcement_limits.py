@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from homebot.conventions.description import DeviceAnnounced
-from homebot.devices.text_size import size_of_parts, size_of_texts
+from homebot.devices.part import size_of_parts, size_of_texts
 from homebot.errors import WireError
 
 __all__ = ["MAX_EXCESS", "MAX_EXCESS_EACH", "MAX_MEMORY", "Excess", "MemoryAccount", "RegistryLimits", "excess_of"]

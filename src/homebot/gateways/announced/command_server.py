@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from typing import TypeAlias
 
-from homebot.devices.command import Command, SendCommand, SendCommandResponse
+from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.text.commands import decode_command
 from homebot.devices.value import Value
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError

@@ -10,7 +10,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import TypeAlias
 
 from homebot.devices import RawCommand, RawMessage
-from homebot.devices.command import Command
+from homebot.devices.gateway_messages import Command
 from homebot.devices.health import HealthResponse
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UnableError

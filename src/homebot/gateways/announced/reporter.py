@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.report import REACHABLE, Reading, Report
+from homebot.devices.gateway_messages import REACHABLE, Reading, Report
 from homebot.devices.services import NEVER
 from homebot.devices.value import Value
 from homebot.gateways.announced.announcement import SightingKind, StoredAnnouncement

@@ -15,7 +15,7 @@ from homebot.conventions.description import AutoExpiry, AvailabilitySource
 from homebot.conventions.payload import MAX_STATE_BYTES
 from homebot.devices import RawMessage
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.report import Reading
+from homebot.devices.gateway_messages import Reading
 from homebot.devices.text.states import encode_state
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from homebot.conventions.description import Publication, TakesCode
-from homebot.devices.command import Command
+from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, RefusedError, UnableError, WrongCodeError
 from homebot.gateways.announced.announcement import AnnouncedPart

@@ -14,8 +14,8 @@ import anyio
 from homebot.conventions.convention import OfferPublisher
 from homebot.conventions.description import Publication
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.command import Command
-from homebot.devices.exposed import ExposedDevice, ExposedState
+from homebot.devices.exposure import ExposedDevice, ExposedState
+from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError
 from homebot.gateways.announced.quarantine import PeerQuarantine

@@ -1,0 +1,246 @@
+"""Messages of gateways: sightings, reports, commands, raw messages and their own state."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import ConfigDict, Field
+
+from homebot.devices.device import KeyValue
+from homebot.devices.names import is_text_address
+from homebot.devices.part import Part
+from homebot.devices.value import Value
+from homebot.errors import WireError
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.message import Message, ServiceType, UInt8
+
+__all__ = [
+    "ONLY_OBSERVES",
+    "REACHABLE",
+    "Command",
+    "GatewayState",
+    "RawCommand",
+    "RawMessage",
+    "Reading",
+    "Report",
+    "SendCommand",
+    "SendCommandResponse",
+    "Sighting",
+]
+
+
+REACHABLE = "reachable"
+"""Capability of a whole device (part ``""``): whether it can be reached, as its convention says."""
+
+ONLY_OBSERVES = "the gateway only observes; start with --act, or set act = true"
+
+
+class Sighting(Message):
+    """Announcement of a device by a gateway: it appeared, is still there or described anew, or was removed.
+
+    Attributes:
+        gateway: The name of the gateway.
+        key: The gateway's key of the device, or of one announcement of it, then beginning with its convention, for
+            example ``homeassistant:light/0x17_light``: a device that is announced in several messages, or through
+            several conventions, has as many keys.
+        kind: ``appeared``, ``updated`` (still there, or described anew) or ``removed``.
+        why: The reason, as text.
+        name: The name for people.
+        service_type: The advertised type; of a described device that of the first part that is neither setting nor
+            diagnosis.
+        address: The address on which it publishes; of a described device the text address of that part, see
+            :func:`homebot.devices.names.text_address`.
+        command_address: The address to which it is subscribed; empty when it takes no commands.
+        metadata: Further facts, for example ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
+        convention: The convention of the announcement; empty where there is one only.
+        native: Whether the device, or the bridge that connects it, announced itself in a convention of its own: that is
+            preferred to what another program makes of it.
+        whole_device: Whether each announcement of the convention is of a whole device: two of them are never about the
+            same one, unless they name one radio address.
+        identifiers: Identifiers of the device; see :func:`homebot.devices.identity.identifiers`.
+        area: The advertised room.
+        parts: Its parts; empty where only its service type is known.
+        owns: Topics that the device has for itself with all that is below them, by its own place or by its bridge
+            rather than by its announcement; no other device may send commands there.
+        announced_on: The address of the announcement (MQTT: the topic); empty where it only published.
+        seen_at: The time of the message.
+        expires_at: The time at which it becomes stale unless it is seen again; the gateway alone knows its protocol's
+            habits.
+        confirmed: Whether the device itself published, rather than a retained message.
+        heard_at: The time in seconds of the monotonic clock, which is never set; 0 where the gateway does not say.
+    """
+
+    key_field: ClassVar[str | None] = "key"
+
+    gateway: str
+    key: str
+    kind: Literal["appeared", "updated", "removed"]
+    why: str
+    name: str
+    service_type: str
+    address: str
+    command_address: str
+    metadata: tuple[KeyValue, ...] = ()
+    convention: str = ""
+    native: bool = False
+    whole_device: bool = False
+    identifiers: tuple[str, ...] = ()
+    area: str = ""
+    parts: tuple[Part, ...] = ()
+    owns: tuple[str, ...] = ()
+    announced_on: str = ""
+    seen_at: Time
+    expires_at: Time
+    confirmed: bool
+    heard_at: float = 0.0
+
+    @property
+    def speaks_plainly(self) -> bool:
+        """True if it publishes text on an address of its own, as in the thesis's layout."""
+        return bool(self.address) and not is_text_address(self.address)
+
+
+class Reading(Message):
+    """One value of one part.
+
+    Attributes:
+        part: The id of the part; see :class:`homebot.devices.part.Part`.
+        capability: The name of the capability.
+        value: The value, in the unit of the vocabulary.
+    """
+
+    part: str
+    capability: str
+    value: Value
+
+
+class Report(Message):
+    """The values in one message of a device.
+
+    Attributes:
+        gateway: The name of the gateway.
+        key: The gateway's key of the device.
+        readings: The values, in the order of the parts.
+        address: The address on which they were published (MQTT: the topic); empty for a conclusion of the gateway.
+        stream: Key and address in one. The newest report of each is kept for late joiners, so that together they are
+            all that the device reported. Events have reports of their own, each in a stream of its own that is not
+            kept: they happened once.
+        retained: Whether it was a retained message, of the past.
+        received_at: The time at which it was received.
+        heard_at: The same in seconds of the monotonic clock, which is never set; 0 where the gateway does not say.
+    """
+
+    key_field: ClassVar[str | None] = "stream"
+
+    gateway: str
+    key: str
+    readings: tuple[Reading, ...]
+    address: str = ""
+    stream: str = ""
+    retained: bool
+    received_at: Time
+    heard_at: float = 0.0
+
+
+class Command(Message):
+    """Order to set a capability to a value. Always absolute: sending it twice has the effect of sending it once.
+
+    Attributes:
+        key: The gateway's key of the device.
+        part: The id of the part.
+        capability: The name of the capability.
+        value: The value, in the unit of the vocabulary.
+        transition: Seconds that the change takes, where the device supports that.
+        code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
+    """
+
+    model_config = ConfigDict(hide_input_in_errors=True)
+
+    key: str
+    part: str
+    capability: str
+    value: Value
+    transition: float = 0.0
+    code: Annotated[str, Field(repr=False, max_length=255)] = ""
+
+
+class SendCommandResponse(Message):
+    """The gateway's result for a command; it does not prove that the device obeyed.
+
+    Attributes:
+        success: Whether the network accepted it.
+        message: The reason if not, as text.
+        problem: ``refused`` by the part, the gateway or the network, where the same again fails again, or the device or
+            its network is ``unreachable`` now.
+        unable: Whether it was refused because the part cannot do that as it is described there. Nothing was sent then,
+            and another route to the part may do.
+    """
+
+    success: bool
+    message: str = ""
+    problem: Literal["", "refused", "unreachable"] = ""
+    unable: bool = False
+
+
+SendCommand = ServiceType("homebot/srv/SendCommand", Command, SendCommandResponse)
+
+
+class RawMessage(Message):
+    """A raw message of a device, as received.
+
+    Attributes:
+        gateway: The name of the gateway.
+        key: The gateway's key of the device.
+        address: The address on which it was published (MQTT: the topic).
+        payload: The payload.
+        retained: Whether it was a retained message.
+        received_at: The time at which it was received.
+    """
+
+    gateway: str
+    key: str
+    address: str
+    payload: bytes
+    retained: bool
+    received_at: Time
+
+    def text(self) -> str:
+        """Return the payload as text.
+
+        Raises:
+            WireError: It is not UTF-8; the message names the address.
+        """
+        try:
+            return self.payload.decode()
+        except UnicodeDecodeError as exc:
+            raise WireError(f"the payload on {self.address} is not text", self.payload) from exc
+
+
+class RawCommand(Message):
+    """A payload for a device.
+
+    Attributes:
+        address: The address to publish it on (MQTT: the topic).
+        payload: The text, sent as UTF-8.
+        qos: MQTT quality of service, 0 to 2.
+        retain: Whether the broker retains it.
+    """
+
+    address: str
+    payload: str
+    qos: Annotated[UInt8, Field(le=2)] = 1
+    retain: bool = False
+
+
+class GatewayState(Message):
+    """The state of a gateway: whether it is connected to its network, and whether it sends commands.
+
+    Attributes:
+        state: ``active`` or ``unavailable``.
+        reason: The reason why it is unavailable, as text.
+        acts: Whether it sends commands; a gateway that only observes refuses them.
+    """
+
+    state: Literal["active", "unavailable"]
+    reason: str
+    acts: bool
