@@ -22,11 +22,11 @@ class Clock(Protocol):
     """A source of time."""
 
     def monotonic(self) -> float:
-        """Seconds since an arbitrary start; never goes back."""
+        """Return seconds since an arbitrary start; never goes back."""
         ...
 
     def now(self) -> float:
-        """Seconds since the Unix epoch, UTC."""
+        """Return seconds since the Unix epoch, UTC."""
         ...
 
 
@@ -46,11 +46,11 @@ class LoopClock:
         self._offset = (time.time() if epoch is None else epoch) - self._loop_time()
 
     def monotonic(self) -> float:
-        """Seconds of the event loop's time."""
+        """Return seconds of the event loop's time."""
         return self._loop_time()
 
     def now(self) -> float:
-        """Seconds since the Unix epoch, UTC."""
+        """Return seconds since the Unix epoch, UTC."""
         return time.time() if self._follows_computer else self._offset + self._loop_time()
 
 
@@ -62,11 +62,11 @@ class ManualClock:
         self._now = start
 
     def monotonic(self) -> float:
-        """Seconds; equal to :meth:`now`."""
+        """Return seconds; equal to :meth:`now`."""
         return self._now
 
     def now(self) -> float:
-        """Seconds since the Unix epoch."""
+        """Return seconds since the Unix epoch."""
         return self._now
 
     def advance(self, seconds: float) -> None:

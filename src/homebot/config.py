@@ -220,7 +220,7 @@ def _shortened(value: object) -> str:
 
 
 def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseModel]:
-    """The model of the table at *path*, as far as tables are models."""
+    """Return the model of the table at *path*, as far as tables are models."""
     for part in path:
         field = model.model_fields.get(str(part))
         if field is None or not isinstance(field.annotation, type) or not issubclass(field.annotation, BaseModel):

@@ -53,7 +53,7 @@ class WatchedSelector(selectors.DefaultSelector):
     busy_since: float | None = None
 
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
-        """As of any selector."""
+        """Select as any selector does."""
         self.busy_since = None
         try:
             return super().select(timeout)
@@ -94,7 +94,7 @@ class LoopWatch:
         self._loop_thread = 0
 
     def has_started(self) -> None:
-        """From now on others wait while the loop is blocked."""
+        """Take the loop for blocked sooner: others wait from now on."""
         self.blocked_after = BLOCKED_AFTER
 
     def seconds_since_block(self) -> float:
@@ -153,7 +153,7 @@ class LoopWatch:
                 del stack  # and with it all that the frames hold
 
     def _stack(self) -> list[FrameType]:
-        """The frames of the loop's thread, the innermost first."""
+        """Return the frames of the loop's thread, the innermost first."""
         frames: Mapping[int, FrameType] = sys._current_frames()  # noqa: SLF001 - public but for its name, as documented
         frame = frames.get(self._loop_thread)
         stack = []
@@ -218,7 +218,7 @@ class ProductionLoop(asyncio.SelectorEventLoop):
         self._main: asyncio.Future[Any] | None = None  # of whatever it is that the loop runs for
 
     def run_until_complete(self, future: Awaitable[T]) -> T:  # type: ignore[override]  # typeshed knows two kinds of it
-        """As of any loop."""
+        """Run as any loop does."""
         main = asyncio.ensure_future(future, loop=self)
         before, self._main = self._main, main
         try:
@@ -227,7 +227,7 @@ class ProductionLoop(asyncio.SelectorEventLoop):
             self._main = before
 
     def run_forever(self) -> None:
-        """As of any loop; a SystemExit of a task that is not the main one is recorded."""
+        """Run as any loop does; record a SystemExit of a task that is not the main one."""
         while True:
             try:
                 super().run_forever()

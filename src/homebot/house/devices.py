@@ -38,11 +38,11 @@ class SimulatedLamp(SimulatedDevice):
     service_type: str = field(default="lights", kw_only=True)
 
     def state(self) -> str:
-        """``on`` or ``off``."""
+        """Return ``on`` or ``off``."""
         return "on" if self.is_on else "off"
 
     def watts(self) -> float:
-        """In proportion to the brightness."""
+        """Return watts in proportion to the brightness."""
         return self.rated_watts * self.brightness if self.is_on else 0.0
 
     def lux(self) -> float:
@@ -50,7 +50,7 @@ class SimulatedLamp(SimulatedDevice):
         return self.rated_lux * self.brightness if self.is_on else 0.0
 
     def restore(self) -> str:
-        """``on`` or ``off``."""
+        """Return ``on`` or ``off``."""
         return self.state()
 
     def commands(self) -> tuple[str, ...]:
@@ -116,17 +116,17 @@ class WindowMotor(SimulatedDevice):
         return self._start + (way if self._target > self._start else -way)
 
     def state(self) -> str:
-        """``open``, ``closed`` or a position; ``opening`` or ``closing`` on the way."""
+        """Return ``open``, ``closed`` or a position; ``opening`` or ``closing`` on the way."""
         if self._moves:
             return "opening" if self._target > self._start else "closing"
         return _position_text(self._target)
 
     def watts(self) -> float:
-        """40 W while it moves."""
+        """Return 40 W while it moves."""
         return 40.0 if self._moves else 0.0
 
     def restore(self) -> str:
-        """``open``, ``close`` or the position where it is."""
+        """Return ``open``, ``close`` or the position where it is."""
         return {"open": "open", "closed": "close"}.get(_position_text(self.position), number_text(self.position))
 
     def next_event(self) -> float | None:
@@ -204,11 +204,11 @@ class SimulatedDoorLock(SimulatedDevice):
         self._wants_locked = self.is_locked
 
     def state(self) -> str:
-        """``locked``, ``unlocked`` or ``jammed``; ``locking`` or ``unlocking`` on the way."""
+        """Return ``locked``, ``unlocked`` or ``jammed``; ``locking`` or ``unlocking`` on the way."""
         return self._state_text
 
     def restore(self) -> str:
-        """``lock`` or ``unlock``."""
+        """Return ``lock`` or ``unlock``."""
         return "lock" if self.is_locked else "unlock"
 
     def next_event(self) -> float | None:
@@ -279,15 +279,15 @@ class SimulatedThermostat(SimulatedDevice):
         self.heats = False
 
     def state(self) -> str:
-        """The room's temperature as text."""
+        """Return the room's temperature as text."""
         return number_text(self.celsius, 1)
 
     def watts(self) -> float:
-        """Its rated power while it heats."""
+        """Return its rated power while it heats."""
         return self.rated_watts if self.heats else 0.0
 
     def restore(self) -> str:
-        """The target."""
+        """Return the target as text."""
         return number_text(self.target)
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:

@@ -175,7 +175,7 @@ class Liar(DeviceFault):
         self._lie: str | None = None
 
     def state(self) -> str:
-        """The last lie, or how it is where it told none."""
+        """Return the last lie, or how it is where it told none."""
         return self.device.state() if self._lie is None else self._lie
 
     def by_hand(self, command: str, now: float) -> tuple[str, ...]:
@@ -285,7 +285,7 @@ class Unplugged(DeviceFault):
         return not self.since <= self.now < self.until and self.device.has_power
 
     def watts(self) -> float:
-        """None without power."""
+        """Return 0 without power."""
         return self.device.watts() if self.has_power else 0.0
 
     def by_hand(self, command: str, now: float) -> tuple[str, ...]:
@@ -302,7 +302,7 @@ class Unplugged(DeviceFault):
         return reports + self._deliver_all(self.device.sense(value, now))
 
     def next_event(self) -> float | None:
-        """Also when the power goes or returns."""
+        """Return the next time, also that at which the power goes or returns."""
         inner = super().next_event()
         own = self._changes[0] if self._changes else None
         return inner if own is None else own if inner is None else min(own, inner)

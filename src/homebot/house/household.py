@@ -80,15 +80,15 @@ class MovementObserver(Protocol):
     """A port to whatever is told about people's movements."""
 
     def passed(self, name: str, left: str, entered: str) -> None:
-        """Somebody went through the door between two rooms; they are in *entered* now."""
+        """Take note that a person went through the door between two rooms, and is in *entered* now."""
         ...
 
     def lay_down(self, name: str, room: str) -> None:
-        """Somebody sleeps now."""
+        """Take note that a person sleeps now."""
         ...
 
     def stirred(self, room: str) -> None:
-        """Somebody set out, arrived or passed in *room*; comes after the above."""
+        """Take note that a person set out, arrived or passed in *room*; called after the above."""
         ...
 
 

@@ -54,11 +54,11 @@ class Robot(SimulatedDevice):
         self._ahead: tuple[str, ...] = ()
 
     def state(self) -> str:
-        """The room it is in, or ``moving``."""
+        """Return the room it is in, or ``moving``."""
         return "moving" if self.drives else self.room
 
     def restore(self) -> str:
-        """``go`` to the room it is in."""
+        """Return ``go`` to the room it is in."""
         return f"go {self.room}"
 
     @property
@@ -102,7 +102,7 @@ class Robot(SimulatedDevice):
         return (self.state(),)
 
     def _way_to(self, room: str) -> tuple[str, ...]:
-        """The rooms on the way, with both ends; empty where there is none."""
+        """Return the rooms on the way, with both ends; empty where there is none."""
         try:
             return self.rooms.path(self.room, room)
         except UsageError:
@@ -117,6 +117,6 @@ class Robot(SimulatedDevice):
         return (self.room,)
 
     def _leg(self) -> float:
-        """Seconds from where it set out to the next room."""
+        """Return seconds from where it set out to the next room."""
         goal = self.rooms.rooms[self._ahead[0]]
         return max(0.01, math.hypot(goal.x - self._from.x, goal.y - self._from.y) / self.speed)

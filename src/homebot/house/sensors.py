@@ -23,7 +23,7 @@ class SimulatedContactSensor(SimulatedDevice):
     service_type: str = field(default="contacts", kw_only=True)
 
     def state(self) -> str:
-        """``open`` or ``closed``."""
+        """Return ``open`` or ``closed``."""
         return "open" if self.is_open else "closed"
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:
@@ -52,7 +52,7 @@ class MotionSensor(SimulatedDevice):
         self._clear_at: float | None = None
 
     def state(self) -> str:
-        """``motion`` or ``clear``."""
+        """Return ``motion`` or ``clear``."""
         return "motion" if self._sees_motion else "clear"
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:
@@ -90,7 +90,7 @@ class LuxSensor(SimulatedDevice):
     service_type: str = field(default="light_levels", kw_only=True)
 
     def state(self) -> str:
-        """Lux as text."""
+        """Return lux as text."""
         return number_text(self.lux, 1)
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:
@@ -117,7 +117,7 @@ class PowerMeter(SimulatedDevice):
     service_type: str = field(default="power_meters", kw_only=True)
 
     def state(self) -> str:
-        """Watts as text."""
+        """Return watts as text."""
         return number_text(self.total, 1)
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:

@@ -193,7 +193,7 @@ class World:
         return self.event_log.since(mark)
 
     def press(self, device_id: str, command: str, now: float) -> tuple[Event, ...]:
-        """As :meth:`command`, but by hand: as somebody does at the device itself, as *command* would."""
+        """Run until *now*, then work a device by hand, as *command* would; otherwise as :meth:`command`."""
         entry = self._find(device_id)
         mark = self.event_log.count
         self.run_until(now)
@@ -230,7 +230,7 @@ class World:
         return sun + sum(lamp.lux() for lamp in lamps)
 
     def passed(self, name: str, left: str, entered: str) -> None:
-        """Somebody went through a door: its contact says so, its lock is worked. For the household alone."""
+        """Open the door that a person went through: its contact reports, its lock works. For the household alone."""
         self._note(name, "enters", entered)
         for entry in self._at_door(left, entered):
             if isinstance(entry.real, SimulatedContactSensor):
@@ -241,11 +241,11 @@ class World:
                 self._queue.set(object(), entry.open_until, partial(self._close, entry))
 
     def lay_down(self, name: str, room: str) -> None:
-        """Somebody sleeps. For the household alone."""
+        """Log that a person sleeps. For the household alone."""
         self._note(name, "sleeps", room)
 
     def stirred(self, room: str) -> None:
-        """Motion sensors see who moves in *room*, and hands reach for its lamps. For the household alone."""
+        """Show motion in *room* to its sensors, and work its lamps by hand. For the household alone."""
         self._show_motion(room)
         awake = self._household.awake_in(room)
         if not self._by_hand or room == OUTSIDE:
@@ -343,7 +343,7 @@ class World:
         return device.advance(self.now)
 
     def _show_drive(self, left: str, entered: str) -> None:
-        """A robot set out, arrived or stopped; it works no locks."""
+        """Show to the sensors that a robot set out, arrived or stopped; it works no locks."""
         for entry in self._at_door(left, entered):
             if isinstance(entry.real, SimulatedContactSensor):
                 self._open(entry)

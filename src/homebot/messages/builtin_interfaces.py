@@ -32,7 +32,7 @@ class Time(Message, ros_type="builtin_interfaces/msg/Time"):
         return cls.of_checked(sec=sec, nanosec=nanosec)
 
     def to_seconds(self) -> float:
-        """Seconds since the Unix epoch."""
+        """Return seconds since the Unix epoch."""
         return self.sec + self.nanosec / _NANOSECONDS
 
 
@@ -54,5 +54,5 @@ class Duration(Message, ros_type="builtin_interfaces/msg/Duration"):
         return cls(sec=sec, nanosec=nanosec)
 
     def to_seconds(self) -> float:
-        """The span in seconds."""
+        """Return the span in seconds."""
         return self.sec + self.nanosec / _NANOSECONDS

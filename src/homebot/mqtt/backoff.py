@@ -30,7 +30,7 @@ class Backoff:
     jitter: float = 1.0
 
     def delay(self, failures: int, failing_for: float, random: Random) -> float:
-        """Seconds to wait before the next try.
+        """Return seconds to wait before the next try.
 
         Args:
             failures: Failures in a row up to now, at least 1.

@@ -154,7 +154,7 @@ class MqttConnection:
         return self._client.limits
 
     async def states(self) -> AsyncIterator[ConnectionState]:
-        """The state now and each later one, until CLOSED; a slow reader misses some but never the latest."""
+        """Yield the state now and each later one, until CLOSED; a slow reader misses some but never the latest."""
         seen: ConnectionState | None = None
         while True:
             if self._state is seen:
@@ -229,7 +229,7 @@ class MqttConnection:
             return
 
     async def receive(self) -> list[MqttMessage]:
-        """All messages that are there, in order, from whatever link; waits for the first.
+        """Return all messages that are there, in order, from whatever link; wait for the first.
 
         Raises:
             ClosedError: The connection is closed and all messages are read.
@@ -292,7 +292,7 @@ class MqttConnection:
             self._enter(LinkPhase.CLOSED)
 
     async def _try_once(self) -> float:
-        """One link from its making to its end; returns the seconds to wait before the next."""
+        """Run one link from its making to its end; return the seconds to wait before the next."""
         up_since: float | None = None
         reason: HomebotError
         try:

@@ -82,7 +82,7 @@ class FilterTree(Generic[Key, Value]):
                 parent.children = None
 
     def matching(self, topic: Sequence[str]) -> tuple[list[dict[Key, Value]], int]:
-        """The values of all filters that match a topic of these levels, and how many nodes were looked at."""
+        """Return the values of all filters that match a topic of these levels, and how many nodes were looked at."""
         found: list[dict[Key, Value]] = []
         visited = 0
         nodes = [self._root]

@@ -82,7 +82,7 @@ class MemoryBroker(EmbeddedBroker):
         return tuple(self._links)
 
     def link_of(self, client_id: str) -> MemoryLink:
-        """The link of a logged-in client.
+        """Return the link of a logged-in client.
 
         Raises:
             UsageError: No such client is connected; names those that are.
@@ -126,7 +126,7 @@ class MemoryBroker(EmbeddedBroker):
         return self.dial(options.host, options.port, user)
 
     async def _open(self, state: BrokerState) -> None:
-        """Nothing: links are made by :meth:`dial`."""
+        """Do nothing: links are made by :meth:`dial`."""
 
     async def _close(self, *, abrupt: bool) -> None:
         for link in self.links:

@@ -69,7 +69,7 @@ class SubscriptionSet:
             self._unwanted[name] = None
 
     def link_ended(self) -> None:
-        """Nothing is refused where there is no link."""
+        """Forget what was refused: nothing is where there is no link."""
         self._refused.clear()
 
     async def begin_link(self, *, resumed: bool) -> dict[str, RefusedError]:

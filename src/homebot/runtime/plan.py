@@ -143,7 +143,7 @@ def _app(base: type[App], name: str, table: Table, config: Config) -> PlannedCom
 
 
 def _door(config: Config) -> DoorSettings:
-    """The door's settings, with the token read from where it is kept."""
+    """Return the door's settings, with the token read from where it is kept."""
     source = config.source
     given = parse_settings(DoorTable, config.door, source, "door", config.folder)
     try:

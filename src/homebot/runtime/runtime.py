@@ -163,7 +163,7 @@ class Runtime:
             _log.info(APPS, message=self._apps_text(), names=[app.name for app in self._plan.apps])
 
     def _components(self, gateways: tuple[PlannedComponent[Gateway], ...]) -> Iterator[tuple[str, Work]]:
-        """In the order of their start; each is made only when those before it are ready."""
+        """Yield components in the order of their start; each is made only when those before it are ready."""
         yield from ((gateway.name, self._gateway(gateway)) for gateway in gateways)
         yield "discovery", self._directory
         yield from ((app.name, self._app(app)) for app in self._plan.apps)

@@ -56,7 +56,7 @@ class FakeGateway(MemoryGateway):
         takes_commands: bool = True,
         confirmed: bool = True,
     ) -> None:
-        """Sight the device *key*; what it offers is the first part of its key unless said otherwise."""
+        """Announce the device *key*; its service type is the first part of its key unless given."""
         if kind == "removed":
             self.removes(key)
             return

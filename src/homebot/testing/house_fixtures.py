@@ -143,7 +143,7 @@ def _shown(
 
 
 def _check_crashes(test: pytest.Item, name: str, house: TestHouse) -> None:
-    """An app that crashed was started again, and the test might not notice; one that failed says it anyway."""
+    """Fail the test where an app crashed: it was started again, so that the test might not notice."""
     from homebot.testing.house_marks import allows_crashes  # noqa: PLC0415 - only for those who use it
 
     if house.crashed and not allows_crashes(test, name) and not test.stash.get(_FAILED, False):

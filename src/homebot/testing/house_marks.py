@@ -63,7 +63,7 @@ def config_of(test: pytest.Item) -> object:
 
 
 def _read(test: pytest.Item, name: str, known: frozenset[str]) -> tuple[list[str], dict[str, Any]]:
-    """The apps, and all other arguments, of the marks of this *name*."""
+    """Return the apps, and all other arguments, of the marks of this *name*."""
     arguments = _arguments(test, name)
     unknown = sorted(set(arguments) - known)
     if unknown:
@@ -137,7 +137,7 @@ _CHECKS: Final[Mapping[str, Callable[[Any], object]]] = {
 
 
 def _world(value: object, test: pytest.Item, seed: int | None) -> World:
-    """A world of this test's own, however many tests share its mark."""
+    """Return a world of this test's own, however many tests share its mark."""
     if isinstance(value, str | Path):
         return load_world(_beside(test, value), seed=seed)
     made = value() if callable(value) else deepcopy(value)

@@ -178,7 +178,7 @@ def _virtual_loop() -> asyncio.AbstractEventLoop:
 
 
 def _virtual_policy() -> asyncio.AbstractEventLoopPolicy:
-    """For pytest-asyncio before 1.4."""
+    """Return what gives virtual loops to pytest-asyncio before 1.4."""
 
     class Policy(asyncio.DefaultEventLoopPolicy):
         def new_event_loop(self) -> asyncio.AbstractEventLoop:

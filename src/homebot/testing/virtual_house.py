@@ -219,7 +219,7 @@ async def virtual_house_of(
 
 
 def _limits(devices: int) -> BrokerLimits:
-    """The bounds of a broker that *devices* and, as ever, others are clients of."""
+    """Return the bounds of a broker that *devices* and, as ever, others are clients of."""
     usual = BrokerLimits()
     return replace(
         usual, max_connections=usual.max_connections + devices, max_sessions=usual.max_sessions + 2 * devices

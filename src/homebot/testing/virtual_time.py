@@ -47,7 +47,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         self._clock_resolution = RESOLUTION  # asyncio's own is lost in the float after 97 days: no timer would be due
 
     def time(self) -> float:
-        """Seconds of virtual time since the loop was made."""
+        """Return seconds of virtual time since the loop was made."""
         return self._jumping.now
 
     async def settled(self) -> None:
@@ -69,7 +69,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         return super().call_at(when, callback, *args, context=context)
 
     def _busy(self) -> str:
-        """The tasks that run in this turn, and where they are."""
+        """Return the tasks that run in this turn, and where they are."""
         handles: Iterable[asyncio.Handle] = getattr(self, "_ready", ())  # asyncio's own, and no public way to it
         owners = (getattr(getattr(handle, "_callback", None), "__self__", None) for handle in handles)
         places = {f"{task.get_name()} in {_place(task)}" for task in owners if isinstance(task, asyncio.Task)}

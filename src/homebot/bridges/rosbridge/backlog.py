@@ -179,7 +179,7 @@ class FeedQueue:
         self._note_loss(self._queue.popleft())
 
     def has_room_for(self, _item: object) -> bool:
-        """Always: nobody ever waits for a client of the door."""
+        """Return True: nobody ever waits for a client of the door."""
         return True
 
     def close(self) -> None:

@@ -62,12 +62,12 @@ class DoorConnection(ServerConnection):
         self._turns.defer(lambda: self._take(data))
 
     def pause_writing(self) -> None:
-        """The client does not take what it is sent: do not read what it sends either."""
+        """Stop reading what the client sends, because it does not take what it is sent."""
         super().pause_writing()
         self._hold("writing")
 
     def resume_writing(self) -> None:
-        """The client takes bytes again."""
+        """Read again: the client takes bytes."""
         super().resume_writing()
         self._release("writing")
 

@@ -183,7 +183,7 @@ class Zigbee2MqttDialect(Dialect):
 
 
 def _entry(device: SimulatedDeviceInfo) -> dict[str, object]:
-    """The device in the bridge's list."""
+    """Return the device in the bridge's list."""
     return {
         "ieee_address": _ieee(device),
         "type": "Router" if device.kind in {"lamp", "cover", "window"} else "EndDevice",

@@ -35,7 +35,7 @@ class Authentication:
         return bool(self._digests)
 
     def check(self, username: str | None, password: bytes | None) -> ReasonCode:
-        """Success, 0x87 where nothing was presented, or 0x86.
+        """Return success, 0x87 where nothing was presented, or 0x86.
 
         It takes as long for an unknown user, and for a password of whatever length and beginning.
         """

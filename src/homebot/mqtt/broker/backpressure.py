@@ -87,7 +87,7 @@ class Backpressure:
             self._link.pause_reading()
 
     def take(self) -> Packet | None:
-        """The packet that waited longest, or None while the wait goes on or when nothing waits."""
+        """Return the packet that waited longest, or None while the wait goes on or when nothing waits."""
         if self._slow or self.paused or not self.packets:
             return None
         packet = self.packets.popleft()
@@ -100,7 +100,7 @@ class Backpressure:
         return packet
 
     def caught_up(self, session: BrokerSession) -> None:
-        """*session* has room again or has gone."""
+        """Stop waiting for *session*, which has room again or has gone."""
         self._slow.pop(session, None)
         if not self._slow and self._end is not None:
             self._end.cancel()

@@ -40,7 +40,7 @@ class QueuePool:
         return self.used > self._max_bytes
 
     def hold(self, message: BrokerMessage) -> None:
-        """*message* has got one more place."""
+        """Count one more place of *message*."""
         self.used += ENTRY
         message.holders += 1
         if message.holders == 1:
@@ -49,14 +49,14 @@ class QueuePool:
             self.on_overrun()
 
     def release(self, message: BrokerMessage) -> None:
-        """*message* has one place less."""
+        """Count one place less of *message*."""
         self.used -= ENTRY
         message.holders -= 1
         if not message.holders:
             self.used -= message.size + _MESSAGE
 
     def add(self, size: int) -> None:
-        """Something else than a message has got a place; below 0 where it has gone."""
+        """Count the place of something else than a message; below 0 where it has gone."""
         self.used += size
 
 
@@ -79,7 +79,7 @@ class UnreadPackets:
         self.size = 0
 
     def note(self, give_up: Callable[[], None], held: int) -> None:
-        """A connection now holds *held* bytes of an incomplete packet; 0 where it is complete, or has gone.
+        """Note that a connection holds *held* bytes of an incomplete packet; 0 where it is complete, or has gone.
 
         Args:
             give_up: Ends that connection, whoever's turn it is; it notes 0 then.
@@ -116,12 +116,12 @@ class UnreadMark:
         self.size = 0
 
     def note(self, held: int) -> None:
-        """So many bytes wait for the rest of their packet now."""
+        """Note how many bytes wait for the rest of their packet now."""
         self.size = held
         self._packets.note(self._give_up, held)
 
     def move(self, packets: UnreadPackets) -> None:
-        """From now on it counts there."""
+        """Count in *packets* from now on."""
         self.note(0)
         self._packets = packets
 
@@ -153,7 +153,7 @@ class UnsentBytes:
         self.size = 0
 
     def note(self, socket: SlowSocket, size: int) -> None:
-        """So many bytes wait for *socket* now; 0 where it has caught up or gone."""
+        """Note how many bytes wait for *socket* now; 0 where it has caught up or gone."""
         self.size += size - self._waiting.pop(socket, 0)
         if size:
             self._waiting[socket] = size

@@ -112,7 +112,7 @@ class ClientPackets:
             self._act(packet)
 
     def stop(self) -> PacketError | None:
-        """The connection ends: forward the messages that were held back, as far as there is room.
+        """End with the connection: forward the messages that were held back, as far as there is room.
 
         Nobody can be kept waiting any more.
 

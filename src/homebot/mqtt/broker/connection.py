@@ -73,12 +73,12 @@ class Sockets:
         return True
 
     def ends(self, socket: OpenSocket) -> None:
-        """*socket* is only kept so that its client can read why it was closed."""
+        """Note that *socket* is only kept so that its client can read why it was closed."""
         if socket in self._open:
             self._ending[socket] = None
 
     def lost(self, socket: OpenSocket) -> None:
-        """*socket* is closed."""
+        """Forget *socket*, which is closed."""
         self._open.pop(socket, None)
         self._ending.pop(socket, None)
         if self._empty is not None and not self._open:
@@ -144,7 +144,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self._lingering: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """The socket is open."""
+        """Take the open socket."""
         self._transport = transport = cast("asyncio.Transport", transport)
         address = transport.get_extra_info("peername")
         if isinstance(address, tuple):
@@ -163,7 +163,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         return self._buffer
 
     def buffer_updated(self, nbytes: int) -> None:
-        """Bytes came; a fault of ours costs this connection only."""
+        """Handle bytes that came; a fault of ours costs this connection only."""
         try:
             self.peer.receive(bytes(self._buffer[:nbytes]))
         except Exception as error:  # noqa: BLE001 - one connection's fault must not reach the others
@@ -179,11 +179,11 @@ class BrokerConnection(asyncio.BufferedProtocol):
             self._acknowledge()
 
     def eof_received(self) -> bool:
-        """The far side sends no more."""
+        """Return False, so that the socket is closed: the far side sends no more."""
         return False
 
     def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002 - why does not matter
-        """The socket is closed."""
+        """Let go of the socket, which is closed."""
         self._closing = True
         if self._lingering is not None:
             self._lingering.cancel()
@@ -192,11 +192,11 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self._sockets.lost(self)
 
     def pause_writing(self) -> None:
-        """The socket takes bytes slower than they come."""
+        """Note that the socket takes bytes slower than they come."""
         self.write_blocked = True
 
     def resume_writing(self) -> None:
-        """The socket's buffer is almost empty again."""
+        """Go on: the socket's buffer is almost empty again."""
         self.write_blocked = False
         self._note_unsent(self.unsent)
         self.peer.writable()
@@ -276,7 +276,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self.abort()
 
     def note_bad_tls(self, reason: str) -> None:
-        """The client did not speak TLS as it should."""
+        """Log that the client did not speak TLS as it should."""
         self._state.counters.connections_failed += 1
         self._state.warn(
             "broker.tls_failed",

@@ -117,7 +117,7 @@ class SliceBudget:
         return len(self._waiting)
 
     def spend(self, units: int) -> None:
-        """So much was done."""
+        """Count work that was done."""
         if self.units == self._slice:
             self._began = self._clock.monotonic()
         self.units -= units

@@ -105,7 +105,7 @@ class MessageRouter:
         return _DELIVERED if targets or groups else _UNMATCHED
 
     def without_room(self, topic: str) -> tuple[BrokerSession, ...]:
-        """Connected sessions that are to get *topic* at QoS 1 or 2, and whose queue is full."""
+        """Return connected sessions that are to get *topic* at QoS 1 or 2, and whose queue is full."""
         if not self.crowded:
             return ()
         for session in [each for each in self.crowded if each.outbound is None or not each.backlogged]:

@@ -59,7 +59,7 @@ class FilterRequests:
         self._go_on()
 
     def stop(self) -> None:
-        """The client is gone; what was done stays done."""
+        """Stop, as the client is gone; what was done stays done."""
         self._current = None
         self._state.work.forget(self._go_on)
 

@@ -73,7 +73,7 @@ class InFlight:
             self._count(parcel, -1)
 
     def resume(self, outbound: Outbound, window: int) -> None:
-        """The client is connected: send PUBREL again, and note what else is to be sent again."""
+        """Send PUBREL again to the client that has connected, and note what else is to be sent again."""
         self.window = window
         self.resend.clear()
         for packet_id, parcel in self.parcels.items():
@@ -83,7 +83,7 @@ class InFlight:
                 self.resend.append(packet_id)
 
     def acknowledged(self, packet_id: int) -> None:
-        """PUBACK came.
+        """Handle a PUBACK.
 
         Raises:
             PacketError: 0x82, the message was not sent at QoS 1.
@@ -101,7 +101,7 @@ class InFlight:
             self._not_again(packet_id)
 
     def taken(self, packet_id: int, reason: ReasonCode) -> ReasonCode:
-        """PUBREC came; returns the reason that PUBREL is to carry: 0, or 0x92 for an id nobody knows.
+        """Handle a PUBREC; return the reason that PUBREL is to carry: 0, or 0x92 for an unknown id.
 
         Raises:
             PacketError: 0x82, the message was not sent at QoS 2.
@@ -121,7 +121,7 @@ class InFlight:
         return ReasonCode.SUCCESS
 
     def completed(self, packet_id: int) -> None:
-        """PUBCOMP came, or a PUBREC that ends it."""
+        """Handle a PUBCOMP, or a PUBREC that ends the exchange."""
         if packet_id in self.parcels:
             self.settled += 1
             parcel = self.parcels.pop(packet_id)

@@ -73,7 +73,7 @@ class Inbound:
             )
 
     def must_wait_for(self, packet: Publish) -> tuple[BrokerSession, ...]:
-        """The sessions that need room before *packet* can be taken; none where the client can be refused it.
+        """Return the sessions that need room before *packet* can be taken; none where the client can be refused it.
 
         Raises:
             PacketError: The client must not have sent this.
@@ -148,7 +148,7 @@ class Inbound:
         )
 
     def _resolve(self, packet: Publish) -> str:
-        """The topic a PUBLISH means, noting a topic alias."""
+        """Return the topic a PUBLISH means, noting a topic alias."""
         properties = packet.properties
         if properties.subscription_identifiers:
             raise PacketError("a client must not send a subscription identifier", code=ReasonCode.PROTOCOL_ERROR)

@@ -111,7 +111,7 @@ def accept(connect: Connect, state: BrokerState) -> ConnectRequest:
 
 
 def connack(login: ConnectRequest, state: BrokerState, *, session_present: bool) -> Connack:
-    """The CONNACK for an accepted client."""
+    """Return the CONNACK for an accepted client."""
     limits = state.limits
     return Connack(
         session_present,
@@ -127,7 +127,7 @@ def connack(login: ConnectRequest, state: BrokerState, *, session_present: bool)
 
 
 def expiry_of(seconds: int) -> float:
-    """A session expiry interval as a number to count with: 0xFFFFFFFF is infinite."""
+    """Return a session expiry interval as a number to count with: 0xFFFFFFFF is infinite."""
     return inf if seconds == _NEVER else float(seconds)
 
 

@@ -59,7 +59,7 @@ class LoginThrottle:
         return 0.0 if guesser is None or applicant in self._known else guesser.until
 
     def failed(self, applicant: Applicant) -> tuple[int, float]:
-        """A password was wrong; how many were from this host, and how long the next attempt has to wait."""
+        """Note a wrong password; return how many were from this host, and how long the next attempt has to wait."""
         now = self._clock.monotonic()
         self._known.pop(applicant, None)
         guesser = self._guessers.pop(applicant.host, None)
@@ -76,7 +76,7 @@ class LoginThrottle:
         return guesser.failures, delay
 
     def succeeded(self, applicant: Applicant) -> None:
-        """A password was right."""
+        """Note that a password was right."""
         self._known.pop(applicant, None)
         self._known[applicant] = None
         if len(self._known) > _MOST_KNOWN:
@@ -115,13 +115,13 @@ class WaitingLogins:
         return len(self._candidates)
 
     def add(self, candidate: LoginCandidate) -> None:
-        """A connection was opened."""
+        """Add a connection that was opened."""
         if len(self._candidates) >= self._most:
             self._make_room()
         self._candidates[candidate] = None
 
     def discard(self, candidate: LoginCandidate) -> None:
-        """A connection has logged in, or has gone."""
+        """Remove a connection that has logged in, or has gone."""
         self._candidates.pop(candidate, None)
 
     def _make_room(self) -> None:

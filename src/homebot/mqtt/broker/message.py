@@ -90,7 +90,7 @@ class BrokerMessage:
         identifiers: tuple[int, ...] = (),
         now: float = 0.0,
     ) -> tuple[bytes, bytes]:
-        """The PUBLISH packet before and behind the packet id; at QoS 0 all of it and nothing.
+        """Return the PUBLISH packet before and behind the packet id; at QoS 0 all of it and nothing.
 
         What is sent with the retain flag is not kept: replays come one at a time, and a retained message must
         not take several times the memory it is counted with.
@@ -126,7 +126,7 @@ class BrokerMessage:
         self._more = None
 
     def properties_for(self, identifiers: tuple[int, ...], now: float) -> Properties:
-        """The MQTT 5 properties as one receiver gets them; arguments as for :meth:`parts`."""
+        """Return the MQTT 5 properties as one receiver gets them; arguments as for :meth:`parts`."""
         left = self._left(now)
         if not identifiers and left is None:
             return self.properties
@@ -150,7 +150,7 @@ class BrokerMessage:
 
 
 def size_of(properties: Properties) -> int:
-    """About the bytes that *properties* take."""
+    """Return about how many bytes *properties* take."""
     texts = (properties.content_type, properties.response_topic, properties.correlation_data)
     pairs = sum(_PAIR + len(name) + len(value) for name, value in properties.user_properties)
     return pairs + sum(len(text) for text in texts if text is not None)

@@ -110,7 +110,7 @@ class Outbound:
         return True
 
     def _alias_for(self, topic: str) -> int:
-        """The alias *topic* has or is to get; 0 is none."""
+        """Return the alias *topic* has or is to get; 0 is none."""
         if len(topic) > _LONGEST_ALIASED:
             return 0
         known = self._aliases.get(topic)
@@ -138,7 +138,7 @@ _MAX_REASON = 200  # a client gets the gist, not its own 64 KiB topic back
 
 
 def goodbye(reason: ReasonCode, reason_string: str, max_packet_size: int) -> bytes:
-    """The DISCONNECT for an MQTT 5 client.
+    """Return the DISCONNECT for an MQTT 5 client.
 
     Args:
         reason: Why.
@@ -153,7 +153,7 @@ def goodbye(reason: ReasonCode, reason_string: str, max_packet_size: int) -> byt
 
 
 def unread_connect_answer(error: PacketError) -> bytes:
-    """The CONNACK for a CONNECT that could not be read, in the version it seems to have; nothing where unknown."""
+    """Return the CONNACK for a CONNECT that could not be read, in the version it seems to have; empty where unknown."""
     if error.code is ReasonCode.UNSUPPORTED_PROTOCOL_VERSION:
         newer = error.frame[:6] == b"\0\4MQTT" and error.frame[6:7] > b"\5"
         return encode(Connack(reason=error.code), ProtocolVersion.V5 if newer else ProtocolVersion.V311)

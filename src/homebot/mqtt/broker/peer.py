@@ -55,7 +55,7 @@ class PeerLog:
         return client_text(self.client_id, self._link.address)
 
     def failed(self, error: PacketError) -> None:
-        """The client did, or left undone, what ends the connection."""
+        """Log that the connection ends because of what the client did or left undone."""
         self._state.warn(
             "broker.connection_failed",
             f"the broker cut off {self.client_text}: {short(error.problem)}",
@@ -66,7 +66,7 @@ class PeerLog:
         )
 
     def refused(self, client_id: str, reason: ReasonCode) -> None:
-        """*client_id* was not let in."""
+        """Log that *client_id* was not let in."""
         self._state.warn(
             "broker.login_refused",
             f"the broker did not let {client_text(client_id, self._link.address)} in: {reason.words}",
@@ -76,7 +76,7 @@ class PeerLog:
         )
 
     def pushed_out(self) -> None:
-        """It had to go before its login."""
+        """Log that it had to go before its login."""
         address = self._link.address
         self._state.warn(
             "broker.login_pushed_out",
@@ -85,7 +85,7 @@ class PeerLog:
         )
 
     def too_large(self, topic: str, size: int, limit: int) -> None:
-        """The client missed a message."""
+        """Log that the client missed a message."""
         self._state.warn(
             "broker.message_too_large",
             f"{self.client_text} missed a message on {short(topic)!r}: it has {size} bytes, "
@@ -151,7 +151,7 @@ class Peer:
         return 0 if self._client is None else will_size(self._client.will)
 
     def receive(self, data: bytes) -> None:
-        """Bytes came from the client."""
+        """Handle bytes from the client."""
         if self._closed or not data:
             return
         self._received_at = self._state.clock.monotonic()
@@ -172,12 +172,12 @@ class Peer:
             self._unread.note(self._reader.held)
 
     def writable(self) -> None:
-        """The link is no longer choked."""
+        """Go on writing: the link takes bytes again."""
         if self._client is not None:
             self._client.session.pump()
 
     def lost(self) -> None:
-        """The link is gone."""
+        """End, as the link is gone."""
         self._finish(publish_will=True)
 
     def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
@@ -201,7 +201,7 @@ class Peer:
             self._client.packets.take(packet)
 
     def _check_start(self, data: bytes) -> None:
-        """Something else than MQTT, such as a browser, is not left waiting for the rest of a packet."""
+        """Refuse what is not MQTT, such as a browser, without waiting for the rest of a packet."""
         if not self._started and data[:1] != _CONNECT:
             raise PacketError(f"the first byte is 0x{data[0]:02x}, not that of CONNECT", code=ReasonCode.PROTOCOL_ERROR)
         self._started = True
@@ -212,7 +212,7 @@ class Peer:
             self._handle(packet)
 
     def _wait_to_log_in(self, packet: Connect, until: float) -> None:
-        """Others of this host had wrong passwords; ``connect_timeout`` goes on."""
+        """Keep *packet* until its host, from which wrong passwords came, has waited; ``connect_timeout`` goes on."""
         self._state.counters.logins_slowed += 1
         self._connect = packet
         self._link.pause_reading()
@@ -311,7 +311,7 @@ class Peer:
         self._link.close(linger=False)
 
     def _leave(self, publish_will: bool) -> None:  # noqa: FBT001 - a callback
-        """The client has sent DISCONNECT."""
+        """Handle a DISCONNECT of the client."""
         self._finish(publish_will=publish_will)
         self._link.close(linger=False)
 

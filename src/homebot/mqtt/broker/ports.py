@@ -57,15 +57,15 @@ class ConnectionHandler(Protocol):
         ...
 
     def receive(self, data: bytes) -> None:
-        """Bytes came from the client."""
+        """Handle bytes from the client."""
         ...
 
     def writable(self) -> None:
-        """The link is no longer choked."""
+        """Go on writing: the link takes bytes again."""
         ...
 
     def lost(self) -> None:
-        """The link is gone."""
+        """End, as the link is gone."""
         ...
 
     def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
@@ -77,11 +77,11 @@ class BrokerPolicy(Protocol):
     """Answers for each request of a logged-in client."""
 
     def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - the protocol's own word
-        """Success, or the failure that SUBACK is to carry for *filter* (``$share/GROUP/`` included)."""
+        """Return success, or the failure that SUBACK is to carry for *filter* (``$share/GROUP/`` included)."""
         ...
 
     def publish(self, client_id: str, topic: str) -> ReasonCode:
-        """Success, or the failure that PUBACK or PUBREC is to carry; before MQTT 5 the message just vanishes."""
+        """Return success, or the failure that PUBACK or PUBREC is to carry; before MQTT 5 the message just vanishes."""
         ...
 
 
@@ -93,16 +93,16 @@ class RefusedFilters:
         self._filters = frozenset(filters)
 
     def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002, ARG002 - fills the port
-        """0x80 for the refused filters."""
+        """Return 0x80 for the refused filters."""
         return ReasonCode.UNSPECIFIED_ERROR if filter in self._filters else ReasonCode.SUCCESS
 
     def publish(self, client_id: str, topic: str) -> ReasonCode:  # noqa: ARG002 - fills the port
-        """Always success."""
+        """Return success."""
         return ReasonCode.SUCCESS
 
 
 def policy_of(policy: BrokerPolicy | None, refuse_filters: Collection[str]) -> BrokerPolicy:
-    """The policy a broker is given: itself, or as filters to refuse.
+    """Return the policy a broker is given: itself, or as filters to refuse.
 
     Raises:
         UsageError: Both are given.

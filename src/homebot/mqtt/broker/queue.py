@@ -137,7 +137,7 @@ class MessageQueue:
         self._qos0 += 1
 
     def count_again(self, replay: Replay) -> None:
-        """*replay*, the last one added, has got more filters; nothing where it is not here."""
+        """Count *replay*, the last one added, anew, as it has got more filters; do nothing where it is not here."""
         if self._replays and self._replays[-1][0] is replay:
             size = self._replays.pop()[1]
             self._replays.append((replay, replay.size))

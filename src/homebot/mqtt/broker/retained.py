@@ -62,11 +62,11 @@ class RetainedMessages:
         return True
 
     def get(self, topic: str) -> BrokerMessage | None:
-        """The message of *topic*; it may be expired."""
+        """Return the message of *topic*; it may be expired."""
         return self._messages.get(topic)
 
     def after(self, order: int, most: int) -> tuple[list[BrokerMessage], int]:
-        """The messages that came after the one with the number *order*, the oldest first; some may be expired.
+        """Return the messages that came after the one with number *order*, oldest first; some may be expired.
 
         Args:
             order: Where to go on.
@@ -162,12 +162,12 @@ class Replay:
             self._exact.append(subscription)
 
     def leave_out_qos0(self) -> None:
-        """The client is gone: owe only what is kept for it."""
+        """Owe only what is kept for the client, which is gone."""
         self._only_kept = True
         self.complete = True
 
     def first(self, work: SliceBudget, now: float) -> Owed | None:
-        """The next message; None where there is none, or nothing may be done now: see :attr:`is_over`."""
+        """Return the next message; None where there is none, or nothing may be done now: see :attr:`is_over`."""
         while not self._found:
             if not self.complete or self.is_over or not work.left:
                 return None
@@ -242,7 +242,7 @@ def _items(found: list[dict[int, SessionSubscription]]) -> Iterator[tuple[int, S
 
 
 def _pattern(filter: str) -> re.Pattern[str]:  # noqa: A002 - the protocol's own word
-    """A thousand topics are matched some five times faster by one pattern than by splitting each."""
+    """Return a pattern, which matches a thousand topics some five times faster than splitting each does."""
     levels = filter.split("/")
     ending = ""
     if levels[-1] == "#":

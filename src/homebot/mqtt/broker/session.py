@@ -33,7 +33,7 @@ class HeldPublisher(Protocol):
     """A publisher that waits for slow sessions."""
 
     def caught_up(self, session: BrokerSession) -> None:
-        """*session* has room again, or has gone."""
+        """Stop waiting for *session*, which has room again or has gone."""
         ...
 
 
@@ -167,7 +167,7 @@ class BrokerSession:
         return TAKEN if self.overrun else SLOW
 
     def deliver_large(self, parcel: QueuedMessage) -> DeliveryResult:
-        """As :meth:`deliver`, for a message of at least ``BULKY`` bytes, of which each copy takes its time."""
+        """Do as :meth:`deliver`, for a message of at least ``BULKY`` bytes, of which each copy takes its time."""
         if self.outbound is None or self._queue:
             return self.deliver(parcel)
         if self._work.left:
@@ -190,7 +190,7 @@ class BrokerSession:
             self._note_crowd()
 
     def replay_grew(self, replay: Replay) -> None:
-        """More filters were added to *replay*, the one that was queued last."""
+        """Count the filters that were added to *replay*, the one that was queued last."""
         self._queue.count_again(replay)
         self._note_crowd()
 
@@ -199,14 +199,14 @@ class BrokerSession:
         return self.subscriptions.get(subscription.name) is subscription
 
     def resume(self, outbound: Outbound, receive_maximum: int) -> None:
-        """The client is connected: send what is in flight again, then what waited."""
+        """Send what is in flight again to the client that has connected, then what waited."""
         self.outbound = outbound
         self.in_flight.resume(outbound, min(receive_maximum, self._limits.max_inflight))
         self._note_crowd()
         self.pump()
 
     def detach(self) -> None:
-        """The client is gone; QoS 0 messages that wait are dropped, no publisher has to wait any more."""
+        """Let go of the client, which is gone: drop waiting QoS 0 messages, and let no publisher wait any more."""
         self.outbound = None
         self.overrun = False
         self._queue.drop_qos0()
@@ -246,14 +246,14 @@ class BrokerSession:
             self._release_publishers()
 
     def taken(self, packet_id: int, reason: ReasonCode) -> ReasonCode:
-        """PUBREC came; see :meth:`InFlight.taken`."""
+        """Handle a PUBREC; see :meth:`InFlight.taken`."""
         answer = self.in_flight.taken(packet_id, reason)
         if reason.failed:
             self.pump()
         return answer
 
     def completed(self, packet_id: int) -> None:
-        """PUBCOMP came."""
+        """Handle a PUBCOMP."""
         self.in_flight.completed(packet_id)
         self.pump()
 

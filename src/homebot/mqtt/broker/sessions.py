@@ -72,11 +72,11 @@ class Sessions:
         return sum(will_size(absence.will) for absence in self._away.values())
 
     def largest(self) -> BrokerSession | None:
-        """The one for which most bytes wait."""
+        """Return the one for which most bytes wait."""
         return max(self._sessions.values(), key=lambda session: session.size, default=None)
 
     def open(self, client_id: str, *, clean_start: bool, host: str = "") -> tuple[BrokerSession, bool]:
-        """The session for a client that has just connected, and whether it was kept from before.
+        """Return the session for a client that has just connected, and whether it was kept from before.
 
         The caller has detached a connection that used the id before.
         """
@@ -96,7 +96,7 @@ class Sessions:
         return session, False
 
     def detach(self, session: BrokerSession, will: Will | None) -> None:
-        """The client of *session* is gone.
+        """Keep or end *session*, whose client is gone.
 
         Args:
             session: Whose client.
@@ -134,7 +134,7 @@ class Sessions:
             self.end(client_id)
 
     def _least_missed(self) -> str:
-        """The one left longest ago by a client of the host that has left most of them."""
+        """Return the one left longest ago by a client of the host that has left most of them."""
         hosts = [self._sessions[client_id].host for client_id in self._away]
         most = Counter(hosts).most_common(1)[0][0]
         return next(client_id for client_id, host in zip(self._away, hosts, strict=True) if host == most)
@@ -152,7 +152,7 @@ class Sessions:
 
 
 def will_size(will: Will | None) -> int:
-    """About the bytes that *will* takes."""
+    """Return about how many bytes *will* takes."""
     return 0 if will is None else len(will.topic) + len(will.payload) + size_of(will.properties)
 
 

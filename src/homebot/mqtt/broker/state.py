@@ -134,13 +134,13 @@ class BrokerState:
         return self.sessions.will_bytes + sum(peer.will_bytes for peer in self.peers.values())
 
     def _plan_relief(self) -> None:
-        """Soon, because whoever fills the queues is in the middle of it."""
+        """Plan to make room soon, because whoever fills the queues is in the middle of it."""
         if not self._is_relief_planned:
             self._is_relief_planned = True
             self.deadlines.at(self.clock.monotonic(), self._relieve)
 
     def _relieve(self) -> None:
-        """While too much waits: those for whom most waits lose the oldest of it, and their connection first."""
+        """Make room: the session for which most waits loses its connection first, then its oldest messages."""
         self._is_relief_planned = False
         while self.pool.is_overrun:
             session = self.sessions.largest()

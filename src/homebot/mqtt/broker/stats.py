@@ -102,7 +102,7 @@ Losses = tuple[int, ...]
 
 
 def loss_text(counters: Counters, before: Losses = ()) -> str:
-    """Such as ``5 messages (3 of QoS 0 for clients that read too slowly, 2 too large for their clients)``.
+    """Return such as ``5 messages (3 of QoS 0 for clients that read too slowly, 2 too large for their clients)``.
 
     Args:
         counters: What was counted.

@@ -117,7 +117,7 @@ class ShareGroup:
         self._turn = 0
 
     def choose(self) -> tuple[BrokerSession, SessionSubscription] | None:
-        """The next in turn among those who can take it now, else among those who are slow, else among the absent."""
+        """Return the next in turn among those that can take it now, else among the slow, else among the absent."""
         members = list(self.members.items())
         if not members:
             return None
@@ -196,7 +196,7 @@ class SubscriptionTree:
         self.text -= len(subscription.name)
 
     def route(self, topic: str) -> Recipients:
-        """Everybody who gets *topic*."""
+        """Return everybody who gets *topic*."""
         route = self._cache.get(topic)
         if route is None:
             route = self._find(topic)
@@ -208,7 +208,7 @@ class SubscriptionTree:
         return route
 
     def group(self, share: tuple[str, str]) -> ShareGroup | None:
-        """The group of that name and filter, if it still has members."""
+        """Return the group of that name and filter, if it still has members."""
         return self._groups.get(share[1].split("/"), share[0])
 
     def forget_routes(self) -> None:

@@ -22,7 +22,7 @@ class TlsUser(Protocol):
     """A protocol on top of TLS, as asyncio has them."""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """The socket is open; the hand-shake is still to come."""
+        """Take the open socket; the hand-shake is still to come."""
         ...
 
     def get_buffer(self, sizehint: int) -> memoryview:
@@ -30,19 +30,19 @@ class TlsUser(Protocol):
         ...
 
     def buffer_updated(self, nbytes: int) -> None:
-        """So many came."""
+        """Take that many bytes from the buffer."""
         ...
 
     def pause_writing(self) -> None:
-        """The socket takes bytes slower than they come."""
+        """Note that the socket takes bytes slower than they come."""
         ...
 
     def resume_writing(self) -> None:
-        """The socket's buffer is almost empty again."""
+        """Go on: the socket's buffer is almost empty again."""
         ...
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """The socket is closed."""
+        """Let go of the socket, which is closed."""
         ...
 
 
@@ -70,7 +70,7 @@ class TlsSocket(asyncio.BufferedProtocol):
         self._is_over = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """The socket is open."""
+        """Take the open socket."""
         self._raw = cast("asyncio.Transport", transport)
         self._facade = _TlsTransport(self, self._raw)
         self._user.connection_made(self._facade)
@@ -82,25 +82,25 @@ class TlsSocket(asyncio.BufferedProtocol):
         return self._buffer
 
     def buffer_updated(self, nbytes: int) -> None:
-        """Encrypted bytes came."""
+        """Decrypt the bytes that came."""
         self._incoming.write(memoryview(self._buffer)[:nbytes])
         self._buffer = bytearray()  # a silent socket holds none
         self._go_on()
 
     def eof_received(self) -> bool:
-        """The far side sends no more."""
+        """Return False, so that the socket is closed: the far side sends no more."""
         return False
 
     def pause_writing(self) -> None:
-        """The socket takes bytes slower than they come."""
+        """Note that the socket takes bytes slower than they come."""
         self._user.pause_writing()
 
     def resume_writing(self) -> None:
-        """The socket's buffer is almost empty again."""
+        """Go on: the socket's buffer is almost empty again."""
         self._user.resume_writing()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """The socket is closed."""
+        """Let go of the socket, which is closed."""
         self._is_over = True
         self._user.connection_lost(exc)
 

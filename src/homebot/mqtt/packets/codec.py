@@ -116,7 +116,7 @@ def encode(packet: Packet, version: ProtocolVersion = ProtocolVersion.V5) -> byt
 
 
 def _may_have(flags: int, number: int, version: ProtocolVersion) -> bool:
-    """MQTT 3.1, section 2.1, has a DUP flag in more packets and leaves the rest unused; later ones fix every bit."""
+    """Return whether a packet may have *flags*; 3.1, section 2.1, has DUP in more packets, later ones fix all bits."""
     if version == ProtocolVersion.V31:
         return number not in _FLAGS_2 or flags & 0b0110 == 0b0010
     return flags == (0b0010 if number in _FLAGS_2 else 0)

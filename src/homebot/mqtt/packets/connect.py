@@ -109,7 +109,7 @@ def decode_connect(body: bytes) -> Connect:
 
 
 def encode_connect(packet: Connect) -> bytes:
-    """The whole packet.
+    """Encode the whole packet.
 
     Raises:
         UsageError: A field does not fit its type, or there is a password without a user before MQTT 5.
@@ -157,7 +157,7 @@ def decode_connack(body: bytes, version: ProtocolVersion) -> Connack:
 
 
 def encode_connack(packet: Connack, version: ProtocolVersion) -> bytes:
-    """The whole packet; before MQTT 5 the reason becomes the nearest of that version's five refusals."""
+    """Encode the whole packet; before MQTT 5 the reason becomes the nearest of that version's five refusals."""
     if version != ProtocolVersion.V5:
         number = _TO_V3.get(packet.reason, _V3_UNAVAILABLE) if packet.reason else 0
         present = packet.session_present and version == ProtocolVersion.V311
@@ -261,7 +261,7 @@ def decode_disconnect(body: bytes, version: ProtocolVersion) -> Disconnect:
 
 
 def encode_disconnect(packet: Disconnect, version: ProtocolVersion) -> bytes:
-    """The whole packet; before MQTT 5 reason and properties are left out."""
+    """Encode the whole packet; before MQTT 5 reason and properties are left out."""
     if version != ProtocolVersion.V5:
         return b"\xe0\x00"
     return _encode(b"\xe0", packet.reason, packet.properties, PacketType.DISCONNECT)
@@ -279,7 +279,7 @@ def decode_auth(body: bytes, version: ProtocolVersion) -> Auth:
 
 
 def encode_auth(packet: Auth, version: ProtocolVersion) -> bytes:
-    """The whole packet.
+    """Encode the whole packet.
 
     Raises:
         UsageError: The connection is older than MQTT 5.

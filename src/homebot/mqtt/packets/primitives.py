@@ -40,7 +40,7 @@ class Cursor:
         return self.end - self.position
 
     def take(self, size: int) -> bytes:
-        """The next *size* bytes."""
+        """Read the next *size* bytes."""
         start = self.position
         stop = start + size
         if stop > self.end:
@@ -49,19 +49,19 @@ class Cursor:
         return self.body[start:stop]
 
     def uint8(self) -> int:
-        """One byte."""
+        """Read one byte."""
         return self.take(1)[0]
 
     def uint16(self) -> int:
-        """Two bytes, big-endian."""
+        """Read two bytes, big-endian."""
         return int.from_bytes(self.take(2), "big")
 
     def uint32(self) -> int:
-        """Four bytes, big-endian."""
+        """Read four bytes, big-endian."""
         return int.from_bytes(self.take(4), "big")
 
     def varint(self) -> int:
-        """A variable byte integer, 0 to 268,435,455, in its shortest form."""
+        """Read a variable byte integer, 0 to 268,435,455, in its shortest form."""
         value = shift = 0
         while True:
             byte = self.uint8()
@@ -75,11 +75,11 @@ class Cursor:
                 raise PacketError("a variable byte integer is longer than four bytes", self.body)
 
     def binary(self) -> bytes:
-        """Two bytes of length and the data."""
+        """Read two bytes of length and the data."""
         return self.take(self.uint16())
 
     def text(self) -> str:
-        """Two bytes of length and UTF-8, without U+0000 and surrogates."""
+        """Read two bytes of length and UTF-8, without U+0000 and surrogates."""
         raw = self.binary()
         try:
             text = raw.decode()
@@ -96,7 +96,7 @@ class Cursor:
 
 
 def encode_varint(value: int) -> bytes:
-    """A variable byte integer in its shortest form.
+    """Encode a variable byte integer in its shortest form.
 
     Raises:
         UsageError: The value is not in 0 to 268,435,455.
@@ -114,7 +114,7 @@ def encode_varint(value: int) -> bytes:
 
 
 def encode_uint16(value: int) -> bytes:
-    """Two bytes, big-endian.
+    """Encode two bytes, big-endian.
 
     Raises:
         UsageError: The value is not in 0 to 65,535.
@@ -125,7 +125,7 @@ def encode_uint16(value: int) -> bytes:
 
 
 def encode_binary(data: bytes) -> bytes:
-    """Two bytes of length and the data.
+    """Encode two bytes of length and the data.
 
     Raises:
         UsageError: The data is longer than 65,535 bytes.
@@ -136,7 +136,7 @@ def encode_binary(data: bytes) -> bytes:
 
 
 def encode_text(text: str) -> bytes:
-    """Two bytes of length and UTF-8.
+    """Encode two bytes of length and UTF-8.
 
     Raises:
         UsageError: The text is longer than 65,535 bytes, or holds U+0000 or a surrogate.

@@ -123,7 +123,7 @@ def decode_properties(cursor: Cursor, packet: PacketType) -> Properties:
 
 
 def encode_properties(properties: Properties, packet: PacketType) -> bytes:
-    """The property length and the properties.
+    """Encode the property length and the properties.
 
     Raises:
         UsageError: *packet* must not carry one of them, or a value does not fit its type.

@@ -139,7 +139,7 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
 
 
 def encode_publish(packet: Publish, version: ProtocolVersion) -> bytes:
-    """The whole packet.
+    """Encode the whole packet.
 
     Raises:
         UsageError: QoS and packet id do not fit together, or a field does not fit its type.
@@ -215,7 +215,7 @@ def decode_acknowledgement(packet_type: PacketType, body: bytes, version: Protoc
 
 
 def encode_acknowledgement(packet: Acknowledgement, version: ProtocolVersion) -> bytes:
-    """The whole packet; before MQTT 5 reason and properties are left out."""
+    """Encode the whole packet; before MQTT 5 reason and properties are left out."""
     first, packet_type = _FIRST_BYTES[type(packet)]
     short = version != ProtocolVersion.V5 or packet.properties is NO_PROPERTIES
     if short and (packet.reason is ReasonCode.SUCCESS or version != ProtocolVersion.V5):

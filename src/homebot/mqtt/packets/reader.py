@@ -85,7 +85,7 @@ class PacketReader:
         return iter(self.pop, None)
 
     def pop(self) -> Packet | None:
-        """The next complete packet, or None.
+        """Return the next complete packet, or None.
 
         Raises:
             PacketError: As :meth:`feed`.

@@ -108,7 +108,7 @@ def decode_subscribe(body: bytes, version: ProtocolVersion) -> Subscribe:
 
 
 def encode_subscribe(packet: Subscribe, version: ProtocolVersion) -> bytes:
-    """The whole packet; before MQTT 5 all options but the QoS are left out."""
+    """Encode the whole packet; before MQTT 5 all options but the QoS are left out."""
     if not packet.filters:
         raise UsageError("SUBSCRIBE needs at least one filter")
     body = b"".join([encode_text(each.filter) + _encode_options(each, version) for each in packet.filters])
@@ -126,7 +126,7 @@ def decode_suback(body: bytes, version: ProtocolVersion) -> Suback:
 
 
 def encode_suback(packet: Suback, version: ProtocolVersion) -> bytes:
-    """The whole packet; before MQTT 5 every failure becomes 0x80."""
+    """Encode the whole packet; before MQTT 5 every failure becomes 0x80."""
     reasons: Sequence[int] = packet.reasons
     if version != ProtocolVersion.V5:
         reasons = [min(reason, 0x80) for reason in reasons]
@@ -150,7 +150,7 @@ def decode_unsubscribe(body: bytes, version: ProtocolVersion) -> Unsubscribe:
 
 
 def encode_unsubscribe(packet: Unsubscribe, version: ProtocolVersion) -> bytes:
-    """The whole packet."""
+    """Encode the whole packet."""
     if not packet.filters:
         raise UsageError("UNSUBSCRIBE needs at least one filter")
     body = b"".join(encode_text(each) for each in packet.filters)
@@ -171,7 +171,7 @@ def decode_unsuback(body: bytes, version: ProtocolVersion) -> Unsuback:
 
 
 def encode_unsuback(packet: Unsuback, version: ProtocolVersion) -> bytes:
-    """The whole packet; before MQTT 5 the reasons are left out."""
+    """Encode the whole packet; before MQTT 5 the reasons are left out."""
     body = bytes(packet.reasons) if version == ProtocolVersion.V5 else b""
     return _close(b"\xb0", packet.packet_id, packet.properties, PacketType.UNSUBACK, version, body)
 

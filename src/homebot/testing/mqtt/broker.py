@@ -211,11 +211,11 @@ class BlockingTestBroker(BrokerView):
         retain: bool = False,  # noqa: FBT001, FBT002 - as every MQTT library has it
         properties: Properties = NO_PROPERTIES,
     ) -> None:
-        """As :meth:`TestBroker.publish`."""
+        """Publish as :meth:`TestBroker.publish` does."""
         self._thread.call(self._core.publish, topic, payload, qos, retain, properties)
 
     def expect(self, filter: str, payload: Wanted = None, timeout: float = 1.0) -> RecordedMessage:  # noqa: A002 - as above
-        """As :meth:`TestBroker.expect`."""
+        """Return as :meth:`TestBroker.expect` does."""
         validate_filter(filter)
         journal = self._core.journal
         found = self._thread.call(journal.take, filter, payload, timeout)
@@ -233,7 +233,7 @@ class BlockingTestBroker(BrokerView):
         self._thread.call(self._settle, quiet)
 
     def restart(self, *, keep_sessions: bool) -> None:
-        """As :meth:`TestBroker.restart`."""
+        """Restart as :meth:`TestBroker.restart` does."""
         self._thread.call(self._core.restart, keep_sessions)
 
     async def _settle(self, quiet: float) -> None:
@@ -250,7 +250,7 @@ _DEFAULTS = BrokerSettings()
 def serve_broker(
     thread: BrokerThread, settings: BrokerSettings = _DEFAULTS, tls: TestTls | None = None
 ) -> Iterator[TestBroker]:
-    """A fresh broker on *thread*, for tests on an event loop; gone at the end of the block.
+    """Serve a fresh broker on *thread*, for tests on an event loop; it is gone at the end of the block.
 
     Args:
         thread: Where it lives.
@@ -265,7 +265,7 @@ def serve_broker(
 def serve_blocking_broker(
     thread: BrokerThread, settings: BrokerSettings = _DEFAULTS, tls: TestTls | None = None
 ) -> Iterator[BlockingTestBroker]:
-    """As :func:`serve_broker`, for tests that block."""
+    """Serve as :func:`serve_broker` does, for tests that block."""
     with _core(thread, settings, tls) as core:
         yield BlockingTestBroker(core, thread)
 

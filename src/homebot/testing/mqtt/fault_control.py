@@ -123,13 +123,13 @@ class BlockingFaults(_Rules):
     """:class:`Faults` for tests without an event loop."""
 
     def drop_connection(self, client: str) -> None:
-        """As :meth:`Faults.drop_connection`."""
+        """Close it as :meth:`Faults.drop_connection` does."""
         self._thread.call(self._core.drop, client)
 
     def disconnect(self, client: str, reason: ReasonCode = ReasonCode.ADMINISTRATIVE_ACTION) -> None:
-        """As :meth:`Faults.disconnect`."""
+        """Send it away as :meth:`Faults.disconnect` does."""
         self._thread.call(self._core.disconnect, client, reason)
 
     def take_over(self, client: str) -> None:
-        """As :meth:`Faults.take_over`."""
+        """Send it away as :meth:`Faults.take_over` does."""
         self.disconnect(client, ReasonCode.SESSION_TAKEN_OVER)

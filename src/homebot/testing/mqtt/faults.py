@@ -105,21 +105,21 @@ class FaultRules:
         self._on_lift = on_lift
 
     def find(self, kind: type[_Kind], client: str | None) -> _Kind | None:
-        """The first fault of exactly this kind that concerns *client*."""
+        """Return the first fault of exactly this kind that concerns *client*."""
         for fault in self._faults:
             if type(fault) is kind and fault.client in (None, client):
                 return fault
         return None
 
     def subscribe_refusal(self, client: str, filter: str) -> RefusedSubscribe | None:  # noqa: A002 - the protocol's own word
-        """The fault that refuses *client* a subscription."""
+        """Return the fault that refuses *client* a subscription."""
         for fault in self._faults:
             if type(fault) is RefusedSubscribe and fault.client in (None, client) and fault.filter == filter:
                 return fault
         return None
 
     def publish_refusal(self, client: str, topic: str) -> RefusedPublish | None:
-        """The fault that refuses a message of *client*."""
+        """Return the fault that refuses a message of *client*."""
         for fault in self._faults:
             if (
                 isinstance(fault, RefusedPublish)
@@ -159,13 +159,13 @@ class FaultPolicy:
         self._otherwise = otherwise
 
     def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - fills the port
-        """The reason of the fault that refuses this, else what the policy below says."""
+        """Return the reason of the fault that refuses this, else what the policy below says."""
         return _apply_fault(self._rules.subscribe_refusal(client_id, filter)) or self._otherwise.subscribe(
             client_id, filter
         )
 
     def publish(self, client_id: str, topic: str) -> ReasonCode:
-        """The reason of the fault that refuses this, else what the policy below says."""
+        """Return the reason of the fault that refuses this, else what the policy below says."""
         return _apply_fault(self._rules.publish_refusal(client_id, topic)) or self._otherwise.publish(client_id, topic)
 
 

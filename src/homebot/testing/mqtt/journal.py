@@ -67,7 +67,7 @@ class RecordedMessage:
         return self.payload.decode(errors="replace")
 
     def json(self) -> object:
-        """The payload read as JSON.
+        """Return the payload read as JSON.
 
         Raises:
             ValueError: It is none.
@@ -87,7 +87,7 @@ Wanted = Payload | Callable[[RecordedMessage], bool] | None
 
 
 def encode_payload(payload: Payload) -> bytes:
-    """The bytes that *payload* stands for.
+    """Return the bytes that *payload* stands for.
 
     Raises:
         TypeError: A value inside has no JSON form.
@@ -163,7 +163,7 @@ class Journal:
         return None
 
     def waiting(self, filter: str) -> list[RecordedMessage]:  # noqa: A002 - the protocol's own word
-        """All messages on *filter* that nobody has taken, in their order."""
+        """Return all messages on *filter* that nobody has taken, in their order."""
         return [
             each.message
             for each in self._entries.copy()

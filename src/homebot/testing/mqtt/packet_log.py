@@ -38,7 +38,7 @@ _SECRET = ("authentication_data",)
 
 
 def packet_text(packet: Packet) -> str:
-    """One line about *packet*; passwords are left out, long payloads cut."""
+    """Return one line about *packet*; passwords are left out, long payloads cut."""
     properties = getattr(packet, "properties", NO_PROPERTIES)
     return f"{type(packet).__name__.upper()}{_facts(packet)}{_property_text(properties)}"
 
@@ -144,7 +144,7 @@ class PacketLog:
         self._records.append(PacketRecord(self._now() - self._start, direction, client, what))
 
     def text(self, newest: int = MAX_PACKETS) -> str:
-        """The newest records in lines, ``→`` to the broker and ``←`` from it."""
+        """Return the newest records in lines, ``→`` to the broker and ``←`` from it."""
         shown = self.records[-newest:]
         left_out = self.total - len(shown)
         lines = [f"… {left_out} earlier packets"] if left_out else []

@@ -83,12 +83,12 @@ class Tap:
         self._peer.receive(data)
 
     def writable(self) -> None:
-        """The socket takes bytes again."""
+        """Go on writing: the socket takes bytes again."""
         if not self._stalled:
             self._peer.writable()
 
     def lost(self) -> None:
-        """The socket is closed."""
+        """Note that the socket is closed."""
         self._note("note", "connection closed")
         self._duties.taps.discard(self)
         self._peer.lost()
@@ -105,7 +105,7 @@ class Tap:
         self._link.close(linger=False)
 
     def unstall(self) -> None:
-        """A slow reader may have become quick again: write what waited."""
+        """Write what waited, where a slow reader has become quick again."""
         if self._stalled:
             return
         self._flush()
@@ -219,7 +219,7 @@ def _read_own(piece: bytes, version: ProtocolVersion) -> Packet | str:
 
 
 def _split(data: bytes) -> Iterator[bytes]:
-    """The packets in *data*, which holds whole ones only."""
+    """Return the packets in *data*, which holds whole ones only."""
     start = 0
     while start < len(data):
         size = shift = 0

@@ -33,7 +33,7 @@ Settings = Mapping[str, SearchStrategy[object]]
 
 @st.composite
 def optional(draw: DrawFn, settings: Settings) -> Table:
-    """Tables with any of *settings*, in their order; the simplest has none."""
+    """Draw tables with any of *settings*, in their order; the simplest has none."""
     if not settings or not draw(_switch):  # one choice where there are none
         return {}
     return {name: draw(value) for name, value in settings.items() if draw(_switch)}

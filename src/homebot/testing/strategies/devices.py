@@ -90,7 +90,7 @@ def devices(
     kinds: tuple[str, ...],
     faults: tuple[str, ...],
 ) -> Table:
-    """Random devices, each as its table in the file.
+    """Draw random devices, each as its table in the file.
 
     Args:
         draw: Draws.

@@ -108,7 +108,7 @@ def _houses(
 
 @st.composite
 def _plans(draw: DrawFn, max_rooms: int) -> tuple[dict[str, Table], list[tuple[str, str]]]:
-    """Rooms, each with a door to an earlier one or to the outside, and all their doors."""
+    """Draw rooms, each with a door to an earlier one or to the outside, and all their doors."""
     rooms: dict[str, Table] = {}
     pairs: list[tuple[str, str]] = []
     while not rooms or (draw(_more) and len(rooms) < max_rooms):
