@@ -35,7 +35,7 @@ class LoopClock:
     """The clock of the running event loop; under a virtual-time loop this is virtual time.
 
     Args:
-        epoch: What :meth:`now` says at the moment of making the clock, in seconds since the Unix epoch; from then on
+        epoch: The reading of :meth:`now` when the clock is made, in seconds since the Unix epoch; from then on
             it runs with the loop. By default the computer's own time, also when that is set or slept meanwhile.
     """
 

@@ -176,7 +176,7 @@ def parse_settings(
 def read_secret(path: Path) -> str:
     """Return the first line of the file *path*, without what ends it.
 
-    A warning in the log says where others can read it as well.
+    Where others can read it as well, a warning is logged.
 
     Raises:
         UsageError: The file cannot be read, others can write it, or its first line is empty; never holds the secret.

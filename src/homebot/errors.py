@@ -12,7 +12,7 @@
     │   ├── ClosedError             the node, topic or connection was closed before
     │   ├── ConfigError             a configuration file, key or value is wrong
     │   └── PluginError             a plug-in cannot be found, loaded or made
-    ├── PeerError                   somebody outside is wrong or says no: repeating does not help
+    ├── PeerError                   somebody outside is wrong or refuses: repeating does not help
     │   ├── WireError               bytes that do not follow their protocol
     │   ├── RefusedError            a login, subscription, publish or command was answered with no
     │   └── UnableError             a part cannot do that as it is described; nothing was sent

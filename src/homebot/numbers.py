@@ -1,4 +1,4 @@
-"""Numbers in what outsiders say: one rule for all of them. Pure; nothing here raises."""
+"""Numbers in what outsiders send: one rule for all of them. Pure; nothing here raises."""
 
 from __future__ import annotations
 

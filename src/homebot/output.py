@@ -2,7 +2,7 @@
 
 A terminal that is paused, or a pipe that nobody reads, takes no more after some kilobytes; who writes to it then waits.
 An :class:`OutputQueue` lets a thread of its own wait instead. What is written keeps its order; what is too much is
-dropped, counted, and told in its place as soon as somebody reads on.
+dropped, counted, and reported in its place as soon as somebody reads on.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class OutputQueue:
 
     Attributes:
         lost: Lines that were dropped since the start.
-        loss_text: Says how many lines are missing, as text that stands in their place.
+        loss_text: Returns the text that stands in the place of so many missing lines.
     """
 
     def __init__(self, descriptor: int, encoding: str = "utf-8", *, most: int = MAX_WAITING) -> None:

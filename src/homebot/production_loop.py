@@ -73,9 +73,9 @@ class LoopWatch:
         blocked_after: Seconds of one turn of the loop from which on it counts as blocked.
         blocks: How often it was blocked.
         longest: How long at most, in seconds.
-        last: What blocked it last, in words.
+        last: The code that blocked it last.
         exits: How often a task or callback outside of all parts of homebot called ``sys.exit()``.
-        exited: The last of them, in words.
+        exited: The last of them.
     """
 
     def __init__(self, loop: asyncio.AbstractEventLoop, selector: WatchedSelector) -> None:
@@ -106,7 +106,7 @@ class LoopWatch:
         return time.monotonic() - self._exited_at
 
     def record_exit(self, error: SystemExit) -> None:
-        """Count and tell that *error* came out of a task or callback which no part of homebot runs."""
+        """Count and log that *error* came out of a task or callback which no part of homebot runs."""
         self.exits += 1
         self._exited_at = time.monotonic()
         trace = traceback.extract_tb(error.__traceback__)
@@ -128,7 +128,7 @@ class LoopWatch:
         self._thread.join(BLOCKED_AFTER)
 
     def _watch(self) -> None:
-        since: float | None = None  # the turn of the loop that was told as blocked
+        since: float | None = None  # the turn of the loop that was reported as blocked
         turn: float | None = None
         starved = 0.0  # seconds of this turn in which the computer let nothing of this process run
         looked, used = time.monotonic(), time.process_time()
@@ -208,7 +208,7 @@ class ProductionLoop(asyncio.SelectorEventLoop):
     asyncio lets a SystemExit of any task stop the loop. Here it ends that task alone, unless the loop runs for it.
 
     Attributes:
-        watch: Tells what blocks the loop, once it is entered.
+        watch: Reports what blocks the loop, once it is entered.
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""JSON that says one thing: a key that is there twice is refused, for programs disagree on which one counts. Pure."""
+"""JSON without ambiguity: a key that is there twice is refused, for programs disagree on which one counts. Pure."""
 
 from __future__ import annotations
 

@@ -42,9 +42,9 @@ _ANY_LAMP = Part(
 
 
 class LightService(App):
-    """Follows every lamp, those that appear later too, and switches off whichever says that it is on.
+    """Follows every lamp, those that appear later too, and turns off each that reports that it is on.
 
-    What a lamp says is judged by its value: ``0.6`` is on as well. One that tells its brightness apart from whether it
+    A report is judged by its value: ``0.6`` is on as well. One that tells its brightness apart from whether it
     is on is on where it says that.
     """
 
@@ -86,8 +86,8 @@ class LightService(App):
         """Answer ``on`` with ``off``; note ``off``.
 
         Raises:
-            WireError: The lamp said something else.
-            RefusedError, LinkError: It cannot be told.
+            WireError: The lamp reported something else.
+            RefusedError, LinkError: The command cannot be sent.
         """
         is_on = self._is_on(lamp, message)
         if is_on:
@@ -99,10 +99,10 @@ class LightService(App):
             self._log(IS_OFF, lamp, "is off")
 
     def _is_on(self, lamp: Device, message: RawMessage) -> bool | None:
-        """Return whether *message* says that *lamp* is on; None where it is about something else.
+        """Return whether *lamp* is on by *message*; None where it is about something else.
 
         Raises:
-            WireError: It is no word of a lamp.
+            WireError: It is no report of a lamp.
         """
         part = sending_part(lamp, message)
         values = decode_text(message.text(), _ANY_LAMP if part is None else part.part)

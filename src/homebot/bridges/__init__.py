@@ -1,1 +1,1 @@
-"""Doors to other worlds; each sub-package speaks one foreign protocol."""
+"""Bridges to other worlds; each sub-package speaks one foreign protocol."""

@@ -4,7 +4,7 @@
 
     [house]
     seed = 1
-    dialect = "thesis"                      # how devices speak on MQTT; a device may have one of its own
+    dialect = "thesis"                      # the family that devices are of on MQTT; a device may have one of its own
 
     [rooms.hall]
     doors = ["outside", "kitchen"]          # each door once, on either side
@@ -15,7 +15,7 @@
     [devices.kitchen_lamp]
     kind = "lamp"
     room = "kitchen"
-    rated_watts = 12.0                      # what a kind can be told: docs/house.md
+    rated_watts = 12.0                      # the settings of a kind: docs/house.md
     faults = { lossy = { share = 0.1 } }    # from the device outwards
 
     [people.anna]
@@ -184,7 +184,7 @@ def _placed(name: str, table: Table, rooms: Rooms, seed: int, dialect: str, sour
         kinds = ", ".join(sorted(DIALECTS[dialect].kinds))
         raise ConfigError(source, f"{key}.dialect", f"{dialect!r} has no {kind}, only {kinds}")
     own = {k: v for k, v in table.items() if k not in {*where, "kind"}}
-    rng = random.Random(f"{seed}/{name}")  # noqa: S311  # dice of a game, no secrets
+    rng = random.Random(f"{seed}/{name}")  # noqa: S311  # numbers of a game, no secrets
     device = parse_settings(KINDS[kind], own, source, key).build(Surroundings(name, place.room, rooms, rng))
     for fault, fault_table in place.faults.items():
         device = _faulty(device, fault, fault_table, rng, source, f"{key}.faults.{fault}")

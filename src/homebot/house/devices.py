@@ -17,7 +17,7 @@ KELVIN = (1500.0, 9000.0)
 
 @dataclass(eq=False)
 class SimulatedLamp(SimulatedDevice):
-    """A lamp that does at once what it is told, and says so.
+    """A lamp that obeys at once, and reports it.
 
     It takes ``on``, ``off``, a brightness from ``0`` to ``1``, and a colour temperature such as ``2700 K``.
 
@@ -85,7 +85,7 @@ class SimulatedLamp(SimulatedDevice):
 class WindowMotor(SimulatedDevice):
     """A motor that takes a while to ``open`` or ``close`` its window.
 
-    It also takes ``stop`` and a position from ``0`` (closed) to ``1`` (open), and moves at one speed. It says
+    It also takes ``stop`` and a position from ``0`` (closed) to ``1`` (open), and moves at one speed. It reports
     ``opening`` or ``closing``, then where it arrived: ``open``, ``closed`` or a position.
 
     Attributes:
@@ -109,7 +109,7 @@ class WindowMotor(SimulatedDevice):
         return self.position_at(self.now)
 
     def position_at(self, now: float) -> float:
-        """Return where it is at *now*, no earlier than :attr:`now`, if it is told nothing until then."""
+        """Return where it is at *now*, no earlier than :attr:`now`, if no command comes until then."""
         if not self._moves:
             return self._target
         way = min((now - self._started_at) / self.travel_time, abs(self._target - self._start))
@@ -180,9 +180,9 @@ def _position_text(position: float) -> str:
 
 @dataclass(eq=False)
 class SimulatedDoorLock(SimulatedDevice):
-    """A lock that takes ``lock`` and ``unlock``; says ``locking`` or ``unlocking``, then where it ended.
+    """A lock that takes ``lock`` and ``unlock``; reports ``locking`` or ``unlocking``, then where it ended.
 
-    A jammed lock says ``jammed`` and is as open as it was; told again it tries again.
+    A jammed lock reports ``jammed`` and is as open as it was; a further command is tried again.
 
     Attributes:
         is_locked: Whether the bolt is out.
@@ -252,7 +252,7 @@ class SimulatedThermostat(SimulatedDevice):
     """A thermostat in a room that cools towards the weather and, while heated, warms towards ``weather + gain``.
 
     First-order: the distance to where the room tends shrinks to 1/e within ``inertia`` seconds. It takes a target from
-    ``5`` to ``30``, says that target, and later the room's temperature whenever it moved by 0.1 K. Degrees Celsius.
+    ``5`` to ``30``, reports that target, and later the room's temperature whenever it moved by 0.1 K. Degrees Celsius.
     It senses the temperature outside.
 
     Attributes:

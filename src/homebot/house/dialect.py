@@ -30,7 +30,7 @@ class DeviceState:
         kelvin: Of a lamp: its colour temperature.
         position: Of a motor: 0 is closed, 1 is open.
         way: Of a motor: 1 while it opens, -1 while it closes, 0 at rest.
-        value: The number that a sensor says; 0 where it says none.
+        value: The number that a sensor reports; 0 where it reports none.
         celsius: Of a thermostat: the room's temperature.
         target: Of a thermostat: what it should be.
         heats: Of a thermostat: whether it heats.
@@ -133,7 +133,7 @@ class OutgoingMessage:
 
 @dataclass(frozen=True, slots=True)
 class Bridge:
-    """The one program that speaks for all devices that are bound to it.
+    """The one program that publishes for all devices that are bound to it.
 
     Attributes:
         birth: On each new link.

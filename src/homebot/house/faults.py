@@ -1,6 +1,6 @@
 """Faults of devices: wrappers of any device, which are devices themselves, so faults combine.
 
-A fault hears a command before the device does and what the device says before the world does. ``device`` is what it
+A fault gets a command before the device does and its reports before the world does. ``device`` is what it
 wraps, and :func:`unwrap` the device at the bottom, whose state is what really is.
 """
 
@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 HELD = 1000
-"""What a fault holds back at most, of commands or of words; then the oldest is lost and counted."""
+"""The most that a fault holds back, of commands or of reports; then the oldest is lost and counted."""
 
 DONE = {"open": "open", "close": "closed", "lock": "locked", "unlock": "unlocked"}
 OPPOSITES = {"on": "off", "open": "closed", "motion": "clear", "locked": "unlocked"}
@@ -40,7 +40,7 @@ class DeviceFault(SimulatedDevice):
 
     Attributes:
         device: What it wraps.
-        rng: Its dice.
+        rng: Its random numbers.
         lost: How many held-back things overflowed.
     """
 
@@ -80,7 +80,7 @@ class DeviceFault(SimulatedDevice):
     def advance(self, now: float) -> tuple[str, ...]:
         """Let time pass for both."""
         reports = super().advance(now)
-        self.device.advance(now)  # to the same time; whatever was due has been said
+        self.device.advance(now)  # to the same time; whatever was due has been reported
         return reports
 
     def by_hand(self, command: str, now: float) -> tuple[str, ...]:
@@ -130,7 +130,7 @@ class DeviceFault(SimulatedDevice):
 
 
 class Lossy(DeviceFault):
-    """Loses a share (0 to 1) of what it is told and of what it says."""
+    """Loses a share (0 to 1) of its commands and of its reports."""
 
     def __init__(self, device: SimulatedDevice, rng: random.Random, *, share: float = 0.2) -> None:
         super().__init__(device, rng)
@@ -160,7 +160,7 @@ class Slow(DeviceFault):
 
 
 class Deaf(DeviceFault):
-    """Hears no command; still says how it is."""
+    """Receives no command; still reports its state."""
 
     def _take(self, command: str) -> tuple[str, ...]:
         del command
@@ -168,7 +168,7 @@ class Deaf(DeviceFault):
 
 
 class Liar(DeviceFault):
-    """Reports what it was told and does nothing."""
+    """Reports what was commanded and does nothing."""
 
     def __init__(self, device: SimulatedDevice, rng: random.Random) -> None:
         super().__init__(device, rng)
@@ -179,7 +179,7 @@ class Liar(DeviceFault):
         return self.device.state() if self._lie is None else self._lie
 
     def by_hand(self, command: str, now: float) -> tuple[str, ...]:
-        """Obey hands, and tell the truth again."""
+        """Obey hands, and report the real state again."""
         self._lie = None
         return super().by_hand(command, now)
 
@@ -207,7 +207,7 @@ class Stuck(DeviceFault):
 
     def _take(self, command: str) -> tuple[str, ...]:
         del command
-        if not self._held:  # what it is told meanwhile gets the same answer
+        if not self._held:  # a command meanwhile gets the same answer
             self._hold(self.now + self.after, "")
         return ()
 
@@ -236,7 +236,7 @@ class Reverter(DeviceFault):
 
 
 class Chatterbox(DeviceFault):
-    """Floods: says everything again and again, so many times, so many seconds apart."""
+    """Floods: repeats every report so many times, so many seconds apart."""
 
     def __init__(self, device: SimulatedDevice, rng: random.Random, *, times: int = 50, every: float = 0.1) -> None:
         super().__init__(device, rng)
@@ -251,7 +251,7 @@ class Chatterbox(DeviceFault):
 
 
 class Flapper(DeviceFault):
-    """Now and then, on average every so many seconds, says the opposite and takes it back 0.2 s later."""
+    """Now and then, on average every so many seconds, reports the opposite and takes it back 0.2 s later."""
 
     def __init__(self, device: SimulatedDevice, rng: random.Random, *, every: float = 3600.0) -> None:
         super().__init__(device, rng)
@@ -268,7 +268,7 @@ class Flapper(DeviceFault):
 
 
 class Unplugged(DeviceFault):
-    """Has no power from one time until another (seconds since the first midnight): hears, does and says nothing."""
+    """Has no power from one time until another (seconds since the first midnight): it does and reports nothing."""
 
     def __init__(
         self, device: SimulatedDevice, rng: random.Random, *, since: float = 0.0, until: float = float("inf")
@@ -319,7 +319,7 @@ class Unplugged(DeviceFault):
         if self._missed is not None:
             self.device.sense(self._missed, self.now)
             self._missed = None
-        return (self.state(),)  # all it says when it starts
+        return (self.state(),)  # its only report when it starts
 
     def _delivered(self, report: str) -> tuple[str, ...]:
         return (report,) if self.has_power else ()

@@ -34,7 +34,7 @@ from homebot.mqtt.topics import validate_filter
 __all__ = ["HEARTBEAT", "SimulatedHouse"]
 
 HEARTBEAT = 2.0
-"""Seconds between two reports where nothing else is said: short, so that one who looks on sees life."""
+"""Seconds between two reports where there is no other: short, so that a person who looks on sees life."""
 
 TICK = 1e-6
 """Seconds: what is due sooner is due now, because no timer of the loop can wait for it."""
@@ -49,9 +49,9 @@ LONGEST_KEEP_ALIVE = 65_535
 class SimulatedHouse:
     """Carries a world over a broker.
 
-    The world's first day is the day, in UTC, on which the house is made: the world's time is what the clock says since
-    that day's midnight. What happened in the morning before is not said, but devices begin as it left them. A world
-    that has lived some days goes on with the next.
+    The world's first day is the day, in UTC, on which the house is made: the world's time is the clock's since
+    that day's midnight. What happened in the morning before is not published, but devices begin as it left them.
+    A world that has lived some days goes on with the next.
 
     Args:
         url: The broker, ``mqtt://host:port``.
@@ -60,8 +60,8 @@ class SimulatedHouse:
         clock: The time it lives by.
         make_client: Makes the devices' MQTT clients.
         random: Source of their reconnects' jitter; a seeded one makes every run the same.
-        heartbeat: Seconds after which devices repeat their last word, as real ones do.
-        dialects: How devices speak, by the names that the world's devices have for it.
+        heartbeat: Seconds after which devices publish their last state again, as real ones do.
+        dialects: Families of devices, by the names that the world's devices have for them.
 
     Attributes:
         Host: The class of the service that can host one.
@@ -219,7 +219,7 @@ class SimulatedHouse:
         options = MqttOptions.from_url(
             self._url,
             client_id=f"{self._home}-{info.device_id}",
-            # Whoever speaks this often needs few pings in between.
+            # A client that publishes this often needs few pings in between.
             keep_alive=math.ceil(min(max(SHORTEST_KEEP_ALIVE, 12 * self._heartbeat), LONGEST_KEEP_ALIVE)),
             will=None if will is None else MqttWill(will.topic, will.payload, will.qos, will.retain),
         )

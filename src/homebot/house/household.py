@@ -66,7 +66,7 @@ class Person:
 
     def plan(self, day: int, seed: str) -> tuple[Visit, ...]:
         """Return the visits of *day*, 0 for the first, in time order; the same for the same *seed*."""
-        rng = random.Random(f"{seed}/{self.name}/{day}")  # noqa: S311  # dice of a game, no secrets
+        rng = random.Random(f"{seed}/{self.name}/{day}")  # noqa: S311  # numbers of a game, no secrets
         drawn = [
             Visit(min(DAY - 1.0, max(0.0, habit.at + rng.uniform(-1.0, 1.0) * habit.jitter)), habit.room, habit.asleep)
             for habit in self.day
@@ -77,7 +77,7 @@ class Person:
 
 
 class MovementObserver(Protocol):
-    """A port to whatever is told about people's movements."""
+    """A port for people's movements."""
 
     def passed(self, name: str, left: str, entered: str) -> None:
         """Take note that a person went through the door between two rooms, and is in *entered* now."""

@@ -1,8 +1,7 @@
-"""One device of a simulated house on the wire: an MQTT client of its own, which knows nothing of homebot.
+"""One device of a simulated house on the wire: an MQTT client of its own, which does not know homebot.
 
-What it says waits in a queue of its own, so that a slow broker stops neither the world nor other devices. What cannot
-be said while there is no link is not kept: its last word is said again at the next link, which is how small devices
-live.
+Its messages wait in a queue of its own, so that a slow broker stops neither the world nor other devices. What cannot
+be published while there is no link is not kept: the last state is published at the next link, as small devices do.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ __all__ = ["HouseCounters", "MqttDevice"]
 REFUSED = "house.publish_refused"
 
 QUEUED = 100
-"""Messages of one device that wait for the broker; the oldest goes, because a newer one is nearer to the truth."""
+"""Messages of one device that wait for the broker; the oldest goes, because a newer one is nearer to the present."""
 
 _log = get_logger()
 
@@ -58,7 +57,7 @@ class MqttDevice:
 
     Args:
         device: Its name and kind.
-        dialect: The convention that it speaks.
+        dialect: Its family.
         connection: Its way to the broker.
         on_command: Gets each command for it.
         counters: Shared by the house.
@@ -89,12 +88,12 @@ class MqttDevice:
         self._queued = asyncio.Event()  # anyio's cannot be cleared, and a new one for each message costs
 
     def begin(self, state: DeviceState, *, has_power: bool) -> None:
-        """Begin in *state*, which is said at the first link; before :meth:`live`."""
+        """Begin in *state*, which is published at the first link; before :meth:`live`."""
         self._keep(state)
         self._has_power = has_power
 
     def publish(self, state: DeviceState) -> None:
-        """Say the last word of *state*, and again at each heartbeat and new link until another; never waits."""
+        """Publish *state*, and again at each heartbeat and new link until another; never waits."""
         self._keep(state)
         if self._is_online:
             self._enqueue(self._last)
@@ -102,7 +101,7 @@ class MqttDevice:
             self._counters.unsaid += 1
 
     def repeat(self) -> None:
-        """Say the last word again, where it can be heard; what is lost comes with the next."""
+        """Publish the last state again where there is a link; what is lost comes with the next."""
         if self._is_online:
             self._enqueue(self._again)
 
@@ -125,7 +124,7 @@ class MqttDevice:
                     tasks.start_soon(run_as, "a simulated device", work)
                 while self._has_power:
                     await self._switched.wait()
-                self._connection.drop()  # a power failure says no good-bye
+                self._connection.drop()  # a power failure sends no DISCONNECT
                 tasks.cancel_scope.cancel()
 
     @property

@@ -30,7 +30,7 @@ class Pose:
 
 @dataclass(eq=False)
 class Robot(SimulatedDevice):
-    """A robot that takes ``go ROOM`` and ``stop``, and says each room that it enters.
+    """A robot that takes ``go ROOM`` and ``stop``, and reports each room that it enters.
 
     It drives from the middle of one room to the middle of the next, at one speed. A room that no doors lead to it
     ignores. Stopped between two rooms it drives on to the nearer one's middle only when told.

@@ -1,4 +1,4 @@
-"""Sensors: they take no command and say what the world does to them."""
+"""Sensors: they take no command and report what the world does to them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class SimulatedContactSensor(SimulatedDevice):
         return "open" if self.is_open else "closed"
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:
-        """Say what changed."""
+        """Report what changed."""
         self.advance(now)
         if (value > 0) == self.is_open:
             return ()
@@ -37,7 +37,7 @@ class SimulatedContactSensor(SimulatedDevice):
 
 @dataclass(eq=False)
 class MotionSensor(SimulatedDevice):
-    """A motion sensor: senses how many people move before it; says ``motion`` at once and ``clear`` after a while.
+    """A motion sensor: senses how many people move before it; reports ``motion`` at once and ``clear`` after a while.
 
     Attributes:
         hold: Seconds without motion after which it is ``clear``.
@@ -56,7 +56,7 @@ class MotionSensor(SimulatedDevice):
         return "motion" if self._sees_motion else "clear"
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:
-        """Say ``motion`` when it begins."""
+        """Report ``motion`` when it begins."""
         reports = self.advance(now)
         if value > 0:
             self._clear_at = None
@@ -77,11 +77,11 @@ class MotionSensor(SimulatedDevice):
 
 @dataclass(eq=False)
 class LuxSensor(SimulatedDevice):
-    """A light sensor: senses lux and says them when they changed enough.
+    """A light sensor: senses lux and reports them when they changed enough.
 
     Attributes:
-        lux: What it last said.
-        share: The change that is worth a word, as a share of the last; never under 1 lux.
+        lux: The last report.
+        share: The change that is worth a report, as a share of the last; never under 1 lux.
     """
 
     kind: ClassVar[str] = "lux"
@@ -94,7 +94,7 @@ class LuxSensor(SimulatedDevice):
         return number_text(self.lux, 1)
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:
-        """Say the new level if it differs enough."""
+        """Report the new level if it differs enough."""
         self.advance(now)
         if abs(value - self.lux) < max(1.0, self.share * self.lux):
             return ()
@@ -107,8 +107,8 @@ class PowerMeter(SimulatedDevice):
     """A power meter: senses the watts of all that is on.
 
     Attributes:
-        total: What it last said, in watts.
-        step: The change in watts that is worth a word.
+        total: The last report, in watts.
+        step: The change in watts that is worth a report.
     """
 
     kind: ClassVar[str] = "power_meter"
@@ -121,7 +121,7 @@ class PowerMeter(SimulatedDevice):
         return number_text(self.total, 1)
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:
-        """Say the new power if it differs enough."""
+        """Report the new power if it differs enough."""
         self.advance(now)
         if abs(value - self.total) < self.step:
             return ()

@@ -21,7 +21,7 @@ class SimulatedDevice(ABC):
         kind: What it is, as houses are described.
         device_id: Its name.
         service_type: What it offers.
-        now: The time it was last told.
+        now: The time it was last advanced to.
     """
 
     kind: ClassVar[str]
@@ -36,17 +36,17 @@ class SimulatedDevice(ABC):
 
     @abstractmethod
     def state(self) -> str:
-        """Return what it says of itself when nobody asks."""
+        """Return the state that it reports."""
 
     def obey(self, command: str, now: float) -> tuple[str, ...]:
         """Take *command* at *now*.
 
         Args:
-            command: A word, or a number as text; what it does not know it ignores.
+            command: A text such as ``on``, or a number as text; what it does not know it ignores.
             now: The time.
 
         Returns:
-            What it says at once, behind the reports that were due before; what comes later comes from :meth:`advance`.
+            Its reports at once, behind those that were due before; what comes later comes from :meth:`advance`.
         """
         return (*self.advance(now), *self._take(command))
 
@@ -64,7 +64,7 @@ class SimulatedDevice(ABC):
         return None
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:
-        """Let the world act on it with *value*, whose meaning is the device's own; return what it says.
+        """Let the world act on it with *value*, whose meaning is the device's own; return its reports.
 
         Most devices feel nothing.
         """
@@ -72,11 +72,11 @@ class SimulatedDevice(ABC):
         return self.advance(now)
 
     def by_hand(self, command: str, now: float) -> tuple[str, ...]:
-        """Let somebody work it with their hands, as *command* would; return what it says at once."""
+        """Let somebody work it with their hands, as *command* would; return its reports at once."""
         return self.obey(command, now)
 
     def commands(self) -> tuple[str, ...]:
-        """Return the commands that it knows, for people: each a word, or what stands for many, such as ``0 to 1``."""
+        """Return the commands that it knows, for people: each one, or a text for many, such as ``0 to 1``."""
         return ()
 
     def knows(self, command: str) -> bool:
@@ -92,7 +92,7 @@ class SimulatedDevice(ABC):
         return ""
 
     def _take(self, command: str) -> tuple[str, ...]:
-        """Obey at :attr:`now`; return what it says at once."""
+        """Obey at :attr:`now`; return the reports at once."""
         del command
         return ()
 
@@ -108,5 +108,5 @@ def number(text: str, low: float, high: float) -> float | None:
 
 
 def number_text(value: float, digits: int = 3) -> str:
-    """Return *value* as devices say it: decimal text with at most *digits* decimals."""
+    """Return *value* as devices report it: decimal text with at most *digits* decimals."""
     return f"{round(value, digits) + 0.0:.{digits}f}".rstrip("0").rstrip(".") if digits else f"{round(value)}"

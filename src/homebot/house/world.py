@@ -47,7 +47,7 @@ class Placed:
         device: The device, with its faults.
         room: Where it is.
         door: For a contact or a lock: the room on the other side of the door it is on.
-        dialect: How it speaks where it is carried over a wire, by name.
+        dialect: Its family where it is carried over a wire, by name.
     """
 
     device: SimulatedDevice
@@ -62,7 +62,7 @@ class ScheduledCommand:
 
     Attributes:
         at: Seconds since midnight.
-        device_id: To whom.
+        device_id: The device.
         command: What.
     """
 
@@ -99,7 +99,7 @@ class World:
         placed: Its devices.
         people: Who lives there.
         errands: What timers do every day.
-        seed: Decides every jitter of its people; devices with faults have dice of their own.
+        seed: Decides every jitter of its people; devices with faults have random numbers of their own.
         first_day: Day of the year, 1 to 366.
         latitude: Degrees north.
         by_hand: Whether people switch lamps on where they enter the dark, and off where they leave.

@@ -37,8 +37,8 @@ _STABLE = 5.0
 """A link that broke sooner than this many seconds counts as a failed try, so that a broker which throws us out right
 after the login is not asked in a hot loop."""
 
-_FAREWELL = 1.0
-"""Seconds for the last "offline" at a clean close; the broker's will says it otherwise."""
+_OFFLINE_WITHIN = 1.0
+"""Seconds for the last "offline" at a clean close; the broker publishes it otherwise, as the will."""
 
 _log = get_logger()
 
@@ -74,9 +74,9 @@ class ConnectionState:
 class MqttConnection:
     """One connection to one broker that mends itself; use it as ``async with`` inside a running event loop.
 
-    Entering starts the supervision and does not wait for the broker (`wait_connected` does). Leaving says "offline",
-    then good-bye; after that it may be entered again. Changes of the link are states, and logged at debug level only:
-    how loud they should be is for the owner to say.
+    Entering starts the supervision and does not wait for the broker (`wait_connected` does). Leaving publishes
+    "offline", then disconnects; after that it may be entered again. Changes of the link are states, and logged at debug
+    level only: the level that they deserve is for the owner to choose.
 
     Args:
         options: Broker, login and limits.
@@ -87,7 +87,7 @@ class MqttConnection:
         clock: Measures how long a link was up or down.
         random: Source of the back-off's jitter.
         link_backoff: Delays while the broker cannot be reached.
-        refused_backoff: Delays while it says no.
+        refused_backoff: Delays while it refuses.
     """
 
     def __init__(
@@ -136,7 +136,7 @@ class MqttConnection:
 
     @property
     def refused(self) -> Mapping[str, str]:
-        """The subscriptions that the broker refuses on the current link: why, in words, by their filters.
+        """The subscriptions that the broker refuses on the current link: the reasons by their filters.
 
         Complete when the phase becomes CONNECTED. The next link asks for them again; it is for the owner to say
         whether the connection is of use without them. A copy.
@@ -169,7 +169,7 @@ class MqttConnection:
         """Wait until the link is up and the subscriptions are made.
 
         Raises:
-            RefusedError: The broker said no; the supervisor goes on trying, slowly.
+            RefusedError: The broker refused; the supervisor goes on trying, slowly.
             ClosedError: The connection is closed.
         """
         while self._state.phase is not LinkPhase.CONNECTED:
@@ -244,18 +244,18 @@ class MqttConnection:
                 await changed.wait()
 
     def ack(self, messages: Iterable[MqttMessage]) -> None:
-        """Tell the broker that these messages are in good hands; see `MqttClient.ack`."""
+        """Acknowledge these messages to the broker; see `MqttClient.ack`."""
         self._client.ack(messages)
 
     async def announce_online(self) -> None:
-        """Say "online" again, as where another client of the same status topic left; no link, no word."""
+        """Publish "online" again, as where another client of the same status topic left; nothing without a link."""
         try:
             await self._announce(ONLINE)
         except LinkError:
-            return  # it is said on the next link
+            return  # it is published on the next link
 
     def drop(self) -> None:
-        """Cut the link without a word, as a power failure does; the next try is made as after any loss."""
+        """Cut the link without a DISCONNECT, as a power failure does; the next try is made as after any loss."""
         self._client.drop()
 
     async def __aenter__(self) -> Self:
@@ -310,7 +310,7 @@ class MqttConnection:
                     )
                     reason = await self._client.wait_lost()
                 except anyio.get_cancelled_exc_class():
-                    await self._say_offline()
+                    await self._publish_offline()
                     raise
         except (LinkError, RefusedError, UsageError) as error:  # UsageError: a certificate file
             reason = error
@@ -339,12 +339,12 @@ class MqttConnection:
                 reason=error.reason,
             )
 
-    async def _say_offline(self) -> None:
-        with anyio.CancelScope(shield=True), anyio.move_on_after(_FAREWELL):
+    async def _publish_offline(self) -> None:
+        with anyio.CancelScope(shield=True), anyio.move_on_after(_OFFLINE_WITHIN):
             try:
                 await self._announce(OFFLINE)
             except LinkError:
-                return  # the broker says it for us: the will
+                return  # the broker publishes it for us: the will
 
     def _plan(self, reason: HomebotError, up_since: float | None) -> float:
         now = self._clock.monotonic()

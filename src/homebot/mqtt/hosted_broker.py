@@ -1,4 +1,4 @@
-"""A broker that runs in this process, as those see it who connect to it."""
+"""A broker that runs in this process, as its clients see it."""
 
 from __future__ import annotations
 

@@ -103,7 +103,7 @@ class MemoryBroker(EmbeddedBroker):
         return NativeClient(options, self._dial_for, clock=self._clock, random=self._client_random)
 
     def dial(self, host: str, port: int, user: TransportUser) -> MemorySocket:
-        """Open a link; nothing is said on it yet.
+        """Open a link; nothing is sent on it yet.
 
         Raises:
             LinkError: The address is not this broker's, it is not running, or it has too many links.

@@ -18,7 +18,7 @@ class _MallocInfo(Protocol):
 
 
 _Allocator: TypeAlias = tuple[Callable[[], _MallocInfo], Callable[[int], int]]
-"""Says what it holds, and gives back what is free."""
+"""Functions that report what the allocator holds, and give back what is free."""
 
 
 @final

@@ -15,7 +15,7 @@ class MessageProperties:
     Attributes:
         payload_is_text: The sender declares the payload to be UTF-8 text; nobody has checked it.
         expiry: Remaining life time of the message in whole seconds, 0 to 4294967295; None is without end.
-        content_type: What the payload is, usually a MIME type; None if not told.
+        content_type: What the payload is, usually a MIME type; None if not given.
         response_topic: Topic that an answer is wanted on; None if none is wanted.
         correlation_data: Token that the answer has to repeat; None if none was sent.
         user: Name and value pairs in the order of the sender; names may repeat.

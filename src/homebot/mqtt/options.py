@@ -65,13 +65,13 @@ class MqttOptions:
             link is gone, 0 to 4294967295. 0 starts clean each time. MQTT 3.1.1 knows only 0 and for ever.
         session_ends_on_close: Whether a close in good order ends the session at once, for a client id that will not
             come again. A link that breaks leaves it in any case.
-        maximum_packet_size: Largest packet to accept, in bytes. MQTT 5 brokers are told; what is larger all
+        maximum_packet_size: Largest packet to accept, in bytes. MQTT 5 brokers are sent it; what is larger all
             the same is dropped and counted.
         receive_maximum: Most messages of QoS 1 and 2 that may wait for acknowledgement, 1 to 65535. MQTT
-            3.1.1 cannot say so; there the broker's own window is the bound.
+            3.1.1 has no field for it; there the broker's own window is the bound.
         inbox_messages: Most messages of QoS 0 that wait to be read; the oldest is dropped and counted.
         inbox_bytes: Most bytes of such messages, in topics and payloads; likewise.
-        will: What the broker says for a client that vanished.
+        will: The message that the broker publishes for a client that vanished.
         protocol: "auto" tries 5 and falls back to 3.1.1 where the broker does not speak 5.
 
     Raises:

@@ -79,7 +79,7 @@ def validate_filter(filter: str) -> None:  # noqa: A002 - the protocol's own wor
 
 
 def topic_matches(filter: str, topic: str) -> bool:  # noqa: A002 - the protocol's own word
-    """Tell whether a valid *filter* matches a valid *topic* name.
+    """Return whether a valid *filter* matches a valid *topic* name.
 
     A filter that starts with a wildcard does not match a topic that starts with ``$``. For a shared filter
     the part behind the group is what counts.

@@ -20,9 +20,9 @@ class RuntimeHealth:
 
     Args:
         node: The node that answers.
-        supervisor: Knows who crashed.
+        supervisor: Knows which components crashed.
         watch: Knows what blocked the event loop; None where nobody watches it.
-        lost_lines: Tells how many lines of the log were lost.
+        lost_lines: Returns how many lines of the log were lost.
     """
 
     def __init__(

@@ -51,7 +51,7 @@ class ComponentCrashes:
 
     Attributes:
         count: How often.
-        last: The last error, in words.
+        last: The last error, as text.
         at: When that was, in seconds since the Unix epoch.
         state: What came of it.
     """

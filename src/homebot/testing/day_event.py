@@ -97,9 +97,9 @@ class DayEvent:
 
     Attributes:
         at: Seconds since the midnight before the day, 0 to a week; rounded to milliseconds.
-        what: Hands ``press`` a switch of a device; somebody on the wire tells (``tell``) it a command; its link is
-            ``cut``, after which it dials again; its cable is pulled (``pull``): nothing is carried, and nobody is told;
-            or the broker goes and comes back (``restart``).
+        what: Hands ``press`` a switch of a device; somebody on the wire sends (``tell``) it a command; its link is
+            ``cut``, after which it dials again; its cable is pulled (``pull``): nothing is carried, and neither side is
+            informed; or the broker goes and comes back (``restart``).
         device: Which device; not for ``restart``.
         command: What hands or the wire want; for ``press`` and ``tell`` alone.
         lasts: Seconds until the cable is plugged in or the broker is back; for ``pull`` and ``restart`` alone.

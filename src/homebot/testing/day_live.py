@@ -43,7 +43,7 @@ def live_day(day: Day, *apps: str, root: str = ROOT, seed: int = 0, heartbeat: s
 
     async def lived() -> World:
         world = day.world()
-        world.run_until(day.start)  # on the wire nobody hears of the morning
+        world.run_until(day.start)  # the morning is not published
         start = parse_time(START) + timedelta(seconds=day.start)
         async with virtual_house_of(
             *apps, world=world, root=root, start=start, seed=seed, heartbeat=heartbeat

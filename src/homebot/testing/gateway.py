@@ -1,4 +1,4 @@
-"""The gateway in memory, for devices that speak raw messages, as a test plays them."""
+"""The gateway in memory, for devices with raw messages, as a test plays them."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ class FakeGatewaySettings(MemoryGatewaySettings):
     """The settings of the fake.
 
     Attributes:
-        refused: Addresses that nobody may listen to.
+        refused: Addresses that nobody may subscribe to.
     """
 
     refused: tuple[str, ...] = ()
 
 
 class FakeGateway(MemoryGateway):
-    """A gateway whose devices, called ``SERVICE_TYPE/DEVICE_ID``, speak on ``KEY/out`` and listen on ``KEY/in``."""
+    """A gateway whose devices, ``SERVICE_TYPE/DEVICE_ID``, publish on ``KEY/out`` and take commands on ``KEY/in``."""
 
     Settings: ClassVar[type[BaseModel]] = FakeGatewaySettings
 
@@ -42,7 +42,7 @@ class FakeGateway(MemoryGateway):
         return [(command.address, command.payload) for command in self.raw_commands]
 
     async def says(self, key: str, payload: str | bytes, *, name: str = "", takes_commands: bool = True) -> None:
-        """Let the device *key* say *payload*: it is sighted, and whoever listens hears it."""
+        """Publish *payload* as the device *key*: it is announced, and its subscribers get the message."""
         self.sees(key, name=name, takes_commands=takes_commands)
         await self.devices.deliver_raw(key, payload.encode() if isinstance(payload, str) else payload)
 
@@ -74,7 +74,7 @@ class FakeGateway(MemoryGateway):
         self.devices.remove(key, "the test says so")
 
     def find_source(self, address: str) -> tuple[str, str]:
-        """Return key and name of the device that speaks on *address*.
+        """Return key and name of the device that publishes on *address*.
 
         Raises:
             RefusedError: The settings say so.

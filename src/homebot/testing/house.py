@@ -99,16 +99,16 @@ def _is_for_mqtt(name: str, table: Table) -> bool:
     return issubclass(kind, MqttGateway)
 
 
-PATIENCE = 5.0
+DEFAULT_WAIT = 5.0
 
 EVERYTHING = MqttSubscription("#", qos=1, no_local=True)
-"""What a test may hear: all but its own words."""
+"""The subscription of a test: all but its own messages."""
 
 KEPT = 1000
 """Payloads of one topic that wait to be asked for; the oldest goes."""
 
 MAX_TOPICS = 10_000
-"""Topics whose payloads wait; the one that was heard first goes."""
+"""Topics whose payloads wait; the one that came first goes."""
 
 
 _SHOWN = 10
@@ -181,7 +181,7 @@ class TestHouse:
         """Publish *payload* on *topic* as a device would; returns when the broker has acknowledged it."""
         await self._field.publish(topic, payload.encode(), qos=1)
 
-    async def hears(self, topic: str, within: float = PATIENCE) -> str:
+    async def hears(self, topic: str, within: float = DEFAULT_WAIT) -> str:
         """Return the next payload that homebot or a device publishes on *topic*; the test's own messages do not count.
 
         Args:

@@ -161,7 +161,7 @@ async def _with_log(made: AbstractAsyncContextManager[HouseT]) -> AsyncIterator[
 
 @contextmanager
 def _explained() -> Iterator[None]:
-    """Tell in words, without our code, what the test's author has to mend."""
+    """Fail with a message, without our code, about what the test's author has to mend."""
     from homebot.errors import UsageError  # noqa: PLC0415 - only for those who use it
 
     try:

@@ -94,7 +94,7 @@ def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Show what the brokers and their clients said when a test fails."""
+    """Show the packets of brokers and their clients when a test fails."""
     report = yield
     is_due = report.failed and report.when != "setup" and _shown not in item.stash
     if is_due and "homebot.testing.mqtt" in sys.modules:

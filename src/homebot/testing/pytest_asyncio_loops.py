@@ -1,4 +1,4 @@
-"""Fixtures that tell the loop of a test that pytest-asyncio runs; loaded only where that is.
+"""Fixtures that return the loop of a test that pytest-asyncio runs; loaded only where that is.
 
 A loop lives as long as its scope: for one test, or for those of a class, module, package or session.
 """

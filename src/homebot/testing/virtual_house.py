@@ -76,7 +76,7 @@ START = "2026-01-01 00:00"
 """When time begins in a virtual house, in UTC, unless told otherwise."""
 
 HEARTBEAT = 300.0
-"""Seconds after which a simulated device says its last word again: as plugged-in devices do, and little work."""
+"""Seconds after which a simulated device publishes its last state again: as plugged-in devices do, and little work."""
 
 _KEEP_ALIVE = 3_600
 _SHOWN = 60

@@ -133,7 +133,7 @@ class GraphParameters:
         return DeleteParamResponse(successful=False, reason=reason)
 
     def has(self, request: HasParamRequest) -> HasParamResponse:
-        """Tell whether a parameter is declared."""
+        """Return whether a parameter is declared."""
         try:
             parameters, name = self._find(request.name)
         except ParameterError:

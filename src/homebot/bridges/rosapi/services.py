@@ -155,12 +155,12 @@ class ServiceDirectory:
         return ServiceResponseDetailsResponse(typedefs=typedefs_of(found.Response))
 
     def node_of(self, request: ServiceNodeRequest) -> ServiceNodeResponse:
-        """Return who serves a service."""
+        """Return the node that serves a service."""
         found = self._graph.get_endpoints(kind=EntityKind.SERVICE, name=absolute(request.service))
         return ServiceNodeResponse(node=found[0].node if found else "")
 
     def providers(self, request: ServiceProvidersRequest) -> ServiceProvidersResponse:
-        """Return who serves services of a type."""
+        """Return the nodes that serve services of a type."""
         return ServiceProvidersResponse(providers=unique(info.node for info in self._served(request.service)))
 
     def _served(self, ros_type: str) -> Iterator[EndpointInfo]:

@@ -162,11 +162,11 @@ class TopicDirectory:
         return MessageDetailsResponse(typedefs=typedefs_of(find_message_type(self._graph, request.type)))
 
     def publishers(self, request: PublishersRequest) -> PublishersResponse:
-        """Return who publishes on a topic."""
+        """Return the nodes that publish on a topic."""
         return PublishersResponse(publishers=self._users(EntityKind.PUBLISHER, request.topic))
 
     def subscribers(self, request: SubscribersRequest) -> SubscribersResponse:
-        """Return who reads a topic."""
+        """Return the nodes that subscribe to a topic."""
         return SubscribersResponse(subscribers=self._users(EntityKind.SUBSCRIPTION, request.topic))
 
     def _users(self, kind: EntityKind, topic: str) -> tuple[str, ...]:

@@ -20,7 +20,7 @@ _READ = 2048
 """Bytes read at once: of the smallest frames 340, which take the library about 5 ms."""
 
 _MOST_ARRIVING = 64
-"""Connections that have not said yet what they want; one more ends the oldest, which had the most time to say it."""
+"""Connections whose request has not come yet; one more ends the oldest, which had the most time for it."""
 
 
 class DoorConnection(ServerConnection):
@@ -40,9 +40,9 @@ class DoorConnection(ServerConnection):
         self._is_lost = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Begin to listen."""
+        """Begin to read."""
         super().connection_made(transport)
-        if hasattr(transport, "max_size"):  # asyncio has no other way to say it
+        if hasattr(transport, "max_size"):  # asyncio has no other way to set it
             transport.max_size = _READ
         # The library pauses reading for reasons of its own, so there is one place that knows them all.
         self.recv_messages.pause = lambda: self._hold("queue")

@@ -46,7 +46,7 @@ class TokenGuard:
     def begin(self, address: str, now: float) -> float | None:
         """Return the seconds that a token from *address* has to wait, or None where too many wait already.
 
-        Whoever is given a number calls :meth:`end` in any case.
+        The caller that gets a number calls :meth:`end` in any case.
         """
         attempts = self._of(address, now)
         if attempts is None:
@@ -95,7 +95,7 @@ class TokenGuard:
 
 @final
 class FrameRate:
-    """Says how long a client's next frame has to wait so that it sends no more than *limit* a second on average.
+    """Computes how long a client's next frame has to wait so that it sends no more than *limit* a second on average.
 
     A client that was quiet may send the frames of a whole second at once.
     """

@@ -1,7 +1,7 @@
 """All that goes out to one client: answers, in the order in which they were given, and the messages of its topics.
 
 One task encodes and sends, an answer and a message by turns, a message of each topic after the other. Answers are never
-dropped: a client that does not take them is not listened to until it does, and one for which too many wait all the same
+dropped: a client that does not take them is not read from until it does, and one for which too many wait all the same
 is cut off.
 """
 
@@ -36,7 +36,7 @@ class Outbox:
         send: Takes text to the client, waiting until there is room for it; LinkError when the client is gone.
         cut: Ends the connection at once.
         turns: When work may be done.
-        limit: Bytes of answers that may wait; with more the client is not listened to, with four times as much it is
+        limit: Bytes of answers that may wait; with more the client is not read from, with four times as much it is
             cut off.
     """
 

@@ -1,6 +1,6 @@
 """The frames of rosbridge v2: JSON text in, typed operations out, and the frames that go back. No I/O.
 
-A sender hears of its failures in ``status`` frames, unless it asked with ``set_level`` for none; calls and goals are
+A sender gets its failures in ``status`` frames, unless it asked with ``set_level`` for none; calls and goals are
 answered in any case.
 
 Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, sections 1 to 3.
@@ -295,7 +295,7 @@ def encode_frame(frame: Frame) -> str:
 
 
 def publish_frame(topic: str, message: Message, lost: int = 0) -> Frame:
-    """Return the frame that carries *message*; ``lost`` (ours alone) tells how many were dropped before it."""
+    """Return the frame that carries *message*; ``lost`` (ours alone) is the number dropped before it."""
     losses = f',"lost":{lost}' if lost else ""
     return f'{{"op":"publish","topic":{json.dumps(topic)},"msg":{message_to_text(message)}{losses}}}'
 
@@ -308,7 +308,7 @@ def service_success(service: str, identifier: Identifier, values: Message) -> Fr
 
 
 def service_failure(service: str, identifier: Identifier, problem: str) -> JsonObject:
-    """Return the frame that says why a call failed."""
+    """Return the frame with the reason why a call failed."""
     frame: JsonObject = {"op": "service_response", "service": service, "values": problem, "result": False}
     return frame if identifier is None else frame | {"id": identifier}
 
@@ -319,7 +319,7 @@ def service_request(service: str, identifier: str, args: JsonObject) -> JsonObje
 
 
 def action_refusal(action: str, identifier: Identifier, problem: str) -> JsonObject:
-    """Return the frame that says why a goal is not pursued."""
+    """Return the frame with the reason why a goal is not pursued."""
     frame: JsonObject = {"op": "action_result", "action": action, "values": problem}
     return frame | {"id": identifier or "", "status": _ACTION_ABORTED, "result": False}
 

@@ -12,7 +12,7 @@ from homebot.messages.message import Message
 
 __all__ = ["Publications"]
 
-# As the original bridge: one offer that fits every request, and whoever subscribes a moment late misses nothing.
+# As the original bridge: one offer that fits every request, and a client that subscribes a moment late misses nothing.
 _QOS = QoSProfile(durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=1.0)
 
 

@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Door"]
 
-_CLOSE_TIMEOUT: Final = 1.0  # seconds that a client has to say goodbye
-_OPEN_TIMEOUT: Final = 2.0  # seconds that a client has to say who it is; stopping waits for it too
+_CLOSE_TIMEOUT: Final = 1.0  # seconds that a client has to close its side
+_OPEN_TIMEOUT: Final = 2.0  # seconds that a client has for its handshake; stopping waits for it too
 _STOP_TIMEOUT: Final = 1.5  # the whole process has 5 s to stop
 _GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
 
@@ -46,8 +46,7 @@ _GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web p
 class Door:
     """Lets programs outside the process take part in the graph, by rosbridge v2.
 
-    Clients hear of what they do wrong as :mod:`homebot.bridges.rosbridge.protocol` says; the log hears of it in any
-    case.
+    Clients are sent their mistakes as :mod:`homebot.bridges.rosbridge.protocol` describes; they are logged in any case.
 
     Args:
         node: The node that acts in the clients' stead; it must outlive the door.
@@ -120,7 +119,7 @@ class Door:
         with anyio.move_on_after(_STOP_TIMEOUT):
             await server.wait_closed()
             return
-        for connection in self._sessions:  # a client that takes no more bytes cannot be told goodbye either
+        for connection in self._sessions:  # a client that takes no more bytes cannot be sent a close frame either
             connection.transport.abort()
         await server.wait_closed()
 
@@ -224,7 +223,7 @@ class Door:
 
 
 class _LibraryLog(logging.Handler):
-    """Brings what the WebSocket library has to say into our log, limited."""
+    """Brings the lines of the WebSocket library into our log, limited."""
 
     def __init__(self, error_log: ClientErrorLog) -> None:
         super().__init__()

@@ -50,7 +50,7 @@ __all__ = ["ClientSession"]
 _SEVERITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 _NO_ACTIONS = "this homebot has no actions"
 _ANSWERS = 1_048_576
-"""Bytes of answers that may wait for a client before it is listened to no more."""
+"""Bytes of answers that may wait for a client before it is not read from any more."""
 
 
 class ClientSession:
@@ -215,7 +215,7 @@ class ClientSession:
             )
 
     def _report_type_mismatch(self, op: SubscribeOperation, problem: str) -> None:
-        """Tell that a topic came which the client waited for, and that it is another than expected."""
+        """Report that a topic came which the client waited for, and that it is of another type than expected."""
         error_text = f": {_refusal(op.op, op.name, problem)}, now that it is there"
         self._log_error(error_text, op.op, problem, event="door.late_topic_unfit")
         self._remark("error", problem, op.id)
@@ -242,7 +242,7 @@ class ClientSession:
             self._remark("error", problem, identifier)
 
     def _remark(self, level: Level, text: str, identifier: Identifier) -> None:
-        """Tell the client something, if it wants to hear things of this *level*."""
+        """Send the client a remark, if it asked for those of this *level*."""
         if _SEVERITY[self._level] >= _SEVERITY[level]:
             self._outbox.answer(status_frame(level, text, identifier))
 

@@ -20,14 +20,14 @@ __all__ = ["Subscriptions"]
 class Subscriptions:
     """The topics that one client subscribed to, under the names that the client uses.
 
-    A request for a topic whose type cannot be told yet is remembered and served once somebody uses the topic.
+    A request for a topic whose type is not known yet is remembered and served once somebody uses the topic.
 
     Args:
         node: The node that subscribes in the client's stead.
         depth: Messages of a topic that may wait for the client.
         backlog: All that waits for the client.
         outbox: Takes frames to the client.
-        expected: Says when a topic appears.
+        expected: Calls back when a topic appears.
         on_unfit: Called with the request and the reason where a remembered one cannot be served after all.
     """
 
@@ -61,7 +61,7 @@ class Subscriptions:
         return sum(feed.lost for feed in self._feeds.values())
 
     def subscribe(self, op: SubscribeOperation) -> tuple[Literal["warning", "error"], str] | None:
-        """Begin to send a topic; where its type cannot be told yet, return how bad that is and why.
+        """Begin to send a topic; where its type is not known yet, return how bad that is and why.
 
         It is an error that the type is unknown, and a warning that it was not given; either way messages come once
         somebody uses the topic.

@@ -1,8 +1,8 @@
 """Devices that announce themselves by Home Assistant's MQTT discovery, as firmware like ESPHome does.
 
-A device ``NODE`` says its whole state as JSON on ``NODE/state``, kept by the broker, hears on ``NODE/set`` and, for
-a number of its own, ``NODE/set_position`` or ``NODE/set_temperature``, and says on ``NODE/status`` whether it is there.
-Its announcement is one config of its component, or one of the whole device.
+A device ``NODE`` publishes its state as JSON on ``NODE/state``, retained, and its availability on ``NODE/status``.
+It takes commands on ``NODE/set`` and, for numbers of their own, ``NODE/set_position`` or ``NODE/set_temperature``. Its
+announcement is one config of its component, or one of the whole device.
 
 Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``.
 """
@@ -39,8 +39,8 @@ class ComponentTemplate:
     Attributes:
         component: Its name.
         config: Returns its options, for a device whose topics begin with the text given.
-        state: Returns what a device in some state says.
-        levels: Last levels of the topics on which it hears.
+        state: Returns what a device in some state publishes.
+        levels: Last levels of the topics on which it takes commands.
     """
 
     component: str

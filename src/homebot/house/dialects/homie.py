@@ -1,7 +1,7 @@
 """Devices that speak Homie 5, with the types of the smart-home profile of its libraries.
 
-A device ``ID`` describes itself on ``homie/5/ID/$description`` and says on ``$state`` whether it is there. The broker
-keeps all that it says. It hears on ``homie/5/ID/NODE/PROPERTY/set``.
+A device ``ID`` describes itself on ``homie/5/ID/$description`` and publishes its availability on ``$state``.
+All its messages are retained. It takes commands on ``homie/5/ID/NODE/PROPERTY/set``.
 
 Source: Homie convention 5.0; types of hc-smarthome v2.
 """
@@ -30,7 +30,7 @@ class SimulatedHomieNode:
     Attributes:
         type: The capability that it is.
         properties: What can be read or set.
-        values: Returns the values that a device in some state says.
+        values: Returns the values that a device in some state publishes.
     """
 
     type: str

@@ -1,6 +1,6 @@
 """Shelly devices of the first generation: they announce themselves when they are born or asked to.
 
-A device ``MODEL-MAC`` speaks below ``shellies/MODEL-MAC``: ``online``, and its component, for example ``light/0``,
+A device ``MODEL-MAC`` publishes below ``shellies/MODEL-MAC``: ``online``, and its component, for example ``light/0``,
 ``light/0/status`` and ``light/0/command``. The broker keeps only ``online``.
 
 Source: Shelly API documentation, Gen1, "MQTT".

@@ -1,7 +1,7 @@
-"""Shelly devices of the second generation and later: they say who they are only when they are asked.
+"""Shelly devices of the second generation and later: they describe themselves only when they are asked.
 
-A device ``MODEL-mac`` takes calls on ``MODEL-mac/rpc``, answers on ``SRC/rpc``, where ``SRC`` is the caller's, tells on
-``MODEL-mac/events/rpc`` what changed, and keeps at the broker only ``MODEL-mac/online``.
+A device ``MODEL-mac`` takes calls on ``MODEL-mac/rpc``, answers on ``SRC/rpc``, with the caller's ``SRC``, publishes
+changes on ``MODEL-mac/events/rpc``, and retains only ``MODEL-mac/online``.
 
 Source: Shelly API documentation, Gen2, "MQTT" and "RPC protocol".
 """
@@ -53,7 +53,7 @@ class ShellyRpcDialect(Dialect):
         return (OutgoingMessage(f"{_id(device)}/events/rpc", as_json(news)),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
-        """Return what a call tells it to do."""
+        """Return the command in a call."""
         del topic
         call = as_object(payload)
         given = call.get("params")

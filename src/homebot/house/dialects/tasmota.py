@@ -1,7 +1,7 @@
 """Devices with Tasmota's firmware, which announce themselves on ``tasmota/discovery/MAC``.
 
-A device with the topic ``T`` says on ``tele/T/STATE`` or ``tele/T/SENSOR`` how it is, again when it is asked on
-``cmnd/T/STATE`` or ``cmnd/T/STATUS``, and on ``tele/T/LWT`` whether it is there; it hears on ``cmnd/T/…``.
+A device with the topic ``T`` publishes its state on ``tele/T/STATE`` or ``tele/T/SENSOR``, again when it is asked on
+``cmnd/T/STATE`` or ``cmnd/T/STATUS``, and its availability on ``tele/T/LWT``; it takes commands on ``cmnd/T/…``.
 
 Source: Tasmota documentation, "MQTT" and "Commands", firmware 14; hatasmota 0.10 for the announcement.
 """

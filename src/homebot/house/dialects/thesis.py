@@ -1,4 +1,4 @@
-"""The layout of the thesis: words as they are, on ``HOME/SERVICE_TYPE/DEVICE_ID/out`` and ``…/in``."""
+"""The layout of the thesis: reports and commands as plain text, on ``HOME/SERVICE_TYPE/DEVICE_ID/out`` and ``…/in``."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class ThesisDialect(Dialect):
         return (f"{_base(device)}/in",)
 
     def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
-        """Return the word, on its ``out``; what is no Unicode becomes ``?``."""
+        """Return the report, on its ``out``; what is no Unicode becomes ``?``."""
         return (OutgoingMessage(f"{_base(device)}/out", state.text.encode(errors="replace")),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:

@@ -59,7 +59,7 @@ def lamp_order(
 
 
 def cover_order(text: str) -> tuple[str, ...]:
-    """Return the command for ``open``, ``close`` or ``stop`` in any case; empty for another word."""
+    """Return the command for ``open``, ``close`` or ``stop`` in any case; empty for another text."""
     return (text.lower(),) if text.lower() in {"open", "close", "stop"} else ()
 
 

@@ -1,7 +1,7 @@
-"""Zigbee devices behind Zigbee2MQTT, as it speaks with default settings and availability switched on.
+"""Zigbee devices behind Zigbee2MQTT with default settings and availability switched on.
 
-The bridge lists its devices on ``BASE/bridge/devices``. A device says its whole state as JSON on ``BASE/NAME``, which
-the broker does not keep, and again when it is asked on ``BASE/NAME/get``; it hears on ``BASE/NAME/set``.
+The bridge lists its devices on ``BASE/bridge/devices``. A device publishes its whole state as JSON on
+``BASE/NAME``, not retained, and again when it is asked on ``BASE/NAME/get``; it takes commands on ``BASE/NAME/set``.
 
 Source: Zigbee2MQTT 2.14, guide "MQTT topics and messages".
 """
@@ -143,7 +143,7 @@ class Zigbee2MqttDialect(Dialect):
         return (OutgoingMessage(self._topic(device), as_json(_STATES[device.kind](state))),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
-        """Return what a command means: an object of properties, the value of one, or a word for its state."""
+        """Return what a command means: an object of properties, the value of one, or a text for its state."""
         base, _, rest = topic.removeprefix(self._topic(device)).removeprefix("/").partition("/")
         if base != "set":
             return ()

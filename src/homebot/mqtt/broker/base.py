@@ -37,7 +37,7 @@ class EmbeddedBroker(ABC):
             is replaced.
         refuse_filters: Filters whose subscription is answered with 0x80; only without *policy*.
         policy: Who may publish and subscribe what.
-        on_message: Told of each message that is forwarded, wills included; must not raise.
+        on_message: Called with each message that is forwarded, wills included; must not raise.
         random: Where assigned client ids come from; by default nobody can guess them.
 
     Raises:

@@ -29,11 +29,11 @@ class OpenSocket(Protocol):
         ...
 
     def end(self, reason: ReasonCode) -> None:
-        """Close it in order; MQTT 5 clients are told *reason*, and no will is published."""
+        """Close it in order; MQTT 5 clients are sent *reason*, and no will is published."""
         ...
 
     def abort(self) -> None:
-        """Cut it without a word."""
+        """Cut it without a DISCONNECT."""
         ...
 
 
@@ -116,7 +116,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         endpoint: Makes what understands the bytes.
 
     Attributes:
-        write_blocked: As :class:`Transport` says.
+        write_blocked: As for :class:`Transport`.
         address: The far side's address.
         peer: The state machine.
     """
@@ -249,11 +249,11 @@ class BrokerConnection(asyncio.BufferedProtocol):
             self._transport.abort()
 
     def end(self, reason: ReasonCode) -> None:
-        """Close it in order; MQTT 5 clients are told *reason*, and no will is published."""
+        """Close it in order; MQTT 5 clients are sent *reason*, and no will is published."""
         self.peer.end(reason, publish_will=False)
 
     def abort(self) -> None:
-        """Cut the connection without a word."""
+        """Cut the connection without a DISCONNECT."""
         self._closing = True
         if self._transport is not None:
             self._transport.abort()

@@ -34,7 +34,7 @@ class BrokerTimers:
     """A timer queue of deadlines.
 
     Args:
-        wake: Told the time of the earliest deadline whenever it moves forward.
+        wake: Called with the time of the earliest deadline whenever it moves forward.
     """
 
     def __init__(self, wake: Callable[[float], None] | None = None) -> None:

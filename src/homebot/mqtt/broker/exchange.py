@@ -49,12 +49,12 @@ class MessageRouter:
         clock: For expiry.
         limits: Bounds of the retained messages and subscriptions.
         counters: Counts what is not retained.
-        on_message: Told of each message.
-        turn: What is done in one turn of the event loop; told of messages that go to many.
+        on_message: Called with each message.
+        turn: What is done in one turn of the event loop; charged for messages that go to many.
         work: How much may be done now of what can take long.
 
     Attributes:
-        subscriptions: Who wants which topic.
+        subscriptions: All subscriptions by topic.
         retained: The retained messages.
         crowded: Connected sessions whose queue was three quarters full, until it is half empty.
     """

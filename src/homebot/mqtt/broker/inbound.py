@@ -38,7 +38,7 @@ class Inbound:
 
     Attributes:
         gone: The client is gone: what finds no room is not answered, so that it comes again.
-        refusable: The client can be told that a message was not taken; from MQTT 5 on.
+        refusable: The client can be sent the reason why a message was not taken; from MQTT 5 on.
     """
 
     def __init__(self, state: BrokerState, session: BrokerSession, outbound: Outbound) -> None:

@@ -21,7 +21,7 @@ class BrokerLimits:
             open; one more costs the oldest that only waits for its end, or is closed at once.
         max_sessions: Sessions kept, connected or not; one more pushes out the one that was left longest ago.
         max_subscriptions: Subscriptions of one session; one more is refused (0x97). The gateway of homebot needs one
-            for each topic that devices tell their state on.
+            for each topic that devices publish their state on.
         max_all_subscriptions: Subscriptions of all sessions; likewise.
         max_shared_subscriptions: Shared subscriptions of all sessions; likewise.
         max_filter_levels: Levels of all filters, those counted once that filters begin with alike; likewise.

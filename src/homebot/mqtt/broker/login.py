@@ -39,7 +39,7 @@ class ConnectRequest:
         receive_maximum: QoS 1 and 2 messages the client takes unanswered.
         max_packet_size: The largest packet it takes, in bytes.
         alias_maximum: How many topic aliases it takes.
-        problem_information: Whether it wants reasons in words.
+        problem_information: Whether it wants reason strings.
     """
 
     client_id: str

@@ -37,7 +37,7 @@ class _Guesser:
 
 @final
 class LoginThrottle:
-    """Says how long an attempt to log in has to wait, by its host.
+    """Keeps how long an attempt to log in has to wait, by its host.
 
     After three wrong passwords from one host each further one delays all new attempts from there, half a second at
     first, twice as long each time, eight seconds at most. A client that has logged in from there before does not wait,

@@ -37,7 +37,7 @@ class Outbound:
         clock: For the rest of a message's expiry interval.
         counters: Counts what is sent and what is too large.
         version: What the client speaks.
-        on_too_large: Told the topic and size of a message that the client does not take, and the client's limit.
+        on_too_large: Called with the topic and size of a message that the client does not take, and the client's limit.
         max_packet_size: The largest packet the client takes, in bytes.
         alias_maximum: How many topic aliases the client accepts; 0 is none.
     """
@@ -79,7 +79,7 @@ class Outbound:
         self.link.write(encode(packet, self.version))
 
     def publish(self, parcel: QueuedMessage, packet_id: int = 0, *, dup: bool = False) -> bool:
-        """Write a message; False, counted and told, where the client does not take packets of its size.
+        """Write a message; False, counted and logged, where the client does not take packets of its size.
 
         Args:
             parcel: What to send.

@@ -39,7 +39,7 @@ class PeerLog:
         link: The connection.
 
     Attributes:
-        client_id: Who it is, once logged in.
+        client_id: The client's id, once logged in.
     """
 
     __slots__ = ("_link", "_state", "client_id")
@@ -69,7 +69,7 @@ class PeerLog:
         """Log that *client_id* was not let in."""
         self._state.warn(
             "broker.login_refused",
-            f"the broker did not let {client_text(client_id, self._link.address)} in: {reason.words}",
+            f"the broker did not let {client_text(client_id, self._link.address)} in: {reason.text}",
             address=self._link.address,
             client_id=client_id,
             reason=reason.name.lower(),
@@ -108,7 +108,7 @@ class Peer:
 
     Args:
         state: The broker.
-        link: Where bytes go; tells this object what comes.
+        link: Where bytes go; it hands on the bytes that come.
 
     Attributes:
         failure: What the client did or left undone that ended the connection; None while nothing has.
@@ -181,7 +181,7 @@ class Peer:
         self._finish(publish_will=True)
 
     def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
-        """Close the connection from the broker's side: MQTT 5 clients are told *reason*.
+        """Close the connection from the broker's side: MQTT 5 clients are sent *reason*.
 
         Args:
             reason: What DISCONNECT carries.
@@ -305,7 +305,7 @@ class Peer:
             self._fail(PacketError("its packet was incomplete for too long", code=ReasonCode.QUOTA_EXCEEDED))
 
     def _push_out(self) -> None:
-        """Close without a word, because one who knows no password is not owed one, and many may have to go at once."""
+        """Close without a reason: a client without a password is not owed one, and many may have to go at once."""
         self._log.pushed_out()
         self._finish(publish_will=False)
         self._link.close(linger=False)

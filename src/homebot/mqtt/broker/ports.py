@@ -24,7 +24,7 @@ class Transport(Protocol):
 
     @property
     def address(self) -> str:
-        """The far side in words, for the log."""
+        """The far side as text, for the log."""
         ...
 
     def write(self, data: bytes) -> None:
@@ -69,7 +69,7 @@ class ConnectionHandler(Protocol):
         ...
 
     def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
-        """Close the connection from the broker's side: MQTT 5 clients are told *reason*."""
+        """Close the connection from the broker's side: MQTT 5 clients are sent *reason*."""
         ...
 
 

@@ -94,7 +94,7 @@ class MessageQueue:
 
     @property
     def high(self) -> bool:
-        """True if three quarters of the bound are reached: time to slow down who fills it."""
+        """True if three quarters of the bound are reached: time to slow down its publishers."""
         return len(self.parcels) >= self._high_messages or self.size >= self._high_bytes
 
     @property
@@ -116,7 +116,7 @@ class MessageQueue:
         return SLOW if count + 1 >= self._high_messages or self.size >= self._high_bytes else TAKEN
 
     def append(self, parcel: QueuedMessage) -> None:
-        """Add at the end, whatever the bound says."""
+        """Add at the end, whatever the bound is."""
         self.parcels.append(parcel)
         message, qos, _, _, _ = parcel
         self.size += message.size
@@ -129,7 +129,7 @@ class MessageQueue:
             self._pool.hold(message)
 
     def append_replay(self, replay: Replay) -> None:
-        """Add at the end the retained messages of new subscriptions, whatever the bound says."""
+        """Add at the end the retained messages of new subscriptions, whatever the bound is."""
         self.parcels.append(replay)
         self._replays.append((replay, replay.size))
         self.size += replay.size

@@ -29,11 +29,11 @@ from homebot.mqtt.packets import ReasonCode
 __all__ = ["Broker", "PortTakenError"]
 
 _BACKLOG = 512
-_ACCEPTED_IN_A_TURN = 16  # asyncio takes as many in one turn of the loop as it is told to let wait
+_ACCEPTED_IN_A_TURN = 16  # asyncio takes as many in one turn of the loop as it may let wait
 
 
 class PortTakenError(LinkError):
-    """Another program listens on the port.
+    """The port is taken by another program.
 
     Attributes:
         port: The port that was asked for.
@@ -65,7 +65,7 @@ class Broker(EmbeddedBroker):
         refuse_filters: Filters whose subscription is answered with 0x80.
         policy: Who may publish and subscribe what.
         endpoint: Makes what understands the bytes of one connection; to put something around each :class:`Peer`.
-        on_message: Told of each message that is forwarded.
+        on_message: Called with each message that is forwarded.
 
     Raises:
         UsageError: The address is not loopback and there is no password, or an argument is out of its range.

@@ -46,7 +46,7 @@ class BrokerState:
         authentication: Who may log in; by default everybody.
         policy: Who may publish and subscribe what; by default everybody everything.
         keep_alive: The longest keep-alive interval a client may have, in seconds; None leaves it to them.
-        on_message: Told of each message that is forwarded, wills included; must not raise.
+        on_message: Called with each message that is forwarded, wills included; must not raise.
         random: Where assigned client ids come from; by default nobody can guess them.
 
     Attributes:
@@ -118,7 +118,7 @@ class BrokerState:
 
         Args:
             event: The constant name.
-            message: The same in plain words.
+            message: The same as a sentence for people.
             facts: What is known; texts are cut to 100 characters.
         """
         held_back = self._log_limit.allows(event)

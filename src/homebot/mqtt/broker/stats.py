@@ -35,7 +35,7 @@ class Counters:
         unread_given_up: Connections closed because their packet stayed incomplete while there was no room for others.
         holds: Times a publisher was held back for a slow client.
         clients_stalled: Connections closed because the client took next to nothing while publishers that cannot be
-            told no waited for it.
+            refused waited for it.
     """
 
     connections_accepted: int = 0
@@ -109,7 +109,7 @@ def loss_text(counters: Counters, before: Losses = ()) -> str:
         before: The losses to leave out.
 
     Returns:
-        The words; empty where nothing was lost.
+        The text; empty where nothing was lost.
     """
     old = before or (0,) * len(_TEXTS)
     news = {text: now - then for text, now, then in zip(_TEXTS.values(), _losses(counters), old, strict=True)}
@@ -122,7 +122,7 @@ def loss_text(counters: Counters, before: Losses = ()) -> str:
 
 @final
 class LossReport:
-    """Tells what was lost since it was asked last, and lately: over the last sixty times that it was asked.
+    """Reports the losses since the last report, and recent ones: over the last sixty reports.
 
     Args:
         counters: What is counted.

@@ -66,7 +66,7 @@ class Target(NamedTuple):
     """One session that gets a topic: one copy, whatever the number of its subscriptions that match.
 
     Attributes:
-        session: Who.
+        session: The session.
         qos: The highest QoS of the subscriptions.
         retain_as_published: Whether one of them wants the retain flag kept.
         identifiers: The identifiers of all that have one.
@@ -127,7 +127,7 @@ class ShareGroup:
 
 
 class Recipients(NamedTuple):
-    """Everybody who gets one topic."""
+    """The sessions and groups that get one topic."""
 
     targets: tuple[Target, ...]
     groups: tuple[ShareGroup, ...]
@@ -138,7 +138,7 @@ class SubscriptionTree:
     """All subscriptions of all sessions, by the levels of their filters.
 
     Args:
-        turn: What is done in one turn of the event loop; told of topics that many filters have to be looked at for.
+        turn: What is done in one turn of the event loop; charged for topics that many filters have to be looked at for.
 
     Attributes:
         shared: How many of them are shared subscriptions.
@@ -196,7 +196,7 @@ class SubscriptionTree:
         self.text -= len(subscription.name)
 
     def route(self, topic: str) -> Recipients:
-        """Return everybody who gets *topic*."""
+        """Return the sessions and groups that get *topic*."""
         route = self._cache.get(topic)
         if route is None:
             route = self._find(topic)
@@ -212,7 +212,7 @@ class SubscriptionTree:
         return self._groups.get(share[1].split("/"), share[0])
 
     def forget_routes(self) -> None:
-        """Look anew who gets what."""
+        """Forget which sessions get which topic; it is looked up anew."""
         if self._cache:
             self._cache = {}
             self._cached = 0

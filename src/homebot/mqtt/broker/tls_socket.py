@@ -1,6 +1,6 @@
 """TLS on one socket of the broker.
 
-asyncio's own takes 300 KiB for each socket from the moment it is accepted, and tells nobody about those whose
+asyncio's own takes 300 KiB for each socket from the moment it is accepted, and does not report those whose
 hand-shake does not end. Here they count, and go, as all that have not logged in.
 """
 
@@ -53,7 +53,7 @@ class TlsSocket(asyncio.BufferedProtocol):
     Args:
         context: The server's side of TLS.
         user: What is on top.
-        on_failure: Told why a hand-shake, or what came after it, was no TLS.
+        on_failure: Called with the reason why a hand-shake, or what came after it, was no TLS.
     """
 
     def __init__(self, context: ssl.SSLContext, user: TlsUser, on_failure: Callable[[str], None]) -> None:

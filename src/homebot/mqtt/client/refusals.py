@@ -26,7 +26,7 @@ _THROWN_OUT: Final = {
 def reason_text(code: int) -> str:
     """A reason code in words, such as ``not authorized``."""
     try:
-        return ReasonCode(code).words
+        return ReasonCode(code).text
     except ValueError:
         return f"reason 0x{code:02x}"
 

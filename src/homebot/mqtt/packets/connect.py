@@ -225,12 +225,12 @@ def _decode_will(cursor: Cursor, flags: int, *, is_v5: bool) -> Will:
 
 @dataclass(frozen=True, slots=True)
 class Pingreq:
-    """A client says that it lives."""
+    """The client's ping."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pingresp:
-    """The broker says so too."""
+    """The broker's answer to a ping."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -76,7 +76,7 @@ class ReasonCode(IntEnum):
         return self >= 0x80
 
     @property
-    def words(self) -> str:
+    def text(self) -> str:
         """The code for people, such as ``not authorized``."""
         return self.name.lower().replace("_", " ")
 

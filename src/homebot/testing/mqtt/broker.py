@@ -287,5 +287,5 @@ async def _start(settings: BrokerSettings, tls: TestTls | None) -> BrokerCore:
 
 async def _stop(core: BrokerCore) -> None:
     core.rules.lift_all()
-    await core.turn()  # what clients have sent is heard, so that a breach in it is noticed
+    await core.turn()  # what clients have sent is read, so that a breach in it is noticed
     await core.broker.stop(abrupt=True)

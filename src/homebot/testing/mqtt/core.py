@@ -131,7 +131,7 @@ class BrokerCore:
         self._note("note", "the test", f"publishes {len(message.payload)} bytes on {topic}, QoS {qos}")
         receipt = state.exchange.publish(message)
         if receipt.reason.failed:
-            raise LinkError(f"the broker had no room for the message on {topic}: {receipt.reason.words}")
+            raise LinkError(f"the broker had no room for the message on {topic}: {receipt.reason.text}")
 
     async def turn(self) -> None:
         """Let the loop go round until what lies in the sockets is handled."""

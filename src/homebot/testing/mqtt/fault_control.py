@@ -85,7 +85,7 @@ class _Rules:
     def _refuse(self, kind: type[RefusedSubscribe], client: str | None, filter: str, reason: ReasonCode) -> Fault:  # noqa: A002 - as above
         validate_filter(filter)
         if not reason.failed:
-            raise UsageError(f"0x{reason:02x} ({reason.words}) refuses nothing")
+            raise UsageError(f"0x{reason:02x} ({reason.text}) refuses nothing")
         return self._core.rules.add(partial(kind, client, filter=filter, reason=reason))
 
 
@@ -102,7 +102,7 @@ class Faults(_Rules):
         await self._thread.run(self._core.drop, client)
 
     async def disconnect(self, client: str, reason: ReasonCode = ReasonCode.ADMINISTRATIVE_ACTION) -> None:
-        """Send the client away; one that speaks MQTT 5 is told *reason*.
+        """Send the client away; one that speaks MQTT 5 is sent *reason*.
 
         Raises:
             UsageError: It is not connected.

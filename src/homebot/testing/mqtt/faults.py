@@ -97,7 +97,7 @@ class FaultRules:
     """The faults in force.
 
     Args:
-        on_lift: Told of each fault that is lifted, in the thread that lifts it.
+        on_lift: Called with each fault that is lifted, in the thread that lifts it.
     """
 
     def __init__(self, on_lift: Callable[[Fault], None]) -> None:

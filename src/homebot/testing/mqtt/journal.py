@@ -171,7 +171,7 @@ class Journal:
         ]
 
     def near_misses(self, filter: str, wanted: Wanted, timeout: float) -> str:  # noqa: A002 - as above
-        """Say that nothing came, and what came instead."""
+        """Return a text that nothing came, and what came instead."""
         here: list[_Entry] = []
         elsewhere: dict[str, RecordedMessage] = {}
         for entry in self._entries.copy():

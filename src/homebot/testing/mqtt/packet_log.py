@@ -50,19 +50,19 @@ def _facts(packet: Packet) -> str:
         case Connect():
             return _connect(packet)
         case Connack(session_present=present, reason=reason):
-            return f" {reason.words}{', session present' if present else ''}"
+            return f" {reason.text}{', session present' if present else ''}"
         case Puback() | Pubrec() | Pubrel() | Pubcomp():
-            return f" id {packet.packet_id}{f' {packet.reason.words}' if packet.reason else ''}"
+            return f" id {packet.packet_id}{f' {packet.reason.text}' if packet.reason else ''}"
         case Subscribe(packet_id=number, filters=requests):
             return f" id {number}: {', '.join(f'{each.filter} QoS {each.qos}' for each in requests)}"
         case Unsubscribe(packet_id=number, filters=filters):
             return f" id {number}: {', '.join(filters)}"
         case Suback(packet_id=number, reasons=reasons):
-            return f" id {number}: {', '.join(each.words if each.failed else f'QoS {int(each)}' for each in reasons)}"
+            return f" id {number}: {', '.join(each.text if each.failed else f'QoS {int(each)}' for each in reasons)}"
         case Unsuback(packet_id=number, reasons=reasons):
-            return f" id {number}: {', '.join(each.words for each in reasons)}".rstrip(": ")
+            return f" id {number}: {', '.join(each.text for each in reasons)}".rstrip(": ")
         case Disconnect(reason=reason):
-            return f" {reason.words}" if reason else ""
+            return f" {reason.text}" if reason else ""
         case _:
             return ""
 
@@ -177,7 +177,7 @@ class ProtocolViolation:
     problem: str
 
     def __str__(self) -> str:
-        return f"client {self.client!r} broke the protocol: {self.problem} (0x{self.reason:02x}, {self.reason.words})"
+        return f"client {self.client!r} broke the protocol: {self.problem} (0x{self.reason:02x}, {self.reason.text})"
 
 
 @final

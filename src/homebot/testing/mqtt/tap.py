@@ -22,8 +22,8 @@ class TapDuties:
 
     Attributes:
         rules: The faults in force.
-        note: Told of each packet and event: direction, client, what.
-        failed: Told of each connection that ended by its client's fault: client, what; not after a fault struck it.
+        note: Called with each packet and event: direction, client, what.
+        failed: Called with each connection that ended by its client's fault: client, what; not after a fault struck it.
         taps: Those of the connections that are open; they add and remove themselves.
     """
 

@@ -116,7 +116,7 @@ class _Job(Generic[_T]):
 
     Args:
         function: What to run.
-        ended: Told once what came of it: a function that returns or raises it.
+        ended: Called once with what came of it: a function that returns or raises it.
     """
 
     def __init__(self, function: Callable[[], Awaitable[_T]], ended: Callable[[Callable[[], _T]], object]) -> None:

@@ -1,4 +1,4 @@
-"""Random devices: what each kind and fault can be told, in plain numbers; the simplest is told nothing."""
+"""Random devices: the settings of each kind and fault, in plain numbers; the simplest has none."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def devices(
 
 
 def commands(kind: str) -> SearchStrategy[str]:
-    """Return a strategy for what a device of *kind* may be told, what it does not know as well."""
+    """Return a strategy for commands to a device of *kind*, unknown ones as well."""
     likely = PAYLOADS[kind][:2]  # most of what goes wrong needs these
     return one_of((*PAYLOADS[kind], NONSENSE, *likely))
 
