@@ -43,10 +43,10 @@ TAKEN_FOR_LOADED = (
 async def main(port: int, count: int) -> None:
     logging.basicConfig(level=logging.CRITICAL, stream=sys.stderr)
     with tempfile.TemporaryDirectory() as directory:
-        hass = await _booted(directory)
+        hass = await booted(directory)
         before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         started, spent = time.perf_counter(), time.process_time()
-        await hass.config_entries.async_add(_entry(port))
+        await hass.config_entries.async_add(entry_of(port))
         found, seconds, cpu = await _settled(hass, count, started, spent)
         grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024
         print(
@@ -56,7 +56,7 @@ async def main(port: int, count: int) -> None:
         await hass.async_stop(force=True)
 
 
-async def _booted(directory: str) -> HomeAssistant:
+async def booted(directory: str) -> HomeAssistant:
     hass = HomeAssistant(directory)
     Path(directory, "configuration.yaml").write_text("")
     hass.config.skip_pip = True
@@ -73,7 +73,7 @@ async def _booted(directory: str) -> HomeAssistant:
     return hass
 
 
-def _entry(port: int) -> config_entries.ConfigEntry:
+def entry_of(port: int) -> config_entries.ConfigEntry:
     """What the user's form makes, in the fields that this version has."""
     given: dict[str, Any] = {
         "domain": "mqtt",
@@ -101,4 +101,5 @@ async def _settled(hass: HomeAssistant, count: int, started: float, spent: float
     return found, ended - started, cpu - spent
 
 
-asyncio.run(main(int(sys.argv[1]), int(sys.argv[2])))
+if __name__ == "__main__":
+    asyncio.run(main(int(sys.argv[1]), int(sys.argv[2])))

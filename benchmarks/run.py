@@ -28,6 +28,7 @@ BENCHMARKS = (
     "broker_fixture",
     "start_up",
     "ingest",
+    "states",
     "walks",
 )
 HOME_ASSISTANT_PYTHON = Path(__file__).parent.parent / ".venv-bench-ha/bin/python"

@@ -10,7 +10,7 @@ import pytest
 from anyio.lowlevel import checkpoint
 
 from homebot.errors import ClosedError, UsageError
-from homebot.graph.mailbox import TURN, KeyedQueue, Mailbox
+from homebot.graph.mailbox import TURN, KeyedQueue, Mailbox, keyed_queue
 
 
 async def test_items_come_in_order() -> None:
@@ -223,7 +223,7 @@ def losses() -> list[int]:
 def small(losses: list[int], monkeypatch: pytest.MonkeyPatch) -> Callable[[int], KeyedQueue[str]]:
     """Make a keyed queue that holds three items over all keys."""
     monkeypatch.setattr("homebot.graph.mailbox.MAX_KEYED_ITEMS", 3)
-    return lambda depth: KeyedQueue(depth, lambda item: item[0], lambda _item: losses.append(1))
+    return lambda depth: keyed_queue(depth, lambda item: item[0], lambda _item: losses.append(1))
 
 
 def test_too_many_keys_push_out_the_oldest_item_of_all(

@@ -6,7 +6,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
-from homebot.graph.mailbox import KeyedQueue, Mailbox
+from homebot.graph.mailbox import KeyedQueue, Mailbox, keyed_queue
 
 Item = tuple[str, int]
 
@@ -60,7 +60,7 @@ class KeyedMailbox(RuleBasedStateMachine):
     def make(self, depth: int) -> None:
         self.depth = depth
         self.losses = 0
-        self.queue: KeyedQueue[Item] = KeyedQueue(depth, lambda item: item[0], self._lose)
+        self.queue: KeyedQueue[Item] = keyed_queue(depth, lambda item: item[0], self._lose)
         self.model: list[Item] = []
         self.dropped = 0
         self.count = 0

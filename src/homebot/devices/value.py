@@ -46,7 +46,7 @@ class Value(Message):
             case tuple():
                 return cls(type=_NUMBERS, numbers=plain)
             case _:
-                return cls(type=_NUMBER, number=float(plain))
+                return cls.of_checked(type=_NUMBER, flag=False, number=float(plain), text="", numbers=())
 
     def plain(self) -> PlainValue:
         """Return the value in plain Python."""

@@ -16,7 +16,7 @@ import anyio.lowlevel
 
 from homebot.errors import ClosedError, UsageError
 
-__all__ = ["TURN", "BoundedQueue", "KeyedQueue", "Mailbox", "Queue"]
+__all__ = ["TURN", "BoundedQueue", "KeyedQueue", "Mailbox", "Queue", "keyed_queue"]
 
 T = TypeVar("T")
 
@@ -64,7 +64,7 @@ class Mailbox(Generic[T]):
     ) -> None:
         """Make an empty mailbox for *depth* items; with *key*, for *depth* items of each key; or with a *queue*."""
         self._losses = _Losses()
-        keyed = None if key is None else KeyedQueue(depth, key, self._losses.add)
+        keyed = None if key is None else keyed_queue(depth, key, self._losses.add)
         self._keyed: BoundedQueue[T] | None = keyed if queue is None else queue
         self.queue: Queue[T] = deque() if self._keyed is None else self._keyed
         self.depth = depth if self._keyed is None else sys.maxsize
@@ -219,11 +219,11 @@ class KeyedQueue(Generic[T]):
     once, whatever their keys; one more drops the oldest item of all.
     """
 
-    def __init__(self, depth: int, key: Callable[[T], Hashable], on_loss: Callable[[T], None]) -> None:
+    def __init__(self, depth: int, key: Callable[[T], Hashable], on_loss: Callable[[T], None] | None) -> None:
         self._depth = depth
         self._key = key
         self._on_loss = on_loss
-        self._items: OrderedDict[int, T] = OrderedDict()
+        self._items: OrderedDict[Hashable, T] = OrderedDict()  # by number
         # Of a key there are mostly one or two, and a deque begins with room for 64.
         self._make_numbers: Callable[[], list[int] | deque[int]] = list if depth <= _FEW else deque
         self._numbers: dict[Hashable, list[int] | deque[int]] = {}
@@ -236,9 +236,12 @@ class KeyedQueue(Generic[T]):
         if numbers is not None and len(numbers) >= self._depth:
             lost = self._items.pop(numbers[0])
             del numbers[0]
-            self._on_loss(lost)
+            if self._on_loss is not None:
+                self._on_loss(lost)
         elif len(self._items) >= MAX_KEYED_ITEMS:
-            self._on_loss(self.popleft())
+            lost = self.popleft()
+            if self._on_loss is not None:
+                self._on_loss(lost)
             numbers = self._numbers.get(key)
         if numbers is None:
             numbers = self._numbers[key] = self._make_numbers()
@@ -270,3 +273,39 @@ class KeyedQueue(Generic[T]):
 
     def __iter__(self) -> Iterator[T]:
         return iter(self._items.values())
+
+
+class _NewestOfEach(KeyedQueue[T]):
+    """The same of depth 1, as nearly all keyed topics have it: the items lie under their keys."""
+
+    def append(self, item: T) -> None:
+        key, items, on_loss = self._key(item), self._items, self._on_loss
+        if key in items:
+            lost = items.pop(key)
+            if on_loss is not None:
+                on_loss(lost)
+        elif len(items) >= MAX_KEYED_ITEMS:
+            _, lost = items.popitem(last=False)
+            if on_loss is not None:
+                on_loss(lost)
+        items[key] = item
+
+    def has_room_for(self, item: T) -> bool:
+        return self._key(item) not in self._items and len(self._items) < MAX_KEYED_ITEMS
+
+    def popleft(self) -> T:
+        return self._items.popitem(last=False)[1]
+
+    def discard(self, key: Hashable) -> None:
+        self._items.pop(key, None)
+
+
+def keyed_queue(depth: int, key: Callable[[T], Hashable], on_loss: Callable[[T], None] | None = None) -> KeyedQueue[T]:
+    """Return a queue for *depth* items of each key.
+
+    Args:
+        depth: At least 1.
+        key: Reads the key of an item.
+        on_loss: Is given each item that is dropped.
+    """
+    return (_NewestOfEach if depth == 1 else KeyedQueue)(depth, key, on_loss)

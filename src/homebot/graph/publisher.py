@@ -10,7 +10,7 @@ from typing import Generic, NoReturn, TypeVar
 from homebot.clock import Clock
 from homebot.errors import ClosedError, TypeMismatchError
 from homebot.graph.endpoint import EndpointInfo, EntityKind
-from homebot.graph.mailbox import KeyedQueue, Mailbox
+from homebot.graph.mailbox import KeyedQueue, Mailbox, keyed_queue
 from homebot.graph.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from homebot.graph.subscription import Expiring, Subscription
 from homebot.messages.message import Message
@@ -178,8 +178,4 @@ def _history(
     if message_type.key_field is None:
         return deque(maxlen=qos.queue_depth)
     read_key = attrgetter(message_type.key_field)
-    return KeyedQueue(
-        qos.queue_depth,
-        lambda item: read_key(item.message if isinstance(item, Expiring) else item),
-        lambda _item: None,  # replacing the last value of a key is no loss
-    )
+    return keyed_queue(qos.queue_depth, lambda item: read_key(item.message if isinstance(item, Expiring) else item))

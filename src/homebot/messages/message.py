@@ -120,11 +120,11 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of what is 
         Only for values out of messages, which were checked where those were made. It takes a third of the time, and of
         a small message half of the memory, which counts where a whole house is told of at once.
         """
-        message = cls.__new__(cls)
-        _set_fields(message, "__dict__", fields)
-        _set_fields(message, "__pydantic_fields_set__", _ALL_FIELDS[cls])
-        _set_fields(message, "__pydantic_extra__", None)
-        _set_fields(message, "__pydantic_private__", None)
+        message = _new(cls)
+        _set_fields(message, fields)
+        _set_names(message, _ALL_FIELDS[cls])
+        _set_extra(message, None)
+        _set_private(message, None)
         return message
 
     def __eq__(self, other: object) -> bool:
@@ -156,7 +156,12 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of what is 
         return schema
 
 
-_set_fields = object.__setattr__
+# Past the check of pydantic that nobody sets anything.
+_new = object.__new__
+_set_fields = vars(BaseModel)["__dict__"].__set__
+_set_names = vars(BaseModel)["__pydantic_fields_set__"].__set__
+_set_extra = vars(BaseModel)["__pydantic_extra__"].__set__
+_set_private = vars(BaseModel)["__pydantic_private__"].__set__
 
 RequestT = TypeVar("RequestT", bound=Message)
 

@@ -15,7 +15,7 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Hashable
 from typing import TypeAlias, final
 
-from homebot.graph.mailbox import KeyedQueue, Queue
+from homebot.graph.mailbox import Queue, keyed_queue
 from homebot.graph.subscription import Expiring
 from homebot.messages.message import Message
 
@@ -154,7 +154,7 @@ class FeedQueue:
         self._on_arrival: Callable[[], None] | None = on_arrival
         self._queue: Queue[_Waiting] = deque()
         if key is not None:
-            self._queue = KeyedQueue(depth, lambda waiting: key(waiting.item), self._note_loss)
+            self._queue = keyed_queue(depth, lambda waiting: key(waiting.item), self._note_loss)
 
     def append(self, item: Item) -> None:
         """Add *item* at the end; what is too much is dropped and counted. After :meth:`close` nothing happens."""

@@ -80,7 +80,8 @@ class TrackedDevice:
 
     def current(self) -> Device:
         """Return the device with the newest values of its parts."""
-        return self.device.model_copy(update={"states": tuple(state for _, state in self._states.values())})
+        states = tuple([state for _, state in self._states.values()])
+        return Device.of_checked(**{**vars(self.device), "states": states})
 
     def _put(self, state: State, sequence: int) -> None:
         """By its number: its stamp is that of a clock that may have been set back."""

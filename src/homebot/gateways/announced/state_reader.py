@@ -173,7 +173,12 @@ class StateReader:
             if not told:
                 return None
             part = announced_part.described.part.id
-            return told, [Reading(part=part, capability=name, value=Value.of(value)) for name, value in told.items()]
+            return told, [
+                Reading.of_checked(part=part, capability=name, value=Value.of(value))
+                if str.isascii(name)
+                else Reading(part=part, capability=name, value=Value.of(value))
+                for name, value in told.items()
+            ]
         except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
             self._record_failure(address, announced_part.stored.described.convention, exc)
             return None
