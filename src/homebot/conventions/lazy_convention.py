@@ -36,9 +36,6 @@ class LazyConvention(ABC, Generic[SettingsT, ReaderT]):
     """A convention that knows where devices announce themselves, and loads the rest when one does.
 
     A house uses one or two of the conventions that are subscribed to.
-
-    Args:
-        settings: Its table.
     """
 
     Settings: ClassVar[type[BaseModel]]

@@ -55,9 +55,6 @@ class HomeAssistantDiscovery(LazyConvention[HomeAssistantSettings, "HomeAssistan
 
     What a part has no field for is a fact of the device: ``hidden PART``, where it is not shown by default, and
     ``group PART``, the ids of those that a group commands together.
-
-    Args:
-        settings: Its table.
     """
 
     Settings: ClassVar[type[BaseModel]] = HomeAssistantSettings

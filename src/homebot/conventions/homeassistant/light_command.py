@@ -107,12 +107,7 @@ class LightFeatures:
         return next((mode for mode in _PREFERRED if mode in self.modes), "")
 
     def add_to(self, entity: Entity, readable: Callable[[str], bool]) -> None:
-        """Give the part its capabilities.
-
-        Args:
-            entity: The part in the making.
-            readable: Whether the lamp reports a capability.
-        """
+        """Give *entity* its capabilities, of which those that *readable* names are reported."""
         entity.add_capability("on_off", readable=readable("on_off"), writer=self._on_off)
         if self.has_level:
             entity.add_capability("level", readable=readable("level"), writer=self._level)

@@ -26,11 +26,7 @@ __all__ = ["HomeAssistantReader"]
 
 
 class HomeAssistantReader:
-    """Reads configs, each by itself, and counts the broken components of a device that has others.
-
-    Args:
-        prefixes: The discovery prefixes.
-    """
+    """Reads configs, each by itself, and counts the broken components of a device that has others."""
 
     def __init__(self, prefixes: tuple[str, ...]) -> None:
         self.rejected = 0

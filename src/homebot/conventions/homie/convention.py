@@ -36,11 +36,7 @@ class HomieSettings(BaseModel):
 
 
 class Homie(LazyConvention[HomieSettings, "HomieReader"]):
-    """Understands what devices report of themselves; keeps it, bounded. Alerts and logs are passed over.
-
-    Args:
-        settings: Its table.
-    """
+    """Understands what devices report of themselves; keeps it, bounded. Alerts and logs are passed over."""
 
     Settings: ClassVar[type[BaseModel]] = HomieSettings
     name: ClassVar[str] = "homie"

@@ -68,12 +68,7 @@ class NodeRoles:
 
 
 def find_roles(node: HomieNode, around: frozenset[str]) -> NodeRoles:
-    """Return what the properties of *node* do.
-
-    Args:
-        node: The node.
-        around: The words of its device.
-    """
+    """Return what the properties of *node* do; the words of its device are *around* it."""
     declared = declared_kind(node.type)
     if declared:
         roles = _singled(node, (_declared_role(node, prop, declared) for prop in node.properties))

@@ -24,16 +24,9 @@ def node_part(
     category: Category = "",
     guessed: bool = False,
 ) -> BytesPart:
-    """Return a part of *node* without capabilities.
+    """Return a part of *node* without capabilities; its *suffix* is empty for the main part of the node.
 
-    Args:
-        node: The node.
-        service_type: See :class:`homebot.devices.part.Part`, as are the last three.
-        suffix: Tells it from other parts of the same node; empty for the main one.
-        name: What it is called besides the node.
-        tag: What kind it is of its type.
-        category: Whether it is there for use, for setting up or for diagnosis.
-        guessed: Whether its type was guessed.
+    The other arguments are fields of :class:`homebot.devices.part.Part`.
     """
     return BytesPart(
         "/".join(_filled((node.id, suffix))),

@@ -169,13 +169,7 @@ class Version4:
         return self._devices.dropped + self._refused
 
     def take(self, domain: str, device_id: str, attribute: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        """Take an attribute of a device.
-
-        Args:
-            domain: The device's domain.
-            device_id: The device.
-            attribute: Its topic below the device's.
-            payload: Its value.
+        """Take the *attribute* of a device, which is its topic below the device's.
 
         Raises:
             WireError: It is illegal.

@@ -37,11 +37,7 @@ class ShellySettings(BaseModel):
 
 
 class Shelly(LazyConvention[ShellySettings, "ShellyReader"]):
-    """Understands what Shelly's devices report of themselves, and keeps it, bounded.
-
-    Args:
-        settings: Its table.
-    """
+    """Understands what Shelly's devices report of themselves, and keeps it, bounded."""
 
     Settings: ClassVar[type[BaseModel]] = ShellySettings
     name: ClassVar[str] = "shelly"

@@ -120,16 +120,7 @@ class Presses:
 def build_input(
     topics: Gen1Topics, index: int, presses: Presses, *, has_state: bool, has_events: bool, counts_first: bool
 ) -> BytesPart:
-    """Describe an input: a button where it reports presses.
-
-    Args:
-        topics: Those of the device.
-        index: Number of the input.
-        presses: Its presses so far.
-        has_state: Whether it reports if it is on.
-        has_events: Whether it reports presses.
-        counts_first: Whether the first press that is seen is a new one.
-    """
+    """Describe an input: a button where it has events, whose first press counts where *counts_first* says so."""
     part = BytesPart(f"input:{index}", "generic_switch" if has_events else "x_binary_sensor", advertised="input")
     if has_state:
         part.read_from(topics.at(f"input/{index}"), meaning_reader("state", {b"0": False, b"1": True}))
@@ -149,14 +140,7 @@ _CHANNELS = ("red", "green", "blue")
 
 
 def build_light(topics: Gen1Topics, kind: str, index: int, model: str) -> BytesPart:
-    """Describe a lamp.
-
-    Args:
-        topics: Those of its device.
-        kind: ``light``, ``color`` or ``white``: below which topic it is.
-        index: Its channel.
-        model: Number of its device's model; empty where that is not known.
-    """
+    """Describe a lamp of the *kind* ``light``, ``color`` or ``white``; the *model* is empty where it is not known."""
     lamp = _Gen1Lamp(topics.at(f"{kind}/{index}"), kind, _WHITES.get(model))
     part = BytesPart(f"{kind}:{index}", "light", advertised=kind)
     part.read_from(lamp.topic, meaning_reader("on_off", _SWITCHED))

@@ -35,11 +35,7 @@ def build_parts(
 ) -> tuple[DescribedPart, ...]:
     """Return the parts of the device at *topics* that publishes *suffixes*; first what it is there for.
 
-    Args:
-        topics: Its topics.
-        model: What it is, where that is known.
-        suffixes: What it publishes on.
-        presses: What it reported so far of each of its inputs.
+    What it reported of each of its inputs is kept in *presses*, which outlives the description.
     """
     parts: list[BytesPart] = []
     for channel in _channels(suffixes):

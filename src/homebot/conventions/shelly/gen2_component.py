@@ -90,14 +90,7 @@ class ShellyComponent:
         return clean_text(name) if isinstance(name, str) else ""
 
     def part(self, suffix: str, service_type: str, *, tag: str = "", category: Category = "") -> JsonPart:
-        """Return a part of it without capabilities.
-
-        Args:
-            suffix: Tells it from other parts of the same component; empty for the main one.
-            service_type: See :attr:`homebot.devices.Part.service_type`.
-            tag: See :attr:`homebot.devices.Part.tag`.
-            category: See :attr:`homebot.devices.Part.category`.
-        """
+        """Return a part of it without capabilities; its *suffix* is empty for the main part of the component."""
         part_id = f"{self.key}/{suffix}" if suffix else self.key
         return JsonPart(part_id, service_type, name=self.name, advertised=self.kind, tag=tag, category=category)
 

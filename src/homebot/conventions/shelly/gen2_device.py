@@ -112,10 +112,7 @@ MAX_COMPONENTS = 300
 def build_parts(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[DescribedPart, ...]:
     """Return the parts of the device at *topics*; first what it is there for.
 
-    Args:
-        topics: Its topics.
-        status: By component, as it answers ``Shelly.GetStatus``.
-        config: By component, as it answers ``Shelly.GetConfig``; empty where it did not.
+    The *status* and the *config*, both by component, are its answers to ``Shelly.GetStatus`` and ``Shelly.GetConfig``.
     """
     parts: list[JsonPart] = []
     for component in _components(topics, status, config):

@@ -32,11 +32,7 @@ class TasmotaSettings(BaseModel):
 
 
 class TasmotaDiscovery(LazyConvention[TasmotaSettings, "TasmotaReader"]):
-    """Understands ``config`` and ``sensors`` of each device, in either order; a device's key is its hardware address.
-
-    Args:
-        settings: Its table.
-    """
+    """Understands ``config`` and ``sensors`` of each device, in either order; its key is its hardware address."""
 
     Settings: ClassVar[type[BaseModel]] = TasmotaSettings
     name: ClassVar[str] = "tasmota"

@@ -42,11 +42,7 @@ class ThesisSettings(BaseModel):
 
 
 class Thesis:
-    """Understands the devices of one home, or of every home on the broker, by their topics alone.
-
-    Args:
-        settings: Its table.
-    """
+    """Understands the devices of one home, or of every home on the broker, by their topics alone."""
 
     Settings: ClassVar[type[BaseModel]] = ThesisSettings
     name: ClassVar[str] = "thesis"

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 
 from homebot.conventions.command_values import require_option
 from homebot.conventions.description import DescribedPart, Publication
-from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
 from homebot.conventions.zigbee2mqtt.expose import Expose
-from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttTopics, add_enum, add_number
+from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics
 from homebot.devices.value import PlainValue
 
 __all__ = ["FEATURES_OF_CLIMATE", "add_mode", "build_climate", "build_thermometer", "climate_type", "is_program"]
@@ -35,20 +34,13 @@ def is_program(expose: Expose) -> bool:
     return expose.name == "operating_mode" and is_whole and set(expose.options) == {_MANUAL, *_MODES}
 
 
-def add_mode(part: JsonPart, topics: Zigbee2MqttTopics, mode: Expose, program: Expose) -> None:
-    """Have *part* offer ``thermostat_mode``.
-
-    Args:
-        part: The part in the making.
-        topics: The topics of its device.
-        mode: The enum ``system_mode``.
-        program: The enum ``operating_mode``.
-    """
+def add_mode(part: Zigbee2MqttPart, mode: Expose, program: Expose) -> None:
+    """Have *part* offer ``thermostat_mode``, of the enums ``system_mode`` and ``operating_mode``."""
     by_hand = tuple(one for one in mode.options if one not in _OPTIONS)
-    both = _Mode(topics, mode, program, by_hand)
-    part.read_from(topics.state, both.read)
+    both = _Mode(part.topics, mode, program, by_hand)
+    part.read_from(part.topics.state, both.read)
     part.add_capability("thermostat_mode", writer=both.write, options=("off", *by_hand, "auto"))
-    part.add_command_topics(topics.command)
+    part.add_command_topics(part.topics.command)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,26 +80,19 @@ def climate_type(climate: Expose) -> str:
     return "room_air_conditioner" if "cool" in modes and modes & {"dry", "fan_only"} else "thermostat"
 
 
-def build_climate(part: JsonPart, topics: Zigbee2MqttTopics, climate: Expose, program: Expose | None) -> DescribedPart:
-    """Describe a thermostat.
-
-    Args:
-        part: The part in the making.
-        topics: The topics of its device.
-        climate: What it exposes.
-        program: The enum that says whether it follows its program; None where it has none.
-    """
+def build_climate(part: Zigbee2MqttPart, climate: Expose, program: Expose | None) -> DescribedPart:
+    """Describe a thermostat; *program* is the enum that says whether it follows its program."""
     for capability, names in _NUMBERS.items():
-        add_number(part, topics, climate.feature(*names), capability)
+        part.add_number(climate.feature(*names), capability)
     mode = climate.feature("system_mode")
     if mode is not None and program is not None:
-        add_mode(part, topics, mode, program)
+        add_mode(part, mode, program)
     else:
-        add_enum(part, topics, mode, "thermostat_mode")
+        part.add_enum(mode, "thermostat_mode")
     for capability, name in _ENUMS.items():
-        add_enum(part, topics, climate.feature(name), capability)
-    add_enum(part, topics, climate.feature("running_state"), "thermostat_action", _ACTIONS)
-    part.add_state_request(*topics.request_state(*(one for one in climate.features if one.name in FEATURES_OF_CLIMATE)))
+        part.add_enum(climate.feature(name), capability)
+    part.add_enum(climate.feature("running_state"), "thermostat_action", _ACTIONS)
+    part.request(*(one for one in climate.features if one.name in FEATURES_OF_CLIMATE))
     return part.build()
 
 
@@ -116,8 +101,8 @@ def build_thermometer(topics: Zigbee2MqttTopics, climate: Expose) -> DescribedPa
     local = climate.feature("local_temperature")
     if local is None or not local.is_published:
         return None
-    part = JsonPart(clean_text(local.key), "temperature_sensor", name=local.label, advertised=local.name)
-    add_number(part, topics, local, "temperature")
+    part = Zigbee2MqttPart(topics, clean_text(local.key), "temperature_sensor", name=local.label, advertised=local.name)
+    part.add_number(local, "temperature")
     return part.build()
 
 

@@ -11,13 +11,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.description import DescribedPart, Publication
-from homebot.conventions.part_builder import JsonPart
+from homebot.conventions.command_values import Publications, bool_writer, number_writer, option_writer
+from homebot.conventions.description import DescribedPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.zigbee2mqtt.expose import Expose
-from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttTopics, add_enum, add_flag, add_reader, same_scalar
-from homebot.devices.value import PlainValue
+from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, same_scalar
 from homebot.numbers import finite_number
 
 __all__ = [
@@ -34,28 +32,25 @@ __all__ = [
 FEATURES_OF_COVER = frozenset({"state", "position", "tilt"})
 
 
-def build_cover(part: JsonPart, topics: Zigbee2MqttTopics, cover: Expose, motor: Expose | None) -> DescribedPart:
-    """Describe a cover.
-
-    Args:
-        part: The part in the making.
-        topics: The topics of its device.
-        cover: What it exposes.
-        motor: The enum that reports how its motor turns; None where it has none.
-    """
+def build_cover(part: Zigbee2MqttPart, cover: Expose, motor: Expose | None) -> DescribedPart:
+    """Describe a cover; *motor* is the enum that reports how its motor turns."""
     state, position, tilt = (cover.feature(name) for name in ("state", "position", "tilt"))
+    topics = part.topics
     part.add_command_topics(topics.command)
     if state is not None:
         part.read_from(topics.state, _Movement(state.key, position.key if position else "", motor).read)
-        writer = partial(_move, topics, state.key) if state.is_settable else None
-        part.add_capability("movement", readable=state.is_published, writer=writer)
+        writer = option_writer("movement", _COMMANDS, lambda movement: topics.publish({state.key: _COMMANDS[movement]}))
+        part.add_capability("movement", readable=state.is_published, writer=writer if state.is_settable else None)
     for name, feature in (("position", position), ("tilt", tilt)):
         if feature is not None:
-            add_reader(part, topics, feature, name, _percent)
-            mover = partial(_set, topics, feature.key, name) if feature.is_settable else None
-            part.add_capability(name, readable=feature.is_published, writer=mover)
-    part.add_state_request(*topics.request_state(state, position, tilt))
+            part.read_feature(feature, name, _percent)
+            writer = number_writer(name, _PERCENT, "%", partial(_set, topics, feature.key))
+            part.add_capability(name, readable=feature.is_published, writer=writer if feature.is_settable else None)
+    part.request(state, position, tilt)
     return part.build()
+
+
+_PERCENT = (0.0, 100.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,28 +94,25 @@ def _percent(value: object) -> float | None:
     return None if number is None else min(100.0, max(0.0, number))
 
 
-def _move(topics: Zigbee2MqttTopics, key: str, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-    return topics.publish({key: _COMMANDS[require_option("movement", value, _COMMANDS)]})
-
-
-def _set(
-    topics: Zigbee2MqttTopics, key: str, name: str, value: PlainValue, _transition: float
-) -> tuple[Publication, ...]:
-    return topics.publish({key: round(require_number(name, value, 0, 100, "%"))})
+def _set(topics: Zigbee2MqttTopics, key: str, percent: float) -> Publications:
+    return topics.publish({key: round(percent)})
 
 
 FEATURES_OF_LOCK = frozenset({"state", "lock_state"})
 
 
-def build_lock(part: JsonPart, topics: Zigbee2MqttTopics, lock: Expose) -> DescribedPart:
+def build_lock(part: Zigbee2MqttPart, lock: Expose) -> DescribedPart:
     """Describe a lock. A bolt that is not fully out counts as unlocked, which is the careful reading."""
     state, bolt = lock.feature("state"), lock.feature("lock_state")
-    part.read_from(topics.state, partial(_read, state, bolt))
-    writer = partial(_write, topics, state) if state is not None and state.is_settable else None
+    part.read_from(part.topics.state, partial(_read, state, bolt))
+    writer = None
+    if state is not None and state.is_settable:
+        payloads = {"locked": state.value_on, "unlocked": state.value_off}
+        writer = option_writer("lock", payloads, lambda target: part.topics.publish({state.key: payloads[target]}))
     is_readable = any(one is not None and one.is_published for one in (state, bolt))
     part.add_capability("lock", readable=is_readable, writer=writer, options=("locked", "unlocked"))
-    part.add_command_topics(topics.command)
-    part.add_state_request(*topics.request_state(state))
+    part.add_command_topics(part.topics.command)
+    part.request(state)
     return part.build()
 
 
@@ -140,31 +132,19 @@ def _read(state: Expose | None, bolt: Expose | None, message: JsonMessage) -> Re
     return {"lock": _BOLTS[bolt_state]} if isinstance(bolt_state, str) and bolt_state in _BOLTS else NO_READINGS
 
 
-def _write(topics: Zigbee2MqttTopics, state: Expose, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-    target = require_option("lock", value, ("locked", "unlocked"))
-    return topics.publish({state.key: state.value_on if target == "locked" else state.value_off})
-
-
 FEATURES_OF_FAN = frozenset({"state", "mode", "speed"})
 
 
-def build_fan(part: JsonPart, topics: Zigbee2MqttTopics, fan: Expose, model: str) -> DescribedPart:
-    """Describe a fan.
-
-    Args:
-        part: The part in the making.
-        topics: The topics of its device.
-        fan: What it exposes.
-        model: Which model it is: one of them spells its fastest speed differently.
-    """
+def build_fan(part: Zigbee2MqttPart, fan: Expose, model: str) -> DescribedPart:
+    """Describe a fan; one *model* spells its fastest speed differently."""
     state, mode, speed = (fan.feature(name) for name in ("state", "mode", "speed"))
-    add_flag(part, topics, state, "on_off")
+    part.add_flag(state, "on_off")
     if mode is not None:
-        add_enum(part, topics, mode, "fan_mode")
-        _add_speed_steps(part, topics, mode, _speed_steps(mode, model))
+        part.add_enum(mode, "fan_mode")
+        _add_speed_steps(part, mode, _speed_steps(mode, model))
     elif speed is not None:
-        _add_speed_range(part, topics, speed)
-    part.add_state_request(*topics.request_state(state, mode, speed))
+        _add_speed_range(part, speed)
+    part.request(state, mode, speed)
     return part.build()
 
 
@@ -178,62 +158,58 @@ def _speed_steps(mode: Expose, model: str) -> tuple[str, ...]:
     return "off", *(speed for speed in (*_SPEEDS, *fastest) if speed in mode.options)
 
 
-def _add_speed_steps(part: JsonPart, topics: Zigbee2MqttTopics, mode: Expose, speeds: Sequence[str]) -> None:
-    if len(speeds) == 1:
+def _add_speed_steps(part: Zigbee2MqttPart, mode: Expose, speeds: Sequence[str]) -> None:
+    steps = len(speeds) - 1
+    if not steps:
         return
-    if mode.is_published:
-        add_reader(part, topics, mode, "fan_speed", partial(_percent_of_speed, speeds))
-    writer = partial(_write_speed, topics, mode.key, speeds) if mode.is_settable else None
-    part.add_capability("fan_speed", readable=mode.is_published, writer=writer)
+
+    def percent_of(value: object) -> float | None:
+        return float(speeds.index(value) * 100 // steps) if isinstance(value, str) and value in speeds else None
+
+    def publish(percent: float) -> Publications:
+        return part.topics.publish({mode.key: speeds[math.ceil(percent * steps / 100)]})
+
+    part.add_feature(mode, "fan_speed", percent_of, number_writer("fan_speed", _PERCENT, "%", publish))
 
 
-def _add_speed_range(part: JsonPart, topics: Zigbee2MqttTopics, speed: Expose) -> None:
+def _add_speed_range(part: Zigbee2MqttPart, speed: Expose) -> None:
     least, most = speed.least, speed.most
     if least is None or most is None or least >= most:
         return
-    if speed.is_published:
-        add_reader(part, topics, speed, "fan_speed", partial(_percent_of_step, least, most))
-    writer = partial(_write_step, topics, speed.key, least, most) if speed.is_settable else None
-    part.add_capability("fan_speed", readable=speed.is_published, writer=writer)
+    steps = most - least + 1
+
+    def percent_of(value: object) -> float | None:
+        number = finite_number(value)
+        return None if number is None else min(100.0, max(0.0, (number - least + 1) * 100 / steps))
+
+    def publish(percent: float) -> Publications:
+        return part.topics.publish({speed.key: math.ceil(percent * steps / 100 + least - 1) if percent else 0})
+
+    part.add_feature(speed, "fan_speed", percent_of, number_writer("fan_speed", _PERCENT, "%", publish))
 
 
-def _percent_of_speed(speeds: Sequence[str], value: object) -> float | None:
-    known = isinstance(value, str) and value in speeds
-    return float(speeds.index(str(value)) * 100 // (len(speeds) - 1)) if known else None
-
-
-def _write_speed(
-    topics: Zigbee2MqttTopics, key: str, speeds: Sequence[str], value: PlainValue, _transition: float
-) -> tuple[Publication, ...]:
-    percent = require_number("fan_speed", value, 0, 100, "%")
-    return topics.publish({key: speeds[math.ceil(percent * (len(speeds) - 1) / 100)]})
-
-
-def _percent_of_step(least: float, most: float, value: object) -> float | None:
-    number = finite_number(value)
-    if number is None:
-        return None
-    return min(100.0, max(0.0, (number - least + 1) * 100 / (most - least + 1)))
-
-
-def _write_step(
-    topics: Zigbee2MqttTopics, key: str, least: float, most: float, value: PlainValue, _transition: float
-) -> tuple[Publication, ...]:
-    percent = require_number("fan_speed", value, 0, 100, "%")
-    return topics.publish({key: math.ceil(percent * (most - least + 1) / 100 + least - 1) if percent else 0})
-
-
-def build_siren(part: JsonPart, topics: Zigbee2MqttTopics, warning: Expose) -> DescribedPart:
-    """Describe a siren."""
+def build_siren(part: Zigbee2MqttPart, warning: Expose) -> DescribedPart:
+    """Describe a siren. Tone and volume also turn it on."""
     mode = warning.feature("mode")
     tones = tuple(one for one in mode.options if one != _SILENT) if mode is not None else ()
-    siren = _Siren(topics, warning.key, tones)
-    part.add_capability("on_off", readable=False, writer=siren.switch)
+    usual = _TONE if _TONE in tones or not tones else tones[0]
+
+    def warn(tone: str, level: str = "medium") -> Publications:
+        return part.topics.publish({warning.key: {"mode": tone, "level": level, "duration": _SECONDS}})
+
+    def switch(on: bool) -> Publications:  # noqa: FBT001 - it is what the command says
+        return warn(usual) if on else part.topics.publish({warning.key: {"mode": _SILENT}})
+
+    def set_volume(percent: float) -> Publications:
+        return warn(usual, next(level for most, level in _LEVELS if percent <= most))
+
+    part.add_capability("on_off", readable=False, writer=bool_writer("on_off", switch))
     if tones:
-        part.add_capability("siren_tone", readable=False, writer=siren.sound, options=tones)
+        writer = option_writer("siren_tone", tones, warn)
+        part.add_capability("siren_tone", readable=False, writer=writer, options=tones)
     if warning.feature("level") is not None:
-        part.add_capability("volume", readable=False, writer=siren.set_volume)
-    part.add_command_topics(topics.command)
+        part.add_capability("volume", readable=False, writer=number_writer("volume", _PERCENT, "%", set_volume))
+    part.add_command_topics(part.topics.command)
     return part.build()
 
 
@@ -241,28 +217,3 @@ _SILENT = "stop"
 _TONE = "emergency"
 _SECONDS = 10
 _LEVELS = ((25.0, "low"), (50.0, "medium"), (75.0, "high"), (100.0, "very_high"))
-
-
-@dataclass(frozen=True, slots=True)
-class _Siren:
-    """The commands of a siren. Tone and volume also turn it on."""
-
-    topics: Zigbee2MqttTopics
-    key: str
-    tones: tuple[str, ...]
-
-    def switch(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        if require_bool("on_off", value):
-            return self._warn()
-        return self.topics.publish({self.key: {"mode": _SILENT}})
-
-    def sound(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return self._warn(tone=require_option("siren_tone", value, self.tones))
-
-    def set_volume(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        percent = require_number("volume", value, 0, 100, "%")
-        return self._warn(level=next(level for most, level in _LEVELS if percent <= most))
-
-    def _warn(self, *, tone: str = "", level: str = "medium") -> tuple[Publication, ...]:
-        usual = _TONE if _TONE in self.tones or not self.tones else self.tones[0]
-        return self.topics.publish({self.key: {"mode": tone or usual, "level": level, "duration": _SECONDS}})

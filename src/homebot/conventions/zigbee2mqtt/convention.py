@@ -44,9 +44,6 @@ class Zigbee2Mqtt(LazyConvention[Zigbee2MqttSettings, "Zigbee2MqttReader"]):
     devices, and their lamps are already there, each by itself.
 
     It keeps the descriptions of the last list per bridge, at most 5,000 devices; a longer list is refused.
-
-    Args:
-        settings: Its table.
     """
 
     Settings: ClassVar[type[BaseModel]] = Zigbee2MqttSettings

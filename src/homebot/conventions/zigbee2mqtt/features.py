@@ -10,23 +10,21 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
-from homebot.conventions.command_values import Writer, require_bool, require_number, require_option, require_transition
+from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer, require_transition
 from homebot.conventions.description import Publication
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, is_unknown
 from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, Scalar
 from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.numbers import finite_number
 
 __all__ = [
     "MAX_VALUE",
+    "Zigbee2MqttPart",
     "Zigbee2MqttTopics",
-    "add_enum",
-    "add_flag",
-    "add_number",
-    "add_reader",
     "flag_of",
     "same_scalar",
     "text_of",
@@ -121,71 +119,96 @@ MAX_VALUE = 255
 _NO_BOUND = 1e12
 
 
-def add_reader(
-    part: JsonPart, topics: Zigbee2MqttTopics, feature: Expose, capability: str, read: Callable[[object], PlainValue]
-) -> None:
-    """Have *part* read the property of *feature*; null is unknown, and so is what says that of a number.
+class Zigbee2MqttPart(JsonPart):
+    """A part of a Zigbee device, with features as its capabilities.
 
-    Args:
-        part: The part in the making.
+    Attributes:
         topics: The topics of its device.
-        feature: What to read.
-        capability: What it is then.
-        read: Returns what a value means, None where it means nothing.
     """
-    is_number = CAPABILITIES[capability].kind == "number"
-    part.read_from(topics.state, partial(_read, feature.key, capability, read, is_unknown if is_number else _is_null))
 
+    def __init__(
+        self,
+        topics: Zigbee2MqttTopics,
+        part_id: str,
+        service_type: str,
+        *,
+        name: str = "",
+        advertised: str = "",
+        category: Category = "",
+    ) -> None:
+        super().__init__(part_id, service_type, name=name, advertised=advertised, category=category)
+        self.topics = topics
 
-def add_flag(part: JsonPart, topics: Zigbee2MqttTopics, feature: Expose | None, capability: str) -> None:
-    """Have *part* offer a binary *feature* as *capability*: true is what its ``value_on`` says."""
-    if feature is None or feature.value_on is None or feature.value_off is None:
-        return
-    if feature.is_published:
-        add_reader(part, topics, feature, capability, partial(flag_of, feature))
-    writer = partial(_write_flag, topics, feature, capability) if feature.is_settable else None
-    part.add_capability(capability, readable=feature.is_published, writer=writer)
-    _connect(part, topics, feature)
+    def read_feature(self, feature: Expose, capability: str, meaning: Callable[[object], PlainValue]) -> None:
+        """Read the property of *feature*, whose *meaning* is None for no value; null is unknown."""
+        is_number = CAPABILITIES[capability].kind == "number"
+        means_unknown = is_unknown if is_number else _is_null
+        self.read_from(self.topics.state, partial(_read, feature.key, capability, meaning, means_unknown))
 
+    def add_feature(
+        self,
+        feature: Expose,
+        capability: str,
+        meaning: Callable[[object], PlainValue],
+        writer: Writer,
+        *,
+        unit: str = "",
+        bounds: tuple[float, ...] = (),
+        options: tuple[str, ...] = (),
+    ) -> None:
+        """Have *feature* as *capability*: readable where it is published, settable where it can be set."""
+        if feature.is_published:
+            self.read_feature(feature, capability, meaning)
+        self.add_capability(
+            capability,
+            readable=feature.is_published,
+            writer=writer if feature.is_settable else None,
+            unit=unit,
+            bounds=bounds,
+            options=options,
+        )
+        if feature.is_settable:
+            self.add_command_topics(self.topics.command)
 
-def add_number(
-    part: JsonPart, topics: Zigbee2MqttTopics, feature: Expose | None, capability: str, *, unit: str = ""
-) -> None:
-    """Have *part* offer a numeric *feature* as *capability*, in the same unit."""
-    if feature is None:
-        return
-    if feature.is_published:
-        add_reader(part, topics, feature, capability, finite_number)
-    bounds = () if feature.least is None or feature.most is None else (feature.least, feature.most)
-    writer = partial(_write_number, topics, feature, capability) if feature.is_settable else None
-    part.add_capability(capability, readable=feature.is_published, writer=writer, unit=unit, bounds=bounds)
-    _connect(part, topics, feature)
+    def add_flag(self, feature: Expose | None, capability: str) -> None:
+        """Have a binary *feature* as *capability*: true is its ``value_on``."""
+        if feature is None or feature.value_on is None or feature.value_off is None:
+            return
+        payloads = {True: feature.value_on, False: feature.value_off}
+        writer = bool_writer(capability, lambda on: self.topics.publish({feature.key: payloads[on]}))
+        self.add_feature(feature, capability, partial(flag_of, feature), writer)
 
+    def add_number(self, feature: Expose | None, capability: str, *, unit: str = "") -> None:
+        """Have a numeric *feature* as *capability*, in the same unit."""
+        if feature is None:
+            return
+        least = -_NO_BOUND if feature.least is None else feature.least
+        most = _NO_BOUND if feature.most is None else feature.most
+        writer = number_writer(
+            capability,
+            (least, most),
+            feature.unit,
+            lambda number: self.topics.publish({feature.key: whole_or_not(number)}),
+        )
+        bounds = () if feature.least is None or feature.most is None else (least, most)
+        self.add_feature(feature, capability, finite_number, writer, unit=unit, bounds=bounds)
 
-def add_enum(
-    part: JsonPart,
-    topics: Zigbee2MqttTopics,
-    feature: Expose | None,
-    capability: str,
-    names: Mapping[str, str] | None = None,
-) -> None:
-    """Have *part* offer an enum *feature* as *capability*.
+    def add_enum(self, feature: Expose | None, capability: str, names: Mapping[str, str] | None = None) -> None:
+        """Have an enum *feature* as *capability*, by the vocabulary's *names* of its values, or as they are."""
+        if feature is None:
+            return
+        writer = option_writer(
+            capability,
+            feature.options,
+            lambda option: self.topics.publish({feature.key: feature.options[option]}),
+        )
+        meaning = text_of if names is None else partial(_name_of, names)
+        options = tuple(feature.options if names is None else names.values())
+        self.add_feature(feature, capability, meaning, writer, options=options)
 
-    Args:
-        part: The part in the making.
-        topics: The topics of its device.
-        feature: The enum; None does nothing.
-        capability: What it is.
-        names: The vocabulary's word for each of the device's; others mean nothing. By default all as they are.
-    """
-    if feature is None:
-        return
-    if feature.is_published:
-        add_reader(part, topics, feature, capability, text_of if names is None else partial(_name_of, names))
-    writer: Writer | None = partial(_write_option, topics, feature, capability) if feature.is_settable else None
-    options = tuple(feature.options) if names is None else tuple(names.values())
-    part.add_capability(capability, readable=feature.is_published, writer=writer, options=options)
-    _connect(part, topics, feature)
+    def request(self, *features: Expose | None) -> None:
+        """Name what makes the device report *features*; see :meth:`Zigbee2MqttTopics.request_state`."""
+        self.add_state_request(*self.topics.request_state(*features))
 
 
 def flag_of(feature: Expose, value: object) -> bool | None:
@@ -211,11 +234,6 @@ def text_of(value: object) -> str | None:
     return None
 
 
-def _connect(part: JsonPart, topics: Zigbee2MqttTopics, feature: Expose) -> None:
-    if feature.is_settable:
-        part.add_command_topics(topics.command)
-
-
 def _is_null(value: object) -> bool:
     return value is None
 
@@ -238,26 +256,3 @@ def _read(
 
 def _name_of(names: Mapping[str, str], value: object) -> str | None:
     return names.get(value) if isinstance(value, str) else None
-
-
-def _write_flag(
-    topics: Zigbee2MqttTopics, feature: Expose, capability: str, value: PlainValue, _transition: float
-) -> tuple[Publication, ...]:
-    state = feature.value_on if require_bool(capability, value) else feature.value_off
-    return topics.publish({feature.key: state})
-
-
-def _write_number(
-    topics: Zigbee2MqttTopics, feature: Expose, capability: str, value: PlainValue, _transition: float
-) -> tuple[Publication, ...]:
-    least = -_NO_BOUND if feature.least is None else feature.least
-    most = _NO_BOUND if feature.most is None else feature.most
-    number = require_number(capability, value, least, most, feature.unit)
-    return topics.publish({feature.key: whole_or_not(number)})
-
-
-def _write_option(
-    topics: Zigbee2MqttTopics, feature: Expose, capability: str, value: PlainValue, _transition: float
-) -> tuple[Publication, ...]:
-    option = require_option(capability, value, feature.options)
-    return topics.publish({feature.key: feature.options[option]})

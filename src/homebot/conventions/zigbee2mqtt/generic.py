@@ -13,19 +13,10 @@ from functools import partial
 
 from homebot.conventions.command_values import Publications, push_writer
 from homebot.conventions.description import DescribedPart
-from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, shown
 from homebot.conventions.units import Quantity, conversion_of, sensor_type
 from homebot.conventions.zigbee2mqtt.expose import Expose
-from homebot.conventions.zigbee2mqtt.features import (
-    MAX_VALUE,
-    Zigbee2MqttTopics,
-    add_enum,
-    add_flag,
-    add_number,
-    add_reader,
-    text_of,
-)
+from homebot.conventions.zigbee2mqtt.features import MAX_VALUE, Zigbee2MqttPart, Zigbee2MqttTopics, text_of
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -120,12 +111,13 @@ def build_generic(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | 
     return None if part is None or part.is_empty else part.build()
 
 
-def _part(expose: Expose, service_type: str, category: Category) -> JsonPart:
-    return JsonPart(clean_text(expose.key), service_type, name=expose.label, advertised=expose.name, category=category)
+def _part(topics: Zigbee2MqttTopics, expose: Expose, service_type: str, category: Category) -> Zigbee2MqttPart:
+    part_id = clean_text(expose.key)
+    return Zigbee2MqttPart(topics, part_id, service_type, name=expose.label, advertised=expose.name, category=category)
 
 
 def _buttons(topics: Zigbee2MqttTopics, action: Expose) -> DescribedPart:
-    part = _part(action, "generic_switch", "")
+    part = _part(topics, action, "generic_switch", "")
     part.read_events_from(topics.state, partial(_read_action, action.key))
     part.add_capability("press", options=tuple(action.options))
     return part.build()
@@ -137,53 +129,52 @@ def _read_action(key: str, message: JsonMessage) -> Readings:
     return {"press": clean_text(action, MAX_VALUE)} if isinstance(action, str) and action else NO_READINGS
 
 
-def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> JsonPart:
+def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
     category: Category = "diagnostic" if expose.category else ""
     if expose.type == "binary":
         capability = CONDITIONS.get(expose.name, "state")
         service_type = "x_battery" if capability == "battery_charging" else sensor_type(capability)
         if expose.name in TRUE_IS_CLOSED:
             expose = replace(expose, value_on=False, value_off=True)
-        part = _part(expose, service_type, category)
-        add_flag(part, topics, expose, capability)
+        part = _part(topics, expose, service_type, category)
+        part.add_flag(expose, capability)
     elif expose.type == "numeric":
         what = measure(expose.name, expose.unit)
-        part = _part(expose, what.service_type, category)
-        add_reader(part, topics, expose, what.capability, partial(_measured, what))
+        part = _part(topics, expose, what.service_type, category)
+        part.read_feature(expose, what.capability, partial(_measured, what))
         part.add_capability(what.capability, unit=what.unit)
     else:
-        part = _part(expose, "x_sensor", category)
-        add_reader(part, topics, expose, "value", text_of if expose.type == "enum" else _json_text)
+        part = _part(topics, expose, "x_sensor", category)
+        part.read_feature(expose, "value", text_of if expose.type == "enum" else _json_text)
         part.add_capability("value", options=tuple(expose.options))
     if not category:
-        part.add_state_request(*topics.request_state(expose))
+        part.request(expose)
     return part
 
 
-def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> JsonPart | None:
+def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart | None:
     is_switch = expose.type == "binary" and expose.name == "state" and not expose.category
-    part = _part(expose, "switch" if is_switch else "x_setting", "" if is_switch else expose.category or "config")
+    part = _part(
+        topics, expose, "switch" if is_switch else "x_setting", "" if is_switch else expose.category or "config"
+    )
     match expose.type:
         case "binary":
-            add_flag(part, topics, expose, "on_off")
+            part.add_flag(expose, "on_off")
         case "numeric":
-            add_number(part, topics, expose, "number", unit=expose.unit)
+            part.add_number(expose, "number", unit=expose.unit)
         case "enum" if len(expose.options) == 1:
             push = "locate" if expose.name == "identify" else "push"
             writer = push_writer(push, lambda: topics.publish({expose.key: expose.values[0]}))
             part.add_capability(push, readable=False, writer=writer)
             part.add_command_topics(topics.command)
         case "enum":
-            add_enum(part, topics, expose, "option")
+            part.add_enum(expose, "option")
         case "text":
-            if expose.is_published:
-                add_reader(part, topics, expose, "text", _json_text)
-            part.add_capability("text", readable=expose.is_published, writer=partial(_write_text, topics, expose))
-            part.add_command_topics(topics.command)
+            part.add_feature(expose, "text", _json_text, partial(_write_text, topics, expose))
         case _:
             return _sensor(topics, expose) if expose.is_published else None
     if is_switch:
-        part.add_state_request(*topics.request_state(expose))
+        part.request(expose)
     return part
 
 

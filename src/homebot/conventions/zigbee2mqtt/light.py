@@ -19,10 +19,9 @@ from homebot.conventions.light_color import (
     mired_bounds,
     to_hue_saturation,
 )
-from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.zigbee2mqtt.expose import Expose, Scalar
-from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttTopics, flag_of, text_of
+from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, flag_of, text_of
 from homebot.devices.value import PlainValue
 from homebot.numbers import finite_number
 
@@ -31,21 +30,14 @@ __all__ = ["FEATURES_OF_LIGHT", "build_light"]
 FEATURES_OF_LIGHT = frozenset({"state", "brightness", "color_temp", "color_xy", "color_hs"})
 
 
-def build_light(part: JsonPart, topics: Zigbee2MqttTopics, light: Expose, effect: Expose | None) -> DescribedPart:
-    """Describe a lamp.
-
-    Args:
-        part: The part in the making.
-        topics: The topics of its device.
-        light: What it exposes.
-        effect: The enum of its effects; None where it has none.
-    """
+def build_light(part: Zigbee2MqttPart, light: Expose, effect: Expose | None) -> DescribedPart:
+    """Describe a lamp; *effect* is the enum of its effects."""
     features = {one.name: one for one in light.features if one.name in FEATURES_OF_LIGHT}
-    lamp = _Zigbee2MqttLamp(topics, features, light.suffix, _color_mode(light), effect)
+    lamp = _Zigbee2MqttLamp(part.topics, features, light.suffix, _color_mode(light), effect)
     state = features.get("state")
     is_readable = state is not None and state.is_published
-    part.read_from(topics.state, lamp.read)
-    part.add_command_topics(topics.command)
+    part.read_from(part.topics.state, lamp.read)
+    part.add_command_topics(part.topics.command)
     part.add_capability("on_off", readable=is_readable, writer=lamp.switch)
     if "brightness" in features:
         part.add_capability("level", readable=is_readable, writer=lamp.dim)
@@ -55,7 +47,7 @@ def build_light(part: JsonPart, topics: Zigbee2MqttTopics, light: Expose, effect
         part.add_capability("color", writer=lamp.set_color)
     if effect is not None:
         part.add_capability("effect", readable=effect.is_published, writer=lamp.play, options=tuple(effect.options))
-    part.add_state_request(*topics.request_state(*features.values()))
+    part.request(*features.values())
     return part.build()
 
 

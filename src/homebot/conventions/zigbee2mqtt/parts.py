@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from homebot.conventions.description import DescribedPart
-from homebot.conventions.part_builder import JsonPart, with_own_ids
+from homebot.conventions.part_builder import with_own_ids
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
 from homebot.conventions.zigbee2mqtt.bridge_device import BridgeDevice
 from homebot.conventions.zigbee2mqtt.climate import (
@@ -28,7 +28,7 @@ from homebot.conventions.zigbee2mqtt.controls import (
     build_siren,
 )
 from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, read_exposes
-from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttTopics, add_flag, text_of
+from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, text_of
 from homebot.conventions.zigbee2mqtt.generic import build_generic
 from homebot.conventions.zigbee2mqtt.light import FEATURES_OF_LIGHT, build_light
 
@@ -66,7 +66,7 @@ def _described(device: BridgeDevice, whole: Zigbee2MqttTopics, exposes: tuple[Ex
                 yield thermometer
             rest = [one for one in expose.features if one.name not in _FEATURES[expose.type]]
         elif expose.type == "composite" and expose.name == "warning" and expose.is_settable:
-            yield build_siren(JsonPart("siren" + expose.suffix, "siren", advertised="warning"), topics, expose)
+            yield build_siren(Zigbee2MqttPart(topics, "siren" + expose.suffix, "siren", advertised="warning"), expose)
             rest = []
         else:
             rest = [] if expose is beside.get("effect") else [expose]
@@ -100,7 +100,8 @@ def _specific(
     if expose.type == "switch":
         return _switch(topics, expose)
     service_type = climate_type(expose) if expose.type == "climate" else _SERVICES[expose.type]
-    part = JsonPart(
+    part = Zigbee2MqttPart(
+        topics,
         expose.type + expose.suffix,
         service_type,
         name=clean_text(expose.endpoint),
@@ -109,15 +110,15 @@ def _specific(
     )
     match expose.type:
         case "light":
-            return build_light(part, topics, expose, None if expose.endpoint else beside.get("effect"))
+            return build_light(part, expose, None if expose.endpoint else beside.get("effect"))
         case "cover":
-            return build_cover(part, topics, expose, beside.get(f"motor{expose.suffix}"))
+            return build_cover(part, expose, beside.get(f"motor{expose.suffix}"))
         case "lock":
-            return build_lock(part, topics, expose)
+            return build_lock(part, expose)
         case "fan":
-            return build_fan(part, topics, expose, device.model)
+            return build_fan(part, expose, device.model)
         case _:
-            return build_climate(part, topics, expose, beside.get("program"))
+            return build_climate(part, expose, beside.get("program"))
 
 
 _SERVICES: Mapping[str, str] = {"light": "light", "cover": "window_covering", "lock": "door_lock", "fan": "fan"}
@@ -127,20 +128,21 @@ def _switch(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart:
     """Describe a relay. One whose property is no state, such as ``window_detection``, is a setting."""
     state = expose.feature("state")
     is_setting = state is not None and not state.key.startswith("state")
-    part = JsonPart(
+    part = Zigbee2MqttPart(
+        topics,
         clean_text(state.key) if state is not None and is_setting else "switch" + expose.suffix,
         "x_setting" if is_setting else "switch",
         name=clean_text(expose.label if is_setting else expose.endpoint),
         advertised="switch",
         category=expose.category or ("config" if is_setting else ""),
     )
-    add_flag(part, topics, state, "on_off")
-    part.add_state_request(*topics.request_state(state))
+    part.add_flag(state, "on_off")
+    part.request(state)
     return part.build()
 
 
 def _update(topics: Zigbee2MqttTopics) -> DescribedPart:
-    part = JsonPart("update", "x_update", advertised="update", category="diagnostic")
+    part = Zigbee2MqttPart(topics, "update", "x_update", advertised="update", category="diagnostic")
     part.read_from(topics.state, _read_update)
     for capability in ("version", "latest_version", "update_available"):
         part.add_capability(capability)
@@ -159,7 +161,7 @@ def _read_update(message: JsonMessage) -> Readings:
 
 
 def _unknown(topics: Zigbee2MqttTopics) -> DescribedPart:
-    part = JsonPart("", "x_unknown")
+    part = Zigbee2MqttPart(topics, "", "x_unknown")
     part.read_from(topics.state, _read_raw)
     part.add_capability("raw")
     return part.build()

@@ -37,9 +37,6 @@ class ThingDescriptions(LazyConvention[ThingSettings, "ThingReader"]):
 
     What a description says of other protocols than MQTT, or of payloads that are neither JSON nor text, is passed over:
     such a part is there, and cannot be read or set.
-
-    Args:
-        settings: Its table.
     """
 
     Settings: ClassVar[type[BaseModel]] = ThingSettings
