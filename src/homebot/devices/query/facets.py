@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
-from homebot.devices.device import Device, DevicePart, Fact
+from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.part import Part
 from homebot.devices.query.folding import fold, words_of
@@ -75,7 +75,7 @@ class Facets:
 def facets_of(device: Device) -> Facets:
     """Return what can be asked of *device*."""
     kinds, senses = _kinds_of(device.service_type, device.parts)
-    facts = _all_facts(device)
+    facts = _folded_facts(device)
     types: dict[str, str] = {}
     capabilities: set[str] = set()
     settable: set[str] = set()
@@ -101,21 +101,24 @@ def facets_of(device: Device) -> Facets:
         gateways.add(endpoint.gateway)
     for fact in device.facts:
         conventions.add(fact.convention)
+    words_said = frozenset(map(fold, device.service_types or (device.service_type,)))
+    own = (words_said, senses, *map(frozenset, (capabilities, settable, gateways, conventions, categories)))
+    shared = [_one_of(found) if len(found) <= _FEW else found for found in own]  # each takes 200 bytes
     return Facets(
         id=device.id,
         name=fold(device.name),
         kinds=_one_of_kinds(kinds) if len(kinds) <= _FEW else kinds,
-        words_said=_shared(frozenset(map(fold, device.service_types or (device.service_type,)))),
-        senses=_shared(senses),
-        capabilities=_shared(frozenset(capabilities)),
-        settable=_shared(frozenset(settable)),
+        words_said=shared[0],
+        senses=shared[1],
+        capabilities=shared[2],
+        settable=shared[3],
         area=fold(device.area),
         words=_words(device, facts),
         freshness=device.freshness,
         reachable=device.reachable.state,
-        gateways=_shared(frozenset(gateways)),
-        conventions=_shared(frozenset(conventions)),
-        categories=_shared(frozenset(categories)),
+        gateways=shared[4],
+        conventions=shared[5],
+        categories=shared[6],
         facts=facts,
         values=tuple([(types.get(one.part, ""), one.capability, one.value.plain()) for one in device.states]),
         main_type=main.service_type if main is not None else device.service_type,
@@ -127,13 +130,9 @@ def facets_of(device: Device) -> Facets:
 _FEW = 8
 
 
-def _shared(found: frozenset[str]) -> frozenset[str]:
-    """Return what equals *found*, one set for all devices that are alike in it: each takes 200 bytes."""
-    return _one_of(found) if len(found) <= _FEW else found
-
-
 @lru_cache(maxsize=1024)
 def _one_of(found: frozenset[str]) -> frozenset[str]:
+    """Return one set for all devices that are alike in it."""
     return found
 
 
@@ -152,38 +151,38 @@ def _kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozens
         meant = wanted_types(service_type)
         sure = meant if len(meant) == 1 else frozenset()
         return frozenset((one, "") for one in sure | ({service_type} & DEVICE_TYPES.keys())), meant
-    counted = [one.part for one in parts if not one.part.category] or [one.part for one in parts]
-    return frozenset([(one.service_type, one.tag) for one in counted]), frozenset()
+    kinds: set[tuple[str, str]] = set()
+    others: set[tuple[str, str]] = set()
+    for one in parts:
+        (others if one.part.category else kinds).add((one.part.service_type, one.part.tag))
+    return frozenset(kinds or others), frozenset()
 
 
-def _all_facts(device: Device) -> dict[str, tuple[str, ...]]:
-    facts = _folded_facts(device.facts)
+def _folded_facts(device: Device) -> dict[str, tuple[str, ...]]:
+    """Return the folded values of all facts by name, the one that counts first."""
+    found: dict[str, tuple[str, ...]] = {}
+    for fact in device.facts:
+        value = fold(fact.value)
+        known = found.get(fact.name)
+        if known is None:
+            found[fact.name] = (value,)
+        elif value not in known:
+            found[fact.name] = (*known, value)
     for one in device.metadata:
-        if one.key not in facts:
-            facts[one.key] = (fold(one.value),)
-    return facts
+        if one.key not in found:
+            found[one.key] = (fold(one.value),)
+    return found
 
 
 def _words(device: Device, facts: Mapping[str, tuple[str, ...]]) -> frozenset[str]:
     texts = [device.id, *device.names, device.name, device.area]
-    for name, told in facts.items():
+    for name, values in facts.items():
         if name in _TEXTS:
-            texts += told
-    texts += [one.part.name for one in device.parts if not one.part.category]
+            texts += values
+    for each in device.parts:
+        if not each.part.category:
+            texts.append(each.part.name)
     found: dict[str, None] = {}
     for text in dict.fromkeys(texts):
         found.update(dict.fromkeys(words_of(text)))
     return frozenset(found) if len(found) <= _MAX_WORDS else frozenset(list(found)[:_MAX_WORDS])
-
-
-def _folded_facts(facts: tuple[Fact, ...]) -> dict[str, tuple[str, ...]]:
-    """Return the folded values of all facts by name, the one that counts first."""
-    found: dict[str, tuple[str, ...]] = {}
-    for one in facts:
-        value = fold(one.value)
-        known = found.get(one.name)
-        if known is None:
-            found[one.name] = (value,)
-        elif value not in known:
-            found[one.name] = (*known, value)
-    return found

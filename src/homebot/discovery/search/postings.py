@@ -6,6 +6,7 @@ import operator
 from bisect import bisect_left, insort
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import repeat
 from typing import TypeAlias, final
 
 from homebot.devices.query import (
@@ -279,16 +280,17 @@ def _keys(facets: Facets) -> list[_Key]:
     if facets.senses:
         keys.append(("sense", facets.senses))
     keys += [(f"kind {service_type}", tag) for service_type, tag in facets.kinds]
-    keys += [("said", one) for one in facets.words_said]
-    keys += [("can", one) for one in facets.capabilities]
-    keys += [("set", one) for one in facets.settable]
-    keys += [("gateway", one) for one in facets.gateways]
-    keys += [("convention", one) for one in facets.conventions]
-    keys += [("category", one) for one in facets.categories]
+    keys += zip(repeat("said"), facets.words_said)
+    keys += zip(repeat("can"), facets.capabilities)
+    keys += zip(repeat("set"), facets.settable)
+    keys += zip(repeat("gateway"), facets.gateways)
+    keys += zip(repeat("convention"), facets.conventions)
+    keys += zip(repeat("category"), facets.categories)
     if facets.is_disputed:
         keys.append(_DISPUTED)
-    keys += [("word", one) for one in facets.words]
-    keys += [(f"fact {fact}", value) for fact, values in facets.facts.items() for value in values]
+    keys += zip(repeat("word"), facets.words)
+    for fact, values in facets.facts.items():
+        keys += zip(repeat(f"fact {fact}"), values)
     return keys
 
 
