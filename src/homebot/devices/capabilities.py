@@ -22,13 +22,13 @@ class CapabilityType:
     Attributes:
         name: The name, for example ``on_off``.
         kind: What its values are.
-        meaning: What a value says, in words.
+        meaning: The meaning of a value, as text.
         cluster: Number of the Matter cluster; None where Matter has none.
         unit: Of a number; empty where it has none, or each device names its own.
         bounds: Smallest and largest number; empty where there is none.
         options: The texts that it may be; empty where each device names its own.
         is_event: Whether a value is something that happened, and is over at once, rather than a state that lasts: each
-            is told once, also where it equals the one before, and none is ever told again.
+            is reported once, also where it equals the one before, and none is ever reported again.
     """
 
     name: str

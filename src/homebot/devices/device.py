@@ -31,11 +31,11 @@ ChangeKind: TypeAlias = Literal[
 ]
 
 EVERYTHING: tuple[str, ...] = ("*",)
-"""What a :class:`Route` takes by which the part can be told all that it can be told at all."""
+"""The capabilities of a :class:`Route` that accepts every command of the part."""
 
 
 class KeyValue(Message, ros_type="diagnostic_msgs/msg/KeyValue"):
-    """One fact about a device, as its gateway heard it."""
+    """One fact about a device, as its gateway received it."""
 
     key: str
     value: str
@@ -45,10 +45,10 @@ class Endpoint(Message):
     """One way to reach a device.
 
     Attributes:
-        gateway: Name of the gateway that hears the device.
+        gateway: Name of the gateway.
         key: What that gateway calls the device.
-        address: Where the device speaks, in the gateway's own terms (MQTT: the topic of its messages).
-        command_address: Where the device listens; empty when it takes no commands.
+        address: The address on which the device publishes, in the gateway's own terms (MQTT: the topic).
+        command_address: The address to which it is subscribed; empty when it takes no commands.
     """
 
     gateway: str
@@ -65,7 +65,7 @@ class Route(Message):
         key: What that gateway calls the announcement.
         part: What the part is called there.
         convention: By which convention it was announced.
-        takes: Names of the capabilities that can be told by it, or :data:`EVERYTHING`.
+        takes: Names of the capabilities that can be set by it, or :data:`EVERYTHING`.
     """
 
     gateway: str
@@ -75,7 +75,7 @@ class Route(Message):
     takes: tuple[str, ...] = EVERYTHING
 
     def can(self, capability: str) -> bool:
-        """Return whether the part can be told *capability* by it."""
+        """Return whether *capability* can be set by it."""
         return self.takes == EVERYTHING or capability in self.takes
 
 
@@ -95,15 +95,15 @@ class DevicePart(Message):
 
 
 class Fact(Message):
-    """One thing that was said of a device, and who said it when.
+    """One fact about a device, with its source and time.
 
     Attributes:
         name: What it is about: ``name``, ``area``, or a name of the metadata such as ``model``.
-        value: What was said.
-        gateway: The gateway that heard it.
-        convention: By which convention it was said.
+        value: The value.
+        gateway: The gateway of the announcement.
+        convention: The convention of the announcement.
         key: In which announcement.
-        said_at: When this was first said there.
+        said_at: The time at which this was first announced there.
     """
 
     name: str

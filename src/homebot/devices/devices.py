@@ -243,7 +243,7 @@ class Devices:
         self._subscribe(response.data_topic, response.missed)
 
     async def _ask_again(self) -> None:
-        """A gateway that was restarted has forgotten who listens; to another one, asking twice changes nothing."""
+        """A gateway that was restarted has forgotten its listeners; with any other, asking twice changes nothing."""
         async for service in self._node.graph.watch_services():
             for gateway, addresses in list(self._wanted.items()):
                 if service in {None, GatewayNames(gateway).subscribe}:

@@ -97,13 +97,13 @@ class Follow:
             elif self._ready:
                 return self._ready.popleft()
             elif (change := changes.take()) is not None:
-                told = self._followed.take(change)
-                if told is not None:
-                    return told
+                shown = self._followed.take(change)
+                if shown is not None:
+                    return shown
             elif self._new_states:
-                told = self._followed.take_state(self._new_states.popitem(last=False)[1])
-                if told is not None:
-                    return told
+                shown = self._followed.take_state(self._new_states.popitem(last=False)[1])
+                if shown is not None:
+                    return shown
             else:
                 await changes.mailbox.wait()
         raise ClosedError("the query is closed")

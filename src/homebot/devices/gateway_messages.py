@@ -30,7 +30,7 @@ __all__ = [
 
 
 REACHABLE = "reachable"
-"""Capability of a whole device (part ``""``): whether it can be reached, as its convention says."""
+"""Capability of a whole device (part ``""``): whether it can be reached, by its convention."""
 
 ONLY_OBSERVES = "the gateway only observes; start with --act, or set act = true"
 
@@ -67,7 +67,7 @@ class Sighting(Message):
         expires_at: The time at which it becomes stale unless it is seen again; the gateway alone knows its protocol's
             habits.
         confirmed: Whether the device itself published, rather than a retained message.
-        heard_at: The time in seconds of the monotonic clock, which is never set; 0 where the gateway does not say.
+        heard_at: The time in seconds of the monotonic clock, which is never set; 0 where the gateway does not give it.
     """
 
     key_field: ClassVar[str | None] = "key"
@@ -127,7 +127,7 @@ class Report(Message):
             kept: they happened once.
         retained: Whether it was a retained message, of the past.
         received_at: The time at which it was received.
-        heard_at: The same in seconds of the monotonic clock, which is never set; 0 where the gateway does not say.
+        heard_at: The same in seconds of the monotonic clock, which is never set; 0 where the gateway does not give it.
     """
 
     key_field: ClassVar[str | None] = "stream"

@@ -76,7 +76,7 @@ class HealthResponse(Message):
 
     Attributes:
         counts: What it took in, refused and dropped.
-        quarantined: Where it listens only a little now.
+        quarantined: The peers in quarantine now.
         troubles: What is wrong with it now, in words; empty where nothing is.
         failures: What failed in it.
         notes: What it cannot do the way it is set up, in words; nothing is wrong.

@@ -1,4 +1,4 @@
-"""State of a live query: what its reader has been told, and what comes next. Pure."""
+"""State of a live query: the devices that its reader has, and the changes to come. Pure."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ NO_LONGER = "it fits the query no longer"
 
 @final
 class LiveQueryState:
-    """Turns what the directory says into what one reader hears, who may miss some of it or meet a new directory.
+    """Filter of the directory's changes for one reader, which may miss some of them or meet a new directory.
 
     To the reader, each device appears first, is removed last, and may then appear again; between the two come the other
-    changes. A device that fits no longer is removed, and one that comes to fit appears.
+    changes. A device that no longer matches is removed, and one that comes to match appears.
 
     Args:
-        query: What the devices must fit.
+        query: The query that the devices match.
 
     Attributes:
-        wants_states: Whether the query asks for values, so that changes of states matter.
+        wants_states: Whether the query has conditions on values, so that changes of states matter.
     """
 
     def __init__(self, query: Query) -> None:
@@ -36,7 +36,7 @@ class LiveQueryState:
         self._sequence = 0
 
     def take(self, change: DeviceChange) -> DeviceChange | None:
-        """Return what the reader hears of *change*, or None when it is nothing to it."""
+        """Return the change for the reader, or None if *change* does not concern it."""
         if change.sequence <= self._sequence:
             return None
         device = change.device
@@ -55,9 +55,9 @@ class LiveQueryState:
         return change.model_copy(update={"kind": "changed"}) if change.kind == "appeared" else change
 
     def take_state(self, change: StateChange) -> DeviceChange | None:
-        """Return what the reader hears because a part told another value: that the device fits now, or no longer.
+        """Return the change for the reader of a new value: that the device matches now, or no longer.
 
-        An event is nothing that a device fits by.
+        An event makes no device match.
         """
         if change.state.capability in EVENTS:
             return None
@@ -80,7 +80,7 @@ class LiveQueryState:
         return DeviceChange(kind=kind, device=device, sequence=change.sequence, why=why)
 
     def compare(self, devices: tuple[Device, ...], sequence: int) -> Iterator[DeviceChange]:
-        """Yield how a snapshot differs from what the reader was told; changes up to *sequence* are old from now on."""
+        """Yield the differences of a snapshot to the reader's devices; changes up to *sequence* are old from now on."""
         self._sequence = sequence
         if self.wants_states:
             self._house = {device.id: (device, sequence) for device in devices}

@@ -32,7 +32,7 @@ DEVICE_STATES = "/discovery/states"
 DISCOVERY_HEALTH = "/discovery/health"
 
 DIRECTORY_NODE = "/discovery"
-"""The node of the directory; nobody else tells of changes."""
+"""The node of the directory, the only one that publishes changes of devices."""
 
 _GATEWAYS = "/gateway/"
 TEXT_SCHEME = "words:"
@@ -46,14 +46,14 @@ class GatewayNames:
         node: Full name of its node.
         received_topics: Topic of its sightings.
         out: Topic of the raw commands for its devices.
-        readings: Topic of what its devices say of themselves, as :class:`homebot.devices.gateway_messages.Report`.
+        readings: Topic of the reports of its devices, as :class:`homebot.devices.gateway_messages.Report`.
         state: Topic of its own state.
-        quarantine: Topic of where it listens only a little, as :class:`homebot.devices.health.Quarantine`.
-        health: Service that tells what it counted and whom it ignores.
+        quarantine: Topic of the peers in quarantine, as :class:`homebot.devices.health.Quarantine`.
+        health: Service that returns its counters and the peers in quarantine.
         offers: Topic of what homebot offers to other systems through it, as
             :class:`homebot.devices.exposure.ExposedDevice`.
-        offer_reports: Topic of what that says of itself, as :class:`homebot.devices.exposure.ExposedState`.
-        offer_commands: Topic of what those systems tell it, as :class:`homebot.devices.gateway_messages.Command`.
+        offer_reports: Topic of the states of these, as :class:`homebot.devices.exposure.ExposedState`.
+        offer_commands: Topic of the commands of those systems, as :class:`homebot.devices.gateway_messages.Command`.
         send_command: Service that takes commands in the words of the vocabulary.
         subscribe: Service that starts the mirroring of raw messages.
     """
@@ -86,19 +86,19 @@ def gateway_of(node: str) -> str:
 
 
 def text_address(key: str, part_id: str) -> str:
-    """Return where the part *part_id* of the device that its gateway calls *key* speaks plain words."""
+    """Return the text address of the part *part_id* of the device that its gateway calls *key*."""
     if not ("%" in key or "#" in key or "%" in part_id or "#" in part_id):
         return f"{TEXT_SCHEME}{key}#{part_id}"
     return f"{TEXT_SCHEME}{_escape(key)}#{_escape(part_id)}"
 
 
 def is_text_address(address: str) -> bool:
-    """Tell whether *address* is where a part speaks plain words."""
+    """Return whether *address* is the text address of a part."""
     return address.startswith(TEXT_SCHEME) and address.count("#") == 1
 
 
 def read_text_address(address: str) -> tuple[str, str] | None:
-    """Return key and part of a words address; None for any other address."""
+    """Return key and part of a text address; None for any other address."""
     if not address.startswith(TEXT_SCHEME) or address.count("#") != 1:
         return None
     key, _, part_id = address[len(TEXT_SCHEME) :].partition("#")

@@ -35,11 +35,11 @@ class GetIndexDataRequest(Message):
 
 
 class IndexEntry(Message):
-    """One way on which a device is heard: what :class:`SubscribeToTopic` needs to listen to it.
+    """One address of a device, as :class:`SubscribeToTopic` takes it.
 
     Attributes:
         gateway: Through which gateway, for example ``mqtt``: its services and topics are below ``/gateway/<name>``.
-        topic: Where it speaks there.
+        topic: The address on which it publishes there.
         device_id: The device's id in the index.
     """
 
@@ -52,7 +52,7 @@ class GetIndexDataResponse(Message):
     """The index entries, as the thesis's discovery layer gave them: pairs of gateway and topic.
 
     Attributes:
-        entries: The pairs, sorted by device; of a device that several gateways hear, each once.
+        entries: The pairs, sorted by device; of a device with several gateways, each once.
         topics: The topic of each device's first entry, for programs that know one gateway.
         device_ids: The same devices' ids, in the same order.
     """
@@ -139,7 +139,7 @@ class GetChangesRequest(Message):
     """A question for the changes since a moment.
 
     Attributes:
-        since: Number of the last change that the asker knows.
+        since: Number of the last change that the client has.
     """
 
     since: int
@@ -150,7 +150,7 @@ class GetChangesResponse(Message):
 
     Attributes:
         changes: What is still remembered of them.
-        complete: Whether that is all; otherwise some are forgotten, and only a new snapshot tells all.
+        complete: Whether that is all; otherwise some are forgotten, and only a new snapshot is complete.
         sequence: Number of the last change there was.
     """
 
@@ -173,7 +173,7 @@ class AnnouncedOn(Message):
     """The place at which a device was announced.
 
     Attributes:
-        gateway: Which gateway heard it.
+        gateway: The gateway of the announcement.
         topic: Where (MQTT: the topic, on which the broker may keep the announcement).
     """
 
@@ -201,8 +201,8 @@ class SubscribeToTopicRequest(Message):
     Attributes:
         topic: The address in the gateway's terms, for example the MQTT topic ``home425/lights/roomlights405/out``.
         listener: Full name of the node that asks, for delivery into its inbox; empty for a topic of the device's own.
-        since: What was said at this time or later, but before this call, is in the response as far as the gateway
-            still has it. What the broker keeps as the device's state always is.
+        since: Messages of this time or later, but before this call, are in the response as far as the gateway still
+            has them. What the broker keeps as the device's state always is.
     """
 
     topic: str
@@ -217,7 +217,7 @@ class SubscribeToTopicResponse(Message):
         success: Whether they will.
         message: Why not.
         data_topic: The graph topic that carries them from now on, as :class:`homebot.devices.RawMessage`.
-        missed: What was said before, oldest first; at most 10 messages.
+        missed: The messages before, oldest first; at most 10.
     """
 
     success: bool

@@ -1,4 +1,4 @@
-"""A value of a capability: what a device says of itself, or is told to become."""
+"""Value of a capability, in a report or a command."""
 
 from __future__ import annotations
 

@@ -209,12 +209,12 @@ class Graph:
             self._services.pop(slot.name, None)
 
     def add_endpoint(self, entity: object, info: EndpointInfo) -> None:
-        """Show *entity* as *info* and tell the watchers."""
+        """Show *entity* as *info* and notify the watchers."""
         self._endpoints.add(entity, info)
         self._notify(GraphChange("added", info))
 
     def remove_endpoint(self, entity: object) -> None:
-        """Show *entity* no longer and tell the watchers. Twice is fine."""
+        """Show *entity* no longer and notify the watchers. Twice is fine."""
         if (info := self._endpoints.remove(entity)) is not None:
             self._notify(GraphChange("removed", info))
 

@@ -118,7 +118,7 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of what is 
         """Return the message that has *fields*, all that there are, without a look at their values.
 
         Only for values out of messages, which were checked where those were made. It takes a third of the time, and of
-        a small message half of the memory, which counts where a whole house is told of at once.
+        a small message half of the memory, which counts where a whole house is published at once.
         """
         message = _new(cls)
         _set_fields(message, fields)

@@ -8,7 +8,7 @@ __all__ = ["SetBool", "SetBoolRequest", "SetBoolResponse", "SuccessResponse", "T
 
 
 class TriggerRequest(Message, ros_type="std_srvs/srv/Trigger_Request"):
-    """Nothing to say: the call is the request."""
+    """No fields: the call is the request."""
 
 
 class SetBoolRequest(Message, ros_type="std_srvs/srv/SetBool_Request"):

@@ -143,7 +143,7 @@ class FollowHandles(Generic[HandleT]):
             self._touch(change.device)
         elif change.device in self._known:
             self._add_event(change)
-        else:  # what happened first made the device known, and the one is told on another way than the other
+        else:  # the event that made the device known comes on another topic than its description
             self._early.append((self._clock.monotonic(), change))
 
     def _add_event(self, change: StateChange) -> None:

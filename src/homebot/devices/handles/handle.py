@@ -186,7 +186,7 @@ class Handle:
         return value if isinstance(value, float) else None
 
     def _number_of_device(self, capability: str) -> float | None:
-        """As :meth:`_number`; where the part cannot tell, what the only part of the device tells that can."""
+        """As :meth:`_number`; where the part has no such capability, of the only part of the device that has it."""
         if any(one.name == capability for one in self.capabilities):
             return self._number(capability)
         value = self._tracked.only_value(capability)

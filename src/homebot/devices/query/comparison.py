@@ -50,7 +50,7 @@ def comparison(name: Token, operator: Token, value: Token) -> Query:
     """Return what ``name operator value`` asks for.
 
     Raises:
-        UsageError: The name is unknown, or the value or the operator does not fit it; says which would.
+        UsageError: The name is unknown, or the value or the operator does not fit it; the message names those that do.
     """
     spelled = fold(name.text)
     sign = next(one for one in get_args(Operator) if one == operator.text)

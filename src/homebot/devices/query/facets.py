@@ -28,16 +28,16 @@ class Facets:
         id: Its id.
         name: Its name, folded.
         kinds: Type and tag of each part that it is there for; without parts the type of its word, where that is one.
-        words_said: The words it was announced with, folded.
-        senses: What the word of a device without parts may mean; empty for a device with parts.
-        capabilities: What its parts can be asked or told.
-        settable: What they can be told.
+        advertised: The types in the words of its announcements, folded.
+        possible_types: The types that the word of a device without parts may mean; empty for a device with parts.
+        capabilities: Capabilities of its parts.
+        settable: Those that can be set.
         area: Folded.
         words: The words of its id, names, area and model, folded.
         freshness: See :class:`Device`.
         reachable: See :class:`Device`.
-        gateways: Who hears it.
-        conventions: How it was announced.
+        gateways: Its gateways.
+        conventions: The conventions of its announcements.
         categories: ``config`` and ``diagnostic``, where it has parts of these.
         facts: All facts by name, folded.
         values: Type of the part, capability, and value.
@@ -49,8 +49,8 @@ class Facets:
     id: str
     name: str
     kinds: frozenset[tuple[str, str]]
-    words_said: frozenset[str]
-    senses: frozenset[str]
+    advertised: frozenset[str]
+    possible_types: frozenset[str]
     capabilities: frozenset[str]
     settable: frozenset[str]
     area: str
@@ -74,7 +74,7 @@ class Facets:
 
 def facets_of(device: Device) -> Facets:
     """Return what can be asked of *device*."""
-    kinds, senses = _kinds_of(device.service_type, device.parts)
+    kinds, possible_types = _kinds_of(device.service_type, device.parts)
     facts = _folded_facts(device)
     types: dict[str, str] = {}
     capabilities: set[str] = set()
@@ -83,7 +83,7 @@ def facets_of(device: Device) -> Facets:
     gateways: set[str] = set()
     conventions: set[str] = set()
     main: Part | None = None
-    for each in device.parts:  # one loop: this is done for every device after most of what it tells
+    for each in device.parts:  # one loop: this is done for every device after most of its messages
         part = each.part
         types[each.id] = part.service_type
         if part.category:
@@ -101,15 +101,15 @@ def facets_of(device: Device) -> Facets:
         gateways.add(endpoint.gateway)
     for fact in device.facts:
         conventions.add(fact.convention)
-    words_said = frozenset(map(fold, device.service_types or (device.service_type,)))
-    own = (words_said, senses, *map(frozenset, (capabilities, settable, gateways, conventions, categories)))
+    advertised = frozenset(map(fold, device.service_types or (device.service_type,)))
+    own = (advertised, possible_types, *map(frozenset, (capabilities, settable, gateways, conventions, categories)))
     shared = [_one_of(found) if len(found) <= _FEW else found for found in own]  # each takes 200 bytes
     return Facets(
         id=device.id,
         name=fold(device.name),
         kinds=_one_of_kinds(kinds) if len(kinds) <= _FEW else kinds,
-        words_said=shared[0],
-        senses=shared[1],
+        advertised=shared[0],
+        possible_types=shared[1],
         capabilities=shared[2],
         settable=shared[3],
         area=fold(device.area),

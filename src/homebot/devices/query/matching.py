@@ -68,23 +68,23 @@ class PartFacets:
         return frozenset(((self.part.part.service_type, self.part.part.tag),))
 
     @property
-    def words_said(self) -> frozenset[str]:
+    def advertised(self) -> frozenset[str]:
         """Its advertised type, folded."""
         return frozenset((fold(self.part.part.advertised or self.part.part.service_type),))
 
     @property
-    def senses(self) -> frozenset[str]:
+    def possible_types(self) -> frozenset[str]:
         """Nothing: a part has one type."""
         return frozenset()
 
     @property
     def capabilities(self) -> frozenset[str]:
-        """Names of what it can be asked or told."""
+        """Names of its capabilities."""
         return frozenset([capability.name for capability in self.part.part.capabilities])
 
     @property
     def settable(self) -> frozenset[str]:
-        """Names of what it can be told."""
+        """Names of its capabilities that can be set."""
         return frozenset([capability.name for capability in self.part.part.capabilities if capability.settable])
 
     @property
@@ -155,9 +155,9 @@ def fits(query: Query, device: Facets | PartFacets) -> bool:
             return not fits(term, device)
         case TypeIs():
             return (
-                (query.by_word and query.word in device.words_said)
-                or True in map(query.wants, device.kinds)
-                or (bool(device.senses) and device.senses == query.types)
+                (query.by_word and query.word in device.advertised)
+                or True in map(query.matches, device.kinds)
+                or (bool(device.possible_types) and device.possible_types == query.types)
             )
         case CanDo(name, settable):
             return name in (device.settable if settable else device.capabilities)
@@ -212,7 +212,7 @@ def _fits_fact(name: str, value: str, device: Facets | PartFacets) -> bool:
 
 
 def compares(term: StateIs, value: PlainValue) -> bool:
-    """Return whether *value* is as *term* wants it."""
+    """Return whether *value* satisfies *term*."""
     wanted = term.value
     if value is None:
         return False

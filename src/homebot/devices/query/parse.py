@@ -50,7 +50,7 @@ def parse_query(text: str) -> Query:
     """Return what *text* asks for; an empty text asks for everything.
 
     Raises:
-        UsageError: It is no query; says what of it is not understood, and what would be.
+        UsageError: It is no query; the message names what is not understood, and what would be.
     """
     return _Parser(tokens_of(text)).query()
 
@@ -242,7 +242,7 @@ def _is_known(word: str) -> bool:
 
 
 def _with_scopes(terms: list[Query]) -> list[Query]:
-    """Let adjectives speak of the types beside them."""
+    """Restrict adjectives to the types beside them."""
     types = frozenset(one for term in terms if isinstance(term, TypeIs) for one in term.types)
     return [_scoped(term, types) for term in terms] if types else terms
 

@@ -67,7 +67,7 @@ class TypeIs:
     tag: str = ""
     by_word: bool = True
 
-    def wants(self, kind: tuple[str, str]) -> bool:
+    def matches(self, kind: tuple[str, str]) -> bool:
         """Return whether a part of the type and tag *kind* matches."""
         service_type, tag = kind
         if service_type not in self.types:

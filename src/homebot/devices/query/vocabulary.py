@@ -27,7 +27,7 @@ KEYWORDS = frozenset({"and", "or", "not", "in", "with", "without", "but"})
 
 _FILLERS = "the a an all any every each device devices that which are is my of"
 FILLERS = frozenset(_FILLERS.split())
-"""Words that make a query a sentence and say nothing."""
+"""Words that make a query a sentence and mean nothing."""
 
 FIELDS: Mapping[str, str] = MappingProxyType(
     {
@@ -109,7 +109,7 @@ ABILITIES: Mapping[str, Query] = MappingProxyType(
         "lockable": CanDo("lock", settable=True),
     }
 )
-"""Adjectives of what a device can be told."""
+"""Adjectives of capabilities that can be set."""
 
 ADJECTIVES: Mapping[str, tuple[StateIs, ...]] = MappingProxyType(
     {

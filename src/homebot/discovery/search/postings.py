@@ -120,7 +120,7 @@ class Postings:
         return None
 
     def values_of(self, name: str) -> frozenset[str]:
-        """Return what there is of ``area``, ``gateway``, ``convention`` or ``said``, the words of announced types."""
+        """Return the values of ``area``, ``gateway``, ``convention`` or ``advertised``, a type as it was announced."""
         return frozenset(str(one[0]) for one in self._values_of.get(name, ()))
 
     def find(self, query: Query) -> Found:
@@ -203,10 +203,10 @@ class Postings:
         for service_type in query.types:
             for found in self._values_of.get(f"kind {service_type}", set()):
                 tag = str(found[0])
-                if query.wants((service_type, tag)):
+                if query.matches((service_type, tag)):
                     yield (f"kind {service_type}", tag)
         if query.by_word:
-            yield ("said", query.word)
+            yield ("advertised", query.word)
         if query.types:
             yield ("sense", query.types)
 
@@ -277,10 +277,10 @@ def _keys(facets: Facets) -> list[_Key]:
         keys.append(("fact name", facets.name))
     if facets.area:
         keys.append(("area", facets.area))
-    if facets.senses:
-        keys.append(("sense", facets.senses))
+    if facets.possible_types:
+        keys.append(("sense", facets.possible_types))
     keys += [(f"kind {service_type}", tag) for service_type, tag in facets.kinds]
-    keys += zip(repeat("said"), facets.words_said)
+    keys += zip(repeat("advertised"), facets.advertised)
     keys += zip(repeat("can"), facets.capabilities)
     keys += zip(repeat("set"), facets.settable)
     keys += zip(repeat("gateway"), facets.gateways)

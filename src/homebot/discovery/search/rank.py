@@ -96,12 +96,14 @@ def _weigh(term: Query, facets: Facets) -> tuple[float, str]:
 def _weigh_type(term: TypeIs, facets: Facets) -> tuple[float, str]:
     if facets.main_type in term.types:
         return _BEST, f"it is a {_plain(facets.main_type)}"
-    if term.by_word and term.word in facets.words_said:
+    if term.by_word and term.word in facets.advertised:
         return 2.5, f"it was announced as {term.word}"
     for kind in facets.kinds:
-        if term.wants(kind):
+        if term.matches(kind):
             return 2.0, f"a part of it is a {_plain(kind[0])}"
-    return (1.0, f"it may be a {term.word}") if facets.senses and facets.senses == term.types else (0.0, "")
+    if facets.possible_types and facets.possible_types == term.types:
+        return 1.0, f"it may be a {term.word}"
+    return 0.0, ""
 
 
 def _weigh_text(word: str, facets: Facets) -> tuple[float, str]:

@@ -35,7 +35,7 @@ def unknown_word(query: Query, postings: Postings) -> str:
 def _problem(term: Query, postings: Postings) -> str:
     match term:
         case TypeIs(word, types, _, by_word=True) if not types:
-            known = {*TYPE_WORDS, *postings.values_of("said")}
+            known = {*TYPE_WORDS, *postings.values_of("advertised")}
             some = f"known are {', '.join(sorted(DEVICE_TYPES)[:_SHOWN])}, …"
             return (
                 f"{word!r} is not a device type, and no device was announced as one; {did_you_mean(word, known, some)}"

@@ -2,13 +2,13 @@
 
 Anybody may announce anything, also a lamp whose command topic is a lock's. So it never counts who came first:
 
-- What is below a topic that is a device's own, as the bridge that speaks for it says, is that device's alone. Another
+- What is below a topic that is a device's own, by its bridge, is that device's alone. Another
   announcement may name such a topic where it is about the same device and was made at a place that names it.
 - Any other topic belongs to who was announced at the place that names it best; see
-  :mod:`homebot.discovery.topics.use`. The same goes for topics that a device speaks on, and for what is below its
+  :mod:`homebot.discovery.topics.use`. The same goes for topics that a device publishes on, and for what is below its
   command topics.
 - Where that is a tie, the topic is nobody's, unless it is evidently there for several: they are behind one bridge, or
-  do not say who they are, and they are three or more, or their places have a name in common.
+  do not identify themselves, and they are three or more, or their places have a name in common.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Use of topics by an announcement, and the names in the place where it was made. Pure.
 
 Who may publish where is the broker's to decide, and the place of an announcement is the one thing in it that its sender
-cannot choose freely: ``…/kitchen_lamp/config`` speaks for ``kitchen_lamp/set`` rather than ``…/intruder/config`` does.
+cannot choose freely: ``…/kitchen_lamp/config`` stands for ``kitchen_lamp/set`` rather than ``…/intruder/config`` does.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ _NOWHERE = Place()
 
 @lru_cache(maxsize=4096)
 def place_of(topic: str) -> Place:
-    """Return what the place *topic* says; nothing where it names nobody."""
+    """Return the names in the place *topic*; none where it names no device."""
     if not topic:
         return _NOWHERE
     levels: set[str] = set()
@@ -72,7 +72,7 @@ def place_of(topic: str) -> Place:
 
 
 def score(place: Place, topic: str) -> int:
-    """Return how many words and levels of *topic* name who speaks at *place*: the more, the more it is its own."""
+    """Return how many words and levels of *topic* are names in *place*: the more, the more it is its own."""
     if not place.words and not place.levels:
         return 0
     words, levels = _words_of(topic)
@@ -85,7 +85,7 @@ def names(place: Place) -> frozenset[str]:
 
 
 def is_called(place: Place, aliases: frozenset[str]) -> bool:
-    """Return whether who speaks at *place* has one of these names of a device; see :func:`aliases_of`."""
+    """Return whether *place* has one of these names of a device; see :func:`aliases_of`."""
     return not aliases.isdisjoint(place.levels) or not aliases.isdisjoint(place.numbers)
 
 
@@ -141,7 +141,7 @@ class TopicUse(NamedTuple):
         owns: Topics that the device has for itself, with all that is below them.
         identifiers: Who the device is, where it has such topics.
         bridge: The bridge that the device is behind.
-        is_anonymous: Whether it does not say who the device is.
+        is_anonymous: Whether it does not identify the device.
         is_native: Whether it is in a convention of devices themselves.
     """
 
