@@ -127,11 +127,12 @@ def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:
 
 @contextmanager
 def uncollected() -> Iterator[None]:
-    """Look for no garbage during the block: modules come to stay, and to look among them is a sixth of their time."""
+    """Look for no garbage during the block, nor ever in what it loads: a sixth of the time that modules take."""
     gc.disable()
     try:
         yield
     finally:
+        gc.freeze()
         gc.enable()
 
 
