@@ -29,6 +29,7 @@ BENCHMARKS = (
     "start_up",
     "ingest",
     "states",
+    "command_line",
     "walks",
 )
 HOME_ASSISTANT_PYTHON = Path(__file__).parent.parent / ".venv-bench-ha/bin/python"

@@ -1,12 +1,15 @@
-"""JSON without ambiguity: a key that is there twice is refused, for programs disagree on which one counts. Pure."""
+"""JSON without ambiguity: no key twice, on which programs disagree, and no character that is not ASCII. Pure."""
 
 from __future__ import annotations
 
+import codecs
 import json
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["DuplicateKeyError", "object_noting", "parse_strict"]
+__all__ = ["DuplicateKeyError", "in_ascii", "object_noting", "parse_strict"]
+
+_ESCAPE = "homebot.json"
 
 
 class DuplicateKeyError(ValueError):
@@ -23,6 +26,15 @@ def parse_strict(text: str | bytes) -> object:
     """
     value: object = json.loads(text, object_pairs_hook=_only_once)
     return value
+
+
+def in_ascii(text: str) -> str:
+    """Return the JSON *text* as :mod:`json` writes it, with all but visible ASCII and blanks as escapes.
+
+    Characters of the C1 set and half a surrogate pair are among them.
+    """
+    plain = text if text.isascii() else text.encode("ascii", _ESCAPE).decode()
+    return plain.replace("\x7f", "\\u007f")
 
 
 def object_noting(note: Callable[[str], None]) -> Callable[[list[tuple[str, Any]]], dict[str, Any]]:
@@ -54,3 +66,12 @@ def _repeated(pairs: list[tuple[str, Any]]) -> str:
             return key
         seen.add(key)
     return ""
+
+
+def _escaped(error: UnicodeError) -> tuple[str, int]:
+    """Return what stands for the characters that ASCII does not have, and where to go on."""
+    assert isinstance(error, UnicodeEncodeError)  # noqa: S101 - for the type checker: nobody else asks
+    return json.dumps(error.object[error.start : error.end])[1:-1], error.end
+
+
+codecs.register_error(_ESCAPE, _escaped)

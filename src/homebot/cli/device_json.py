@@ -2,29 +2,21 @@
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Mapping, Sequence
-from typing import Final
 
 from homebot.cli.records import DeviceRecord, StateRecord
 from homebot.cli.time_format import iso
 from homebot.cli.values import plain_value
+from homebot.strict_json import in_ascii
 
 __all__ = ["device_json", "json_text", "list_text"]
-
-_DELETE: Final = "\x7f"
-_ESCAPED: Final = re.compile(r"[^\x00-\x7e]+")
 
 
 def json_text(device: Mapping[str, object]) -> str:
     """Return *device* as JSON text in ASCII, indented: in a tenth of the time that the standard library takes."""
     from pydantic_core import to_json  # noqa: PLC0415 - for JSON alone
 
-    text = to_json(device, indent=2).decode()
-    if text.isascii() and _DELETE not in text:
-        return text
-    return _ESCAPED.sub(lambda found: json.dumps(found[0])[1:-1], text)
+    return in_ascii(to_json(device, indent=2).decode())
 
 
 def list_text(devices: Sequence[str]) -> str:
