@@ -1,7 +1,7 @@
 """The contract of gateways as one suite, which runs over every gateway.
 
-A gateway joins by a class derived from :class:`GatewayContract` with a ``lamp`` of its own: a :class:`Lamp` in a
-gateway that runs, of which the test plays the device's side.
+A gateway joins by a class derived from :class:`GatewayContract` with a ``lamp`` of its own, a :class:`Lamp` in
+its world of which the test plays the device's side, and a ``gateway`` to that world.
 """
 
 from __future__ import annotations
@@ -15,16 +15,19 @@ import anyio
 import pytest
 
 from homebot.devices import GatewayState, RawCommand, RawMessage, Sighting, SubscribeToTopic
-from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
-from homebot.devices.health import GetHealth, HealthRequest
+from homebot.devices.exposure import ExposedDevice, ExposedState
+from homebot.devices.gateway_messages import Command, Reading, Report, SendCommand, SendCommandResponse
+from homebot.devices.health import GetHealth, HealthRequest, HealthResponse, Quarantine
 from homebot.devices.names import text_address
-from homebot.devices.services import SubscribeToTopicRequest
+from homebot.devices.part import Capability, Part
+from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways import Gateway
-from homebot.graph import DurabilityPolicy, Node, QoSProfile, Subscription
+from homebot.gateways.base import Delivery
+from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription
 from homebot.messages import Message
 
-__all__ = ["GatewayContract", "Lamp", "running"]
+__all__ = ["GatewayContract", "Lamp", "Neighbour", "running"]
 
 MessageT = TypeVar("MessageT", bound=Message)
 
@@ -32,28 +35,49 @@ KEPT = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 PATIENCE = 60.0
 """Seconds: a gateway may wait a while whether an announcement that was withdrawn comes back."""
 
+ROBOT = ExposedDevice(
+    id="robot",
+    name="Robot",
+    parts=(Part(id="", service_type="light", capabilities=(Capability(name="on_off", settable=True),)),),
+)
+
 
 class Lamp(ABC):
-    """A lamp that can be turned on and off, in a gateway that runs.
+    """A lamp that can be turned on and off, in the world of a gateway: its broker, its folder, its radio.
 
     Args:
-        gateway: The gateway.
         key: What the gateway calls it.
         part: The id of its part.
+        address: Where it reports raw messages.
+
+    Attributes:
+        gateway: The gateway that runs there now.
+        name: What people call it.
     """
 
-    def __init__(self, gateway: Gateway, key: str, part: str = "") -> None:
-        self.gateway = gateway
+    gateway: Gateway
+    name = "Hall"
+
+    def __init__(self, key: str, part: str = "", *, address: str) -> None:
         self.key = key
         self.part = part
+        self.address = address
 
     @abstractmethod
     async def announce(self) -> None:
-        """Come into the house as ``Hall``, off."""
+        """Come into the house as :attr:`name`, off."""
 
     @abstractmethod
     async def report(self, *, on: bool) -> None:
         """Report whether it is on."""
+
+    @abstractmethod
+    def raw(self, *, on: bool) -> bytes:
+        """Return the raw message by which it does."""
+
+    @abstractmethod
+    async def misbehave(self) -> None:
+        """Let a stranger send so much that breaks the rules that no gateway should go on reading all of it."""
 
     @abstractmethod
     async def withdraw(self) -> None:
@@ -65,11 +89,26 @@ class Lamp(ABC):
 
     @abstractmethod
     async def lose_link(self) -> None:
-        """Let the gateway lose its devices' world."""
+        """Take the world away from the gateway, which may not run yet."""
 
     @abstractmethod
     async def mend_link(self) -> None:
-        """Give the gateway its devices' world back."""
+        """Give it back."""
+
+    async def meet_again(self) -> None:  # noqa: B027 - no duty: most networks keep what their devices announced
+        """Do what a device does by itself when a gateway was restarted."""
+
+
+class Neighbour(ABC):
+    """Another system in the world of a gateway, to which homebot exposes devices."""
+
+    @abstractmethod
+    async def seen(self, name: str) -> bool | None:
+        """Return whether the device that is called *name* is on; None where it is not seen, or says neither."""
+
+    @abstractmethod
+    async def turn(self, name: str, *, on: bool) -> None:
+        """Tell it to be on or off."""
 
 
 @asynccontextmanager
@@ -82,17 +121,43 @@ async def running(gateway: Gateway) -> AsyncIterator[None]:
 
 
 class GatewayContract:
-    """What every gateway does."""
+    """What every gateway does.
+
+    Attributes:
+        name: What the gateway is called.
+        time_is_virtual: Whether it costs nothing to wait.
+    """
+
+    name = "gateway"
+    time_is_virtual = False
 
     def lamp(self) -> AbstractAsyncContextManager[Lamp]:
-        """Return a lamp in a gateway that runs inside the block."""
+        """Return a lamp in its world, which is there inside the block."""
         raise NotImplementedError
 
+    def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
+        """Return a gateway to the world of *lamp*, with these *settings* beside those that lead there."""
+        raise NotImplementedError
+
+    def neighbour(self, lamp: Lamp) -> Neighbour | None:
+        """Return another system in the world of *lamp*; None where homebot cannot expose anything there."""
+        del lamp
+        return None
+
     @asynccontextmanager
-    async def house(self) -> AsyncIterator[tuple[Lamp, Node]]:
+    async def house(self, **settings: object) -> AsyncIterator[tuple[Lamp, Node]]:
         """Run the gateway with its lamp, and another node on its graph."""
-        async with self.lamp() as lamp, Node(lamp.gateway.node.graph, "watcher") as watcher:
+        graph = Graph()
+        async with self.lamp() as lamp, Node(graph, "watcher") as watcher, self.started(lamp, graph, settings):
             yield lamp, watcher
+
+    @asynccontextmanager
+    async def started(self, lamp: Lamp, graph: Graph, settings: dict[str, object]) -> AsyncIterator[None]:
+        """Run a gateway to the world of *lamp*."""
+        async with Node(graph, self.name, namespace="/gateway") as node:
+            lamp.gateway = self.gateway(lamp, node, settings)
+            async with running(lamp.gateway):
+                yield
 
     async def test_it_is_ready_and_active_once_it_has_started(self) -> None:
         async with self.house() as (lamp, watcher):
@@ -167,9 +232,8 @@ class GatewayContract:
             await becomes_told(lamp, on=True)
 
     async def test_a_gateway_that_only_observes_refuses_and_sends_nothing(self) -> None:
-        async with self.house() as (lamp, watcher):
+        async with self.house(act=False) as (lamp, watcher):
             await announced(lamp, watcher)
-            lamp.gateway.acts = False
             response = await send(lamp, watcher)
             assert (response.success, response.problem, response.unable) == (False, "refused", False)
             assert lamp.gateway.observes_because in response.message
@@ -216,24 +280,120 @@ class GatewayContract:
                     pass
             assert (await send(lamp, watcher)).success
 
+    async def test_before_it_has_its_link_it_is_ready_and_unavailable(self) -> None:
+        graph = Graph()
+        async with self.lamp() as lamp, Node(graph, "watcher") as watcher:
+            await lamp.lose_link()
+            async with self.started(lamp, graph, {}):
+                states = listen(watcher, GatewayState, lamp.gateway.names.state)
+                state = await first(states)
+                assert state.state == "unavailable"
+                assert state.reason
+                await lamp.mend_link()
+                with anyio.fail_after(PATIENCE):
+                    while (await states.receive()).state != "active":
+                        pass
+                await announced(lamp, watcher)
+
+    async def test_after_a_restart_it_finds_its_devices_again_by_the_same_keys(self) -> None:
+        """Its topics were empty; nobody else announces them for it."""
+        graph = Graph()
+        async with self.lamp() as lamp, Node(graph, "watcher") as watcher:
+            async with self.started(lamp, graph, {}):
+                before = await announced(lamp, watcher)
+            sightings = listen(watcher, Sighting, lamp.gateway.names.received_topics)
+            assert kept(sightings) == []
+            async with self.started(lamp, graph, {}):
+                await lamp.meet_again()
+                again = await first(sightings)
+                assert (again.key, again.name, again.parts) == (before.key, before.name, before.parts)
+                assert (await send(lamp, watcher)).success
+
+    @pytest.mark.parametrize("delivery", ["inbox", "mirror"])
+    async def test_raw_messages_come_to_the_inbox_of_who_asks_or_to_the_topic_of_the_device(
+        self, delivery: Delivery
+    ) -> None:
+        async with self.house(delivery=delivery) as (lamp, watcher):
+            await announced(lamp, watcher)
+            response = await subscribe(lamp, watcher, lamp.address)
+            mirror = lamp.gateway.names.received_data(lamp.name)
+            assert response.data_topic == {"inbox": f"{watcher.full_name}/inbox", "mirror": mirror}[delivery]
+            messages = watcher.create_subscription(RawMessage, response.data_topic)
+            await lamp.report(on=True)
+            with anyio.fail_after(PATIENCE):
+                while (message := await messages.receive()).payload != lamp.raw(on=True):
+                    pass
+            assert (message.gateway, message.key) == (lamp.gateway.node.name, lamp.key)
+            assert (message.address, message.retained) == (lamp.address, False)
+
+    async def test_a_peer_that_breaks_the_rules_is_quarantined_and_the_others_are_read(self) -> None:
+        async with self.house() as (lamp, watcher):
+            await announced(lamp, watcher)
+            quarantines = listen(watcher, Quarantine, lamp.gateway.names.quarantine)
+            await lamp.misbehave()
+            quarantine = await first(quarantines)
+            assert (quarantine.gateway, quarantine.is_over) == (lamp.gateway.node.name, False)
+            assert quarantine.offender
+            assert quarantine.why
+            assert quarantine.until.to_seconds() > quarantine.since.to_seconds()
+            reports = listen(watcher, Report, lamp.gateway.names.readings)
+            await lamp.report(on=True)
+            await reported(reports, on=True)
+            health = await healthy(lamp, watcher)
+            assert [one.offender for one in health.quarantined] == [quarantine.offender]
+            counts = {one.name: one.count for one in health.counts}
+            assert counts["quarantines"] == 1
+            assert counts["rejected"] + counts["announcements_rejected"] > 0
+
+    async def test_a_quarantine_ends_when_the_peer_is_quiet(self) -> None:
+        if not self.time_is_virtual:
+            pytest.skip("it is quiet for ten seconds")
+        async with self.house() as (lamp, watcher):
+            quarantines = listen(watcher, Quarantine, lamp.gateway.names.quarantine)
+            await lamp.misbehave()
+            begun, over = await first(quarantines), await first(quarantines)
+            assert (over.offender, over.is_over) == (begun.offender, True)
+            assert (await healthy(lamp, watcher)).quarantined == ()
+            assert kept(listen(watcher, Quarantine, lamp.gateway.names.quarantine)) == []
+
+    async def test_what_homebot_exposes_is_seen_by_other_systems_and_commanded_by_them(self) -> None:
+        async with self.house() as (lamp, watcher):
+            neighbour = self.neighbour(lamp)
+            if neighbour is None:
+                pytest.skip("its protocol shows homebot's own devices to nobody")
+            commands = watcher.create_subscription(Command, lamp.gateway.names.offer_commands)
+            offers = watcher.create_publisher(ExposedDevice, lamp.gateway.names.offers, KEPT)
+            states = watcher.create_publisher(ExposedState, lamp.gateway.names.offer_reports, KEPT)
+            offers.publish(ROBOT)
+            states.publish(
+                ExposedState(id=ROBOT.id, readings=(Reading(part="", capability="on_off", value=Value.of(True)),))
+            )
+            await becomes_seen(neighbour, on=True)
+            await neighbour.turn(ROBOT.name, on=False)
+            command = await first(commands)
+            assert (command.key, command.part, command.capability) == (ROBOT.id, "", "on_off")
+            assert command.value.plain() is False
+            offers.publish(ROBOT.model_copy(update={"is_withdrawn": True}))
+            await becomes_seen(neighbour, on=None)
+            assert kept(listen(watcher, Sighting, lamp.gateway.names.received_topics)) == []
+
     async def test_its_health_counts_commands(self) -> None:
         async with self.house() as (lamp, watcher):
             await announced(lamp, watcher)
             await send(lamp, watcher)
             await send(lamp, watcher, capability="volume")
-            health = await watcher.create_client(GetHealth, lamp.gateway.names.health).call(HealthRequest())
+            health = await healthy(lamp, watcher)
             counts = {one.name: one.count for one in health.counts}
-            assert (counts["commands"], counts["commands_refused"]) == (1, 1)
-            assert health.troubles == ()
+            assert (counts["commands"], counts["commands_refused"], counts["commands_failed"]) == (1, 1, 0)
+            assert counts["reports"] >= 1
+            assert (health.troubles, health.quarantined) == ((), ())
 
     async def test_a_part_is_listened_to_and_told_as_text(self) -> None:
         """As the light service does it."""
         async with self.house() as (lamp, watcher):
             await announced(lamp, watcher)
             address = text_address(lamp.key, lamp.part)
-            client = watcher.create_client(SubscribeToTopic, lamp.gateway.names.subscribe)
-            response = await client.call(SubscribeToTopicRequest(topic=address, listener=watcher.full_name))
-            assert (response.success, response.message) == (True, "")
+            response = await subscribe(lamp, watcher, address)
             texts = watcher.create_subscription(RawMessage, response.data_topic)
             await lamp.report(on=True)
             with anyio.fail_after(PATIENCE):
@@ -293,6 +453,25 @@ async def send(lamp: Lamp, watcher: Node, **change: object) -> SendCommandRespon
     asked = {"key": lamp.key, "part": lamp.part, "capability": "on_off", "value": Value.of(True), **change}
     client = watcher.create_client(SendCommand, lamp.gateway.names.send_command)
     return await client.call(Command.model_validate(asked))
+
+
+async def subscribe(lamp: Lamp, watcher: Node, address: str) -> SubscribeToTopicResponse:
+    """Let the watcher listen to *address*."""
+    client = watcher.create_client(SubscribeToTopic, lamp.gateway.names.subscribe)
+    response = await client.call(SubscribeToTopicRequest(topic=address, listener=watcher.full_name))
+    assert (response.success, response.message) == (True, "")
+    return response
+
+
+async def healthy(lamp: Lamp, watcher: Node) -> HealthResponse:
+    """Return the health of the gateway."""
+    return await watcher.create_client(GetHealth, lamp.gateway.names.health).call(HealthRequest())
+
+
+async def becomes_seen(neighbour: Neighbour, *, on: bool | None) -> None:
+    with anyio.fail_after(PATIENCE):
+        while await neighbour.seen(ROBOT.name) is not on:  # noqa: ASYNC110 - another system tells nobody
+            await anyio.sleep(0.02)
 
 
 async def becomes_told(lamp: Lamp, *, on: bool) -> None:

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import anyio
 import pytest
-from tests.gateways.contract import GatewayContract, Lamp, running
+from tests.gateways.contract import GatewayContract, Lamp
 
 from homebot import App, Light
 from homebot.gateways import Gateway
-from homebot.graph import Graph, Node
+from homebot.graph import Node
 from homebot.plugins import load_plugin
 from homebot.testing import TestHouse
 
@@ -40,8 +40,8 @@ def write(file: Path, *, on: bool) -> None:
 class FileLamp(Lamp):
     """A lamp that is a file."""
 
-    def __init__(self, gateway: Gateway, folder: Path) -> None:
-        super().__init__(gateway, "hall")
+    def __init__(self, folder: Path) -> None:
+        super().__init__("hall", address="hall.json")
         self._file = folder / "hall.json"
         self._own: str | None = None
 
@@ -51,6 +51,13 @@ class FileLamp(Lamp):
     async def report(self, *, on: bool) -> None:
         write(self._file, on=on)
         self._own = self._file.read_text()
+
+    def raw(self, *, on: bool) -> bytes:
+        return json.dumps({"name": "Hall", "on": on}).encode()
+
+    async def misbehave(self) -> None:
+        """A file that is long and no lamp, and read ten times a second."""
+        self._file.with_name("noise.json").write_bytes(b"?" * 1_500_000)
 
     async def withdraw(self) -> None:
         self._file.unlink()
@@ -77,11 +84,13 @@ class TestFolderGateway(GatewayContract):
 
     @asynccontextmanager
     async def lamp(self) -> AsyncIterator[Lamp]:
+        yield FileLamp(self.folder)
+
+    def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
+        del lamp
         kind = load_plugin("homebot.gateways", CLASS)
-        async with Node(Graph(), "folder", namespace="/gateway") as node:
-            gateway = kind(node, kind.Settings(folder=str(self.folder)))
-            async with running(gateway):
-                yield FileLamp(gateway, self.folder)
+        made: Gateway = kind(node, kind.Settings(folder=str(self.folder), **settings))
+        return made
 
 
 @pytest.fixture

@@ -7,10 +7,10 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
-from tests.gateways.contract import GatewayContract, Lamp, running
+from tests.gateways.contract import GatewayContract, Lamp
 
 from homebot.gateways import Gateway
-from homebot.graph import Graph, Node
+from homebot.graph import Node
 from homebot.plugins import load_plugin
 
 PACKAGE = Path(__file__).parent.parent / "packages" / "homebot-folder-gateway"
@@ -19,15 +19,22 @@ PACKAGE = Path(__file__).parent.parent / "packages" / "homebot-folder-gateway"
 class LampFile(Lamp):
     """A lamp that writes ``on`` or ``off`` into its file, and reads commands in another."""
 
-    def __init__(self, gateway: Gateway, folder: Path) -> None:
-        super().__init__(gateway, "Hall")
+    def __init__(self, folder: Path) -> None:
+        super().__init__("Hall", address="Hall.lamp")
         self._folder = folder
 
     async def announce(self) -> None:
         await self.report(on=False)
 
     async def report(self, *, on: bool) -> None:
-        (self._folder / "Hall.lamp").write_text("on" if on else "off")
+        (self._folder / "Hall.lamp").write_bytes(self.raw(on=on))
+
+    def raw(self, *, on: bool) -> bytes:
+        return b"on" if on else b"off"
+
+    async def misbehave(self) -> None:
+        """A file that is long and no lamp, and read ten times a second."""
+        (self._folder / "Noise.lamp").write_bytes(b"?" * 1_500_000)
 
     async def withdraw(self) -> None:
         (self._folder / "Hall.lamp").unlink()
@@ -54,8 +61,10 @@ class TestFolderOfThePackage(GatewayContract):
 
     @asynccontextmanager
     async def lamp(self) -> AsyncIterator[Lamp]:
+        yield LampFile(self.folder)
+
+    def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
+        del lamp
         kind = load_plugin("homebot.gateways", "homebot_folder:FolderGateway")
-        async with Node(Graph(), "folder", namespace="/gateway") as node:
-            gateway = kind(node, kind.Settings(folder=str(self.folder)))
-            async with running(gateway):
-                yield LampFile(gateway, self.folder)
+        made: Gateway = kind(node, kind.Settings(folder=str(self.folder), **settings))
+        return made

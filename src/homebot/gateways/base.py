@@ -46,20 +46,41 @@ devices, goes on trying, answers commands with ``unreachable``, and never ends b
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, TypeAlias
 
 import anyio
 from anyio.abc import TaskStatus
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict
 
 from homebot.devices import GatewayNames, GatewayState, Sighting
 from homebot.devices.gateway_messages import ONLY_OBSERVES, Report
 from homebot.gateways.context import GatewayContext, HostService
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, qos_profile_latched
+from homebot.units import Seconds
 
-__all__ = ["Gateway"]
+__all__ = ["Delivery", "Gateway", "GatewaySettings"]
+
+Delivery: TypeAlias = Literal["inbox", "mirror"]
+"""Where raw messages and texts are delivered; see :class:`GatewaySettings`."""
 
 _NEWEST_OF_EACH = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class GatewaySettings(BaseModel):
+    """The keys that the table of every gateway has; a gateway's own model derives from it and adds its own.
+
+    Attributes:
+        act: Whether commands are carried out; false observes only.
+        delivery: ``inbox`` puts raw messages and texts into the one inbox of each node that asked for them; ``mirror``
+            gives each device a topic ``/gateway/NAME/received_data/<device>``.
+        stale_after: Seconds of silence after which a device counts as stale that says nothing else.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    act: bool = True
+    delivery: Delivery = "inbox"
+    stale_after: Seconds = 3600.0
 
 
 class Gateway(ABC):
@@ -87,14 +108,17 @@ class Gateway(ABC):
     def __init__(
         self,
         node: Node,
-        settings: BaseModel,  # noqa: ARG002 - every gateway is given them
+        settings: BaseModel,
         context: GatewayContext | None = None,
     ) -> None:
         self.node = node
+        if isinstance(settings, GatewaySettings):
+            self.acts = settings.act
         self.context = context or GatewayContext()
         self.names = GatewayNames(node.name)
         self._sightings = node.create_publisher(Sighting, self.names.received_topics, _NEWEST_OF_EACH)
         self.reports = node.create_publisher(Report, self.names.readings, _NEWEST_OF_EACH)
+        self._state: GatewayState | None = None
         self._states = node.create_publisher(GatewayState, self.names.state, qos_profile_latched)
 
     @classmethod  # noqa: B027 - no duty: most gateways have nothing to look for
@@ -139,7 +163,7 @@ class Gateway(ABC):
             self._sightings.dispose(sighting.key)
 
     def publish_state(self, state: Literal["active", "unavailable"], reason: str = "") -> None:
-        """Publish whether the gateway reaches its devices' world.
+        """Publish whether the gateway reaches its devices' world; what was published already is nothing new.
 
         Args:
             state: ``unavailable`` where it does not; its devices stay.
@@ -147,4 +171,7 @@ class Gateway(ABC):
         """
         if not reason and not self.acts and self.observes_because != ONLY_OBSERVES:
             reason = self.observes_because
-        self._states.publish(GatewayState(state=state, reason=reason, acts=self.acts))
+        news = GatewayState(state=state, reason=reason, acts=self.acts)
+        if news != self._state:
+            self._state = news
+            self._states.publish(news)

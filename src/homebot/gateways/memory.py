@@ -1,23 +1,28 @@
 """The reference gateway: devices that exist in this process alone. No socket, so it runs in virtual time as well.
 
-It shows what a gateway has to do: keep one :class:`PublishedDevices`, put and remove devices, report what they say,
-carry out commands, and publish how its link is.
+It shows what a gateway has to do: keep one :class:`PublishedDevices`, put and remove devices, read what they say and
+charge them for what breaks the rules, carry out commands, and publish how its link is.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from typing import Annotated, ClassVar, Literal
+from collections.abc import Collection
+from typing import Annotated, ClassVar
 
 import anyio
 from anyio.abc import TaskStatus
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
+from homebot.conventions.payload import parse_object
 from homebot.devices import RawCommand
+from homebot.devices.exposure import ExposedDevice
 from homebot.devices.gateway_messages import Command
-from homebot.errors import LinkError
+from homebot.devices.value import PlainValue
+from homebot.errors import LinkError, WireError
+from homebot.gateways.announced.exposed_devices import ExposedDevices, KnownStates
 from homebot.gateways.announced.published_devices import MAX_DEVICES, PublishedDevices
-from homebot.gateways.base import Gateway
+from homebot.gateways.base import Gateway, GatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
 
@@ -27,21 +32,13 @@ KEPT = 1000
 """Commands that are remembered; the oldest goes."""
 
 
-class MemoryGatewaySettings(BaseModel):
+class MemoryGatewaySettings(GatewaySettings):
     """The table ``[gateways.NAME]`` of a gateway in memory.
 
     Attributes:
-        act: Whether commands are carried out; false observes only.
-        delivery: As of an MQTT gateway: one ``inbox`` for each node that listens, or a ``mirror`` of each device.
-        stale_after: Seconds of silence after which a device counts as stale.
         max_devices: Devices that may be known at once.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    act: bool = True
-    delivery: Literal["inbox", "mirror"] = "inbox"
-    stale_after: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 3600.0
     max_devices: Annotated[int, Field(ge=1)] = MAX_DEVICES
 
 
@@ -57,6 +54,7 @@ class MemoryGateway(Gateway):
         devices: Its devices.
         commands: The commands that it carried out, oldest first; at most 1,000.
         raw_commands: Likewise of raw commands.
+        exposed: The devices that homebot exposes through it, by id, each with the states that are known of it.
     """
 
     Settings: ClassVar[type[BaseModel]] = MemoryGatewaySettings
@@ -66,25 +64,43 @@ class MemoryGateway(Gateway):
     ) -> None:
         settings = settings or MemoryGatewaySettings()
         super().__init__(node, settings, context)
-        self.acts = settings.act
         self.commands: deque[Command] = deque(maxlen=KEPT)
         self.raw_commands: deque[RawCommand] = deque(maxlen=KEPT)
+        self.exposed: dict[str, tuple[ExposedDevice, KnownStates]] = {}
         self.devices = PublishedDevices(
             self,
             self._perform,
+            settings,
             send_raw=self._send_raw,
             find_source=self.find_source,
-            stale_after=settings.stale_after,
-            inboxes=settings.delivery == "inbox",
             max_devices=settings.max_devices,
         )
+        log = self.devices.engine.quarantine.log_limited
+        self._exposed = ExposedDevices(self, self._show, self._tell, log) if settings.act else None
         self._unavailable = ""
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Be there until cancelled."""
-        self.publish_state("active")
+        self.publish_state("unavailable" if self._unavailable else "active", self._unavailable)
         task_status.started()
         await anyio.sleep_forever()
+
+    async def receive(self, key: str, payload: bytes) -> None:
+        """Take a raw message of a device: the values of its part by capability, as a JSON object."""
+        if not self.devices.admits(key):
+            return
+        try:
+            values = {name: _plain(value) for name, value in parse_object(payload).items()}
+        except WireError as exc:
+            self.devices.reject(key, payload, str(exc))
+            return
+        await self.devices.deliver_raw(key, payload)
+        await self.devices.report(key, values)
+
+    def command_exposed(self, command: Command) -> None:
+        """Let another system tell an exposed device something; its id is the command's key."""
+        if self._exposed is not None:
+            self._exposed.command(command)
 
     def set_available(self) -> None:
         """Let the devices be reached again."""
@@ -106,13 +122,31 @@ class MemoryGateway(Gateway):
         self.raw_commands.append(command)
 
     def find_source(self, address: str) -> tuple[str, str]:
-        """Return key and name of the device that reports raw messages on *address*, its own.
+        """Return key and name of the device that reports raw messages on *address*.
 
         Raises:
             RefusedError: Nobody may listen there.
         """
-        return address, address
+        return self.devices.owner_of(address)
+
+    def _show(self, offer: ExposedDevice) -> None:
+        if offer.is_withdrawn:
+            self.exposed.pop(offer.id, None)
+        else:
+            self.exposed[offer.id] = offer, {}
+
+    def _tell(self, offer: ExposedDevice, known: KnownStates, changed: Collection[tuple[str, str]]) -> None:
+        del changed
+        self.exposed[offer.id] = offer, dict(known)
 
     def _check_link(self) -> None:
         if self._unavailable:
             raise LinkError(f"no device can be reached: {self._unavailable}")
+
+
+def _plain(value: object) -> PlainValue:
+    if value is None or isinstance(value, bool | str):
+        return value
+    if isinstance(value, int | float):
+        return float(value)
+    raise WireError(f"a value is a {type(value).__name__}")

@@ -6,18 +6,19 @@ While it is missing, such as a disk that is unplugged, the gateway is unavailabl
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import ClassVar
 
 import anyio
 from anyio.abc import TaskStatus
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel
 
 from homebot.devices import RawCommand
 from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Capability, Part
 from homebot.errors import LinkError, RefusedError, UsageError
-from homebot.gateways import Gateway, GatewayContext
+from homebot.gateways import Gateway, GatewayContext, GatewaySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.graph import Node
@@ -25,17 +26,16 @@ from homebot.graph import Node
 __all__ = ["FolderGateway", "FolderSettings"]
 
 MAX_LAMPS = 1000
+MAX_BYTES = 1000
 STATES = {b"on": True, b"off": False}
 
 
-class FolderSettings(BaseModel):
+class FolderSettings(GatewaySettings):
     """The table ``[gateways.NAME]``.
 
     Attributes:
         folder: The folder of the lamps.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     folder: str
 
@@ -49,8 +49,7 @@ class FolderGateway(Gateway):
         super().__init__(node, settings, context)
         self._folder = anyio.Path(settings.folder)
         self._lamps: dict[str, bytes] = {}
-        self._is_available: bool | None = None
-        self._devices = PublishedDevices(self, self._perform, send_raw=self._send_raw, max_devices=MAX_LAMPS)
+        self._devices = PublishedDevices(self, self._perform, settings, send_raw=self._send_raw, max_devices=MAX_LAMPS)
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
@@ -72,20 +71,25 @@ class FolderGateway(Gateway):
             await self._read_folder()
 
     async def _read_folder(self) -> None:
-        is_available = await self._folder.is_dir()
-        if is_available != self._is_available:
-            self._is_available = is_available
-            self.publish_state(*(("active",) if is_available else ("unavailable", f"{self._folder} does not exist")))
-        if not is_available:
+        if not await self._folder.is_dir():
+            self.publish_state("unavailable", f"{self._folder} does not exist")
             return
-        found = {path.stem: (await path.read_bytes()).strip() async for path in self._folder.glob("*.lamp")}
+        self.publish_state("active")
+        found = {path.stem: path async for path in self._folder.glob("*.lamp")}
         for name in self._lamps.keys() - found.keys():
             del self._lamps[name]
             self._devices.remove(name, "its file was deleted")
-        for name, payload in list(found.items())[:MAX_LAMPS]:
-            if self._lamps.get(name) != payload:
-                self._lamps[name] = payload
-                await self._publish(name, payload)
+        for name, path in list(found.items())[:MAX_LAMPS]:
+            if self._devices.admits(name):
+                with suppress(FileNotFoundError):  # it was deleted again
+                    await self._take(name, (await path.read_bytes()).strip())
+
+    async def _take(self, name: str, payload: bytes) -> None:
+        if len(payload) > MAX_BYTES:
+            self._devices.reject(name, payload, f"it is longer than {MAX_BYTES:,} bytes")
+        elif self._lamps.get(name) != payload:
+            self._lamps[name] = payload
+            await self._publish(name, payload)
 
     async def _publish(self, name: str, payload: bytes) -> None:
         on_off = Capability(name="on_off", settable=True)

@@ -30,8 +30,10 @@ class GatewayDevice:
         identifiers: See :func:`homebot.devices.identity.identifiers`; what it is known by beyond this gateway.
         area: The room that it is said to be in; empty for none.
         service_type: Its type in the protocol's own words; by default the type of its main part.
-        address: Where it reports raw messages; by default the text address of its main part.
-        command_address: Where it takes raw commands; likewise.
+        address: Where it says the state of its main part by itself, as plain text (``on``, ``21.5``) that apps read; by
+            default the text address of that part, on which the gateway says it.
+        command_address: Where it takes plain text by itself; likewise.
+        raw_address: Where its raw messages are listened to, whatever they look like; by default *address*.
         stale_after: Seconds of silence after which it counts as stale; 0 for what the gateway says of all.
         expiries: Values that end by themselves, by the id of the part, such as of a motion sensor that never says that
             all is quiet again.
@@ -46,8 +48,14 @@ class GatewayDevice:
     service_type: str = ""
     address: str = ""
     command_address: str = ""
+    raw_address: str = ""
     stale_after: float = 0.0
     expiries: Mapping[str, tuple[AutoExpiry, ...]] = field(default_factory=dict)
+
+    @property
+    def raw(self) -> str:
+        """The address on which its raw messages are listened to; empty for none of its own."""
+        return self.raw_address or self.address
 
     def stored(self, gateway: str) -> StoredAnnouncement:
         """Return it as *gateway* keeps and publishes it."""

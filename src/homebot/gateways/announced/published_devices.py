@@ -20,7 +20,7 @@ from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.last_messages import PartTexts, missed
 from homebot.gateways.announced.value_check import can_report, check_command
-from homebot.gateways.base import Gateway
+from homebot.gateways.base import Gateway, GatewaySettings
 
 __all__ = ["FindSource", "PublishedDevices", "SendRaw"]
 
@@ -50,9 +50,8 @@ class PublishedDevices:
         gateway: The gateway.
         perform: Carries out commands that fit the part they are for.
         send_raw: Sends raw commands to addresses; None for a protocol that has none.
-        find_source: Says whose an address of raw messages is; by default each is a device's of its own.
-        stale_after: Seconds of silence after which a device counts as stale that says nothing else.
-        inboxes: Whether nodes get raw messages and texts in their inboxes, rather than on a topic for each device.
+        find_source: Says whose an address of raw messages is; by default that of the device that has it.
+        settings: The settings of the gateway, for what every gateway's table has; by default their defaults.
         max_devices: Devices that may be known at once.
 
     Attributes:
@@ -65,13 +64,13 @@ class PublishedDevices:
         self,
         gateway: Gateway,
         perform: Perform,
+        settings: GatewaySettings | None = None,
         *,
         send_raw: SendRaw | None = None,
         find_source: FindSource | None = None,
-        stale_after: float = 3600.0,
-        inboxes: bool = True,
         max_devices: int = MAX_DEVICES,
     ) -> None:
+        settings = settings or GatewaySettings()
         self._gateway = gateway
         self._perform = perform
         self._max_devices = max_devices
@@ -80,7 +79,7 @@ class PublishedDevices:
         self._raw = _RawMessages(send_raw, find_source)
         self.problems: tuple[str, ...] = ()
         self.engine: GatewayEngine[bytes] = GatewayEngine(
-            gateway, self._devices, stale_after=stale_after, inboxes=inboxes
+            gateway, self._devices, stale_after=settings.stale_after, inboxes=settings.delivery == "inbox"
         )
         self.counters = self.engine.counters
         self._reporter = self.engine.reporter
@@ -92,6 +91,10 @@ class PublishedDevices:
     def keys(self) -> tuple[str, ...]:
         """The keys of all devices, in the order in which they came."""
         return tuple(self._devices)
+
+    def owner_of(self, address: str) -> tuple[str, str]:
+        """Return key and name of the device that reports raw messages on *address*; of none yet, the address itself."""
+        return self._raw.owner_of(address)
 
     def put(self, device: GatewayDevice, why: str, *, confirmed: bool = True) -> None:
         """Publish a device that is new, or described anew, or still there.
@@ -173,7 +176,7 @@ class PublishedDevices:
         message = RawMessage(
             gateway=stored.gateway,
             key=key,
-            address=stored.template.address,
+            address=self._given[key].raw or stored.template.address,
             payload=payload,
             retained=retained,
             received_at=self._reporter.stamp,
@@ -204,8 +207,9 @@ class PublishedDevices:
         if before is not None:
             stored.take_over_state(before)
             before.let_go()
-            self._raw.leave(self._given[device.key], unless=device.address)
+            self._raw.leave(self._given[device.key], unless=device.raw)
         self._given[device.key], self._devices[device.key] = device, stored
+        self._raw.enter(device)
         return stored
 
     async def _checked(self, command: Command) -> None:
@@ -233,13 +237,19 @@ class _RawMessages:
         self._send_raw = send_raw
         self._find_source = find_source
         self._last: dict[str, PartTexts] = {}
+        self._devices: dict[str, GatewayDevice] = {}
+
+    def enter(self, device: GatewayDevice) -> None:
+        if device.raw:
+            self._devices[device.raw] = device
 
     def keep(self, message: RawMessage, now: float) -> None:
         self._last.setdefault(message.address, PartTexts()).keep(message, now, is_event=False)
 
     def leave(self, device: GatewayDevice, unless: str = "") -> None:
-        if device.address != unless:
-            self._last.pop(device.address, None)
+        if device.raw != unless:
+            self._last.pop(device.raw, None)
+            self._devices.pop(device.raw, None)
 
     async def send_raw(self, command: RawCommand) -> None:
         if self._send_raw is None:
@@ -247,7 +257,11 @@ class _RawMessages:
         await self._send_raw(command)
 
     def find_source(self, address: str) -> tuple[str, str]:
-        return (address, address) if self._find_source is None else self._find_source(address)
+        return self.owner_of(address) if self._find_source is None else self._find_source(address)
+
+    def owner_of(self, address: str) -> tuple[str, str]:
+        device = self._devices.get(address)
+        return (address, address) if device is None else (device.key, device.name)
 
     def missed_by(self, address: str, since: float) -> tuple[RawMessage, ...]:
         last = self._last.get(address)

@@ -6,21 +6,18 @@ While the link is down nothing is lost: what is offered and said is kept, bounde
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from functools import partial
 
 import anyio
 
 from homebot.conventions.convention import OfferPublisher
 from homebot.conventions.description import Publication
-from homebot.devices.capabilities import EVENTS
-from homebot.devices.exposure import ExposedDevice, ExposedState
-from homebot.devices.gateway_messages import Command
-from homebot.devices.value import PlainValue
+from homebot.devices.exposure import ExposedDevice
 from homebot.errors import HomebotError, LinkError
+from homebot.gateways.announced.exposed_devices import ExposedDevices, KnownStates
 from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.base import Gateway
-from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.isolation import run_as
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
@@ -29,14 +26,9 @@ from homebot.mqtt.message import MqttMessage
 __all__ = ["Offers"]
 
 NOT_PUBLISHED = "gateway.not_published"
-NOT_TAKEN = "gateway.offer_not_taken"
-
-MAX_OFFERS = 1000
 
 MAX_EVENTS = 1000
 """Events that wait for the link; of more, the oldest go."""
-
-_QOS = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Offers:
@@ -54,16 +46,14 @@ class Offers:
         self, gateway: Gateway, publishers: tuple[OfferPublisher, ...], quarantine: PeerQuarantine[MqttMessage]
     ) -> None:
         self._node = gateway.node
-        self._names = gateway.names
         self._publishers = publishers if gateway.acts else ()
         self._quarantine = quarantine
-        self._offers: dict[str, ExposedDevice] = {}
-        self._known: dict[str, dict[tuple[str, str], PlainValue]] = {}
         self._waiting: dict[str, Publication] = {}
         self._events: deque[Publication] = deque(maxlen=MAX_EVENTS)
         self._news = anyio.Event()
+        self._exposed: ExposedDevices | None = None
         if self._publishers:
-            self._commands = gateway.node.create_publisher(Command, gateway.names.offer_commands, 100)
+            self._exposed = ExposedDevices(gateway, self._show, self._tell, quarantine.log_limited)
 
     def filters(self) -> tuple[str, ...]:
         """Return where commands come."""
@@ -83,63 +73,26 @@ class Offers:
             except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
                 self._quarantine.record_plugin_failure(message.topic, type(publisher).__name__, exc)
                 continue
-            for command in commands:
-                self._commands.publish(command)
-            if commands:
+            if commands and self._exposed is not None:
+                for command in commands:
+                    self._exposed.command(command)
                 return True
         return False
 
     async def serve(self, connection: MqttConnection) -> None:
         """Publish until cancelled."""
-        if not self._publishers:
+        if self._exposed is None:
             return
         await connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in self.filters()))
-        self._node.create_subscription(ExposedDevice, self._names.offers, self._offer, _QOS)
-        self._node.create_subscription(ExposedState, self._names.offer_reports, self._report, _QOS)
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(run_as, self._node.full_name, partial(self._publish, connection))
-            tasks.start_soon(run_as, self._node.full_name, partial(self._publish_anew, connection))
+            tasks.start_soon(run_as, self._node.full_name, partial(self._publish_anew, connection, self._exposed))
 
-    def _offer(self, offer: ExposedDevice) -> None:
-        if offer.id not in self._offers and len(self._offers) >= MAX_OFFERS:
-            self._quarantine.log_limited(NOT_TAKEN, f"{offer.id} is one offer too many", source=offer.id)
-            return
-        before = self._offers.get(offer.id)
-        if before is not None and before.parts != offer.parts:
-            self._say(before.model_copy(update={"is_withdrawn": True}))
-        self._offers[offer.id] = offer
-        self._say(offer)
-        known = self._known.get(offer.id, {})
-        if offer.is_withdrawn:
-            del self._offers[offer.id]
-            self._known.pop(offer.id, None)
-        elif before is not None and before.parts != offer.parts:
-            offered = _offered(offer)
-            self._known[offer.id] = {key: value for key, value in known.items() if key in offered}
-            self._say_states(offer)
-
-    def _report(self, report: ExposedState) -> None:
-        offer = self._offers.get(report.id)
-        if offer is None:
-            self._quarantine.log_limited(
-                NOT_TAKEN, f"{report.id} published a state but is not exposed", source=report.id
-            )
-            return
-        offered = _offered(offer)
-        changed = {key: one.value.plain() for one in report.readings if (key := (one.part, one.capability)) in offered}
-        known = self._known.setdefault(offer.id, {})
-        known.update(changed)
-        self._wait(one for publisher in self._publishers for one in publisher.states(offer, known, changed))
-        for key in [key for key in changed if key[1] in EVENTS]:
-            del known[key]
-
-    def _say_states(self, offer: ExposedDevice) -> None:
-        """Tell all that is known of *offer*; what happened is over and not told again."""
-        known = self._known.get(offer.id, {})
-        self._wait(one for publisher in self._publishers for one in publisher.states(offer, known, known))
-
-    def _say(self, offer: ExposedDevice) -> None:
+    def _show(self, offer: ExposedDevice) -> None:
         self._wait(one for publisher in self._publishers for one in publisher.publications(offer))
+
+    def _tell(self, offer: ExposedDevice, known: KnownStates, changed: Collection[tuple[str, str]]) -> None:
+        self._wait(one for publisher in self._publishers for one in publisher.states(offer, known, changed))
 
     def _wait(self, publications: Iterable[Publication]) -> None:
         """The newest state of each topic waits, so that a slow link costs no memory; of events each one does."""
@@ -179,14 +132,8 @@ class Offers:
         topic = next(iter(self._waiting))
         return self._waiting.pop(topic)
 
-    async def _publish_anew(self, connection: MqttConnection) -> None:
+    async def _publish_anew(self, connection: MqttConnection, exposed: ExposedDevices) -> None:
         async for state in connection.states():
             if state.phase is LinkPhase.CONNECTED:
-                for offer in self._offers.values():
-                    self._say(offer)
-                    self._say_states(offer)
+                exposed.show_all()
                 self._news.set()
-
-
-def _offered(offer: ExposedDevice) -> frozenset[tuple[str, str]]:
-    return frozenset((part.id, one.name) for part in offer.parts for one in part.capabilities if one.readable)

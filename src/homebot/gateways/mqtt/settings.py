@@ -6,20 +6,21 @@ import os
 import secrets
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, field_validator, model_validator
 
 from homebot.config import FilePath, check_secret_file, read_secret
 from homebot.errors import HomebotError, UsageError
 from homebot.gateways.announced.announcement_limits import MAX_MEMORY
+from homebot.gateways.base import Delivery
 from homebot.gateways.mqtt.loaded_conventions import any_announcing, check_tables, default_conventions
 from homebot.mqtt.client.choice import MqttClientName
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
 from homebot.units import Seconds
 
-__all__ = ["EMBEDDED", "Delivery", "MqttGatewaySettings"]
+__all__ = ["EMBEDDED", "MqttGatewaySettings"]
 
 EMBEDDED = "embedded"
 
@@ -33,8 +34,6 @@ losing any.
 INBOX_MESSAGES = 100_000
 INBOX_BYTES = 64 * 1024 * 1024
 """A house's announcements, all of which the broker sends at once; what it cannot get rid of soon, it drops."""
-
-Delivery = Literal["inbox", "mirror"]
 
 
 class MqttGatewaySettings(BaseModel):
