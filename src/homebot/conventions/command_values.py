@@ -6,13 +6,12 @@ import math
 from collections.abc import Callable, Iterable
 from typing import TypeAlias
 
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publications
 from homebot.conventions.payload import shown
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
 __all__ = [
-    "Publications",
     "Writer",
     "bool_writer",
     "number_writer",
@@ -25,8 +24,6 @@ __all__ = [
     "require_option",
     "require_transition",
 ]
-
-Publications: TypeAlias = tuple[Publication, ...]
 
 Writer: TypeAlias = Callable[[PlainValue, float], Publications]
 """The publications for a value and a transition in seconds; raises RefusedError."""

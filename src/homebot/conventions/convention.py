@@ -7,7 +7,7 @@ from typing import ClassVar, Protocol, runtime_checkable
 
 from pydantic import BaseModel
 
-from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, Publication
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, Publications
 from homebot.devices.exposure import ExposedDevice
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
@@ -47,7 +47,7 @@ class Convention(Protocol):
         """Return the filters of its announcements, to be subscribed to one after the other, each awaited, at QoS 0."""
         ...
 
-    def birth_messages(self) -> tuple[Publication, ...]:
+    def birth_messages(self) -> Publications:
         """Return what to publish, once subscribed and at every reconnect, so that devices announce themselves."""
         ...
 
@@ -74,13 +74,13 @@ class OfferPublisher(Protocol):
         """Return whether *topic* is one on which it announces; what comes there is no device."""
         ...
 
-    def publications(self, offer: ExposedDevice) -> tuple[Publication, ...]:
+    def publications(self, offer: ExposedDevice) -> Publications:
         """Return what makes *offer* be there, or be gone where it is withdrawn."""
         ...
 
     def states(
         self, offer: ExposedDevice, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
-    ) -> tuple[Publication, ...]:
+    ) -> Publications:
         """Return what publishes what is *known* of *offer* now that *changed* are news, by part and capability."""
         ...
 

@@ -22,6 +22,7 @@ __all__ = [
     "DeviceWithdrawn",
     "LastWillAvailability",
     "Publication",
+    "Publications",
     "TakesCode",
     "TextEndpoint",
 ]
@@ -46,6 +47,10 @@ class Publication:
     retain: bool = False
 
 
+Publications: TypeAlias = tuple[Publication, ...]
+"""What to publish, in this order."""
+
+
 class Codec(Protocol):
     """The codec of one part: pure, and bounded in time and memory whatever it is given."""
 
@@ -61,7 +66,7 @@ class Codec(Protocol):
         """
         ...
 
-    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
         """Return what to publish so that *capability* becomes *value*, on topics that the part names in ``writes``.
 
         Raises:
@@ -74,7 +79,7 @@ class Codec(Protocol):
 class TakesCode(Protocol):
     """A codec of a part that may want a code, in addition to :class:`Codec`."""
 
-    def write_with_code(self, capability: str, value: PlainValue, code: str) -> tuple[Publication, ...]:
+    def write_with_code(self, capability: str, value: PlainValue, code: str) -> Publications:
         """As :meth:`Codec.write`, with a code. It is a secret: no error shows it.
 
         Raises:
@@ -116,7 +121,7 @@ class DescribedPart:
 
     part: Part
     codec: Codec
-    state_requests: tuple[Publication, ...] = ()
+    state_requests: Publications = ()
     expiries: tuple[AutoExpiry, ...] = ()
     remembers: bool = False
     availability: Availability | None = None
@@ -259,7 +264,7 @@ class DeviceRequest:
     """
 
     key: str
-    publications: tuple[Publication, ...]
+    publications: Publications
 
 
 AnnouncementEvent: TypeAlias = DeviceAnnounced | DeviceWithdrawn | DeviceRequest

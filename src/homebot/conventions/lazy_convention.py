@@ -8,7 +8,7 @@ from typing import ClassVar, Generic, Protocol, TypeVar
 
 from pydantic import BaseModel
 
-from homebot.conventions.description import AnnouncementEvent, Publication
+from homebot.conventions.description import AnnouncementEvent, Publications
 from homebot.errors import WireError
 
 __all__ = ["LazyConvention", "MessageReader"]
@@ -63,7 +63,7 @@ class LazyConvention(ABC, Generic[SettingsT, ReaderT]):
         """Announcements that broke the rules, so far."""
         return self.reader.rejected if self.is_loaded else 0
 
-    def birth_messages(self) -> tuple[Publication, ...]:
+    def birth_messages(self) -> Publications:
         """Return nothing: announcements are retained."""
         return ()
 

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Generic, Never, Protocol, TypeAlias, TypeVar
 
 from homebot.conventions.command_values import Writer, require_transition
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publications
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, shown, to_json
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -21,7 +21,7 @@ MessageT_co = TypeVar("MessageT_co", covariant=True)
 Reader: TypeAlias = Callable[[MessageT], Readings]
 """The readings of one parsed message. Never raises."""
 
-CodedWriter: TypeAlias = Callable[[PlainValue, str], tuple[Publication, ...]]
+CodedWriter: TypeAlias = Callable[[PlainValue, str], Publications]
 """The publications for a value and a code, which is empty where none was given; raises RefusedError."""
 
 
@@ -99,7 +99,7 @@ class TableCodec(Generic[MessageT]):
             found.update(read(message))
         return found
 
-    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
         """Return what to publish so that *capability* becomes *value*."""
         if capability in self._coded_writers:
             require_transition(transition)
@@ -110,7 +110,7 @@ class TableCodec(Generic[MessageT]):
             raise RefusedError(shown(capability), f"this part takes {known}")
         return writer(value, require_transition(transition))
 
-    def write_with_code(self, capability: str, value: PlainValue, code: str) -> tuple[Publication, ...]:
+    def write_with_code(self, capability: str, value: PlainValue, code: str) -> Publications:
         """Return what to publish so that *capability* becomes *value*, which *code* allows."""
         if capability not in self._coded_writers:
             raise RefusedError(shown(capability), "it takes no code")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publication, Publications
 from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.devices.part import Part
 from homebot.devices.text.commands import decode_command, encode_command
@@ -50,7 +50,7 @@ class TextCodec:
         readings = self._decode(payload)
         return self._as_answer(readings) if payload == self._awaited and readings else readings
 
-    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
         """Return what to publish so that *capability* becomes *value*; there is no text for a transition."""
         del transition
         payload = encode_command(capability, value, self._part).encode(errors="replace")

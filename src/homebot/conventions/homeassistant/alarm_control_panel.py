@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from hmac import compare_digest
 
 from homebot.conventions.command_values import require_option
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic
@@ -77,7 +77,7 @@ class _AlarmCommands:
     coded: frozenset[str]
     code: str = field(repr=False)
 
-    def set(self, value: PlainValue, code: str) -> tuple[Publication, ...]:
+    def set(self, value: PlainValue, code: str) -> Publications:
         state = require_option("alarm", value, self.payloads)
         if state in self.coded:
             self._check(state, code)

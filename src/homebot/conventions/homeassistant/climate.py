@@ -8,7 +8,7 @@ from __future__ import annotations
 from functools import partial
 
 from homebot.conventions.command_values import require_bool
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.temperature import (
@@ -89,7 +89,7 @@ def _add_switch(
     texts = payloads if power else _modes_of_switch(modes)
     source = source_of(config, "mode_state") if "off" in modes else None
 
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def write(value: PlainValue, _transition: float) -> Publications:
         is_on = require_bool("on_off", value)
         if is_on not in texts:
             raise RefusedError(f"on_off {shown(value)}", f"none of its modes is that: {', '.join(modes)[:_SHOWN]}")

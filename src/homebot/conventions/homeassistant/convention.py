@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publication, Publications
 from homebot.conventions.lazy_convention import LazyConvention
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class HomeAssistantDiscovery(LazyConvention[HomeAssistantSettings, "HomeAssistan
         """Return where Home Assistant says that it is there, on which many devices act."""
         return tuple(f"{prefix}/status" for prefix in self.settings.prefixes)
 
-    def birth_messages(self) -> tuple[Publication, ...]:
+    def birth_messages(self) -> Publications:
         """Return Home Assistant's birth message per prefix, where the settings want it."""
         if not self.settings.announce_please:
             return ()

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.command_values import Writer, number_writer, option_writer
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import Scale, fields_of, number_of
 from homebot.conventions.homeassistant.entity import Entity
@@ -146,7 +146,7 @@ def _setter(name: str, command: CommandTopic | None, scale: Scale, variables: Ma
         return None
     seen_as = "tilt_position" if name == "tilt" else name
 
-    def publish(number: float) -> tuple[Publication, ...]:
+    def publish(number: float) -> Publications:
         percent = round(number)
         return command.publish(round(scale.value(percent)), {seen_as: percent, **variables})
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from datetime import date, datetime, time
 from typing import TypeAlias
 
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.payload import NO_READINGS, Readings, shown
@@ -37,7 +37,7 @@ def build_moment(config: DiscoveryConfig) -> DescribedPart:
         moment = spelled(text)
         return NO_READINGS if moment is None else {"text": moment}
 
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def write(value: PlainValue, _transition: float) -> Publications:
         moment = spelled(value) if isinstance(value, str) else None
         if moment is None:
             raise RefusedError(f"text {shown(value)}", f"it takes a {kind} as ISO 8601 has it")

@@ -7,7 +7,7 @@ from functools import partial
 from typing import TypeVar
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer, push_writer
-from homebot.conventions.description import AutoExpiry, Publication
+from homebot.conventions.description import AutoExpiry, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
 from homebot.conventions.part_builder import PartBuilder
@@ -111,7 +111,7 @@ class Entity(PartBuilder[StateMessage]):
         if not options:
             return
 
-        def write(option: str) -> tuple[Publication, ...]:
+        def write(option: str) -> Publications:
             publications = command.publish(option) if command else ()
             on_command(option)
             return publications

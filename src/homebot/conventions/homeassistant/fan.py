@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from homebot.conventions.command_values import number_writer, option_writer
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import Scale, whole_of
 from homebot.conventions.homeassistant.entity import Entity
@@ -72,7 +72,7 @@ def _add_speed(entity: Entity, config: DiscoveryConfig) -> None:
         percent = -1.0 if speed is None else scale.percent(speed)
         return {"fan_speed": percent} if 0 <= percent <= 100 else NO_READINGS
 
-    def publish(percent: float) -> tuple[Publication, ...]:
+    def publish(percent: float) -> Publications:
         return command.publish(math.ceil(scale.value(round(percent)))) if command else ()
 
     source = config.source("percentage_state_topic", "percentage_value_template")

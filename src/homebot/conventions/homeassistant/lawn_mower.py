@@ -6,7 +6,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/lawn_mower.py``.
 from __future__ import annotations
 
 from homebot.conventions.command_values import option_writer
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.payload import NO_READINGS, Readings
@@ -27,7 +27,7 @@ def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
             return {"mower": None}
         return {"mower": text} if text in _STATES else NO_READINGS
 
-    def publish(state: str) -> tuple[Publication, ...]:
+    def publish(state: str) -> Publications:
         command, action = commands[state]
         return command.publish(action)
 

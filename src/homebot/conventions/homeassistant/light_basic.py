@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publication, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import number_of, numbers_of, whole_of
 from homebot.conventions.homeassistant.entity import Entity
@@ -228,7 +228,7 @@ class _BasicLightCommands:
         modes = frozenset(self.colors) | ({"color_temp"} if self.white else frozenset())
         return modes or frozenset({"brightness" if self.brightness else "onoff"})
 
-    def publish(self, command: LightCommand) -> tuple[Publication, ...]:
+    def publish(self, command: LightCommand) -> Publications:
         if not command.on:
             return self.command.publish(self.payload_off)
         on = self.command.publication(self.payload_on)
@@ -237,7 +237,7 @@ class _BasicLightCommands:
             return (on, *values)
         return (*values, on) if self.order == "last" else values
 
-    def _values(self, command: LightCommand) -> tuple[Publication, ...]:
+    def _values(self, command: LightCommand) -> Publications:
         found: list[Publication] = []
         brightness = command.brightness
         if self.order == "brightness" and brightness is None:

@@ -16,7 +16,7 @@ from homebot.conventions.command_values import (
     require_option,
     require_transition,
 )
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.light_color import (
@@ -57,7 +57,7 @@ class LightCommand:
     transition: float | None = None
 
 
-Publish: TypeAlias = Callable[[LightCommand], tuple[Publication, ...]]
+Publish: TypeAlias = Callable[[LightCommand], Publications]
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,31 +123,31 @@ class LightFeatures:
         if self.effects or self.any_effect:
             entity.add_capability("effect", readable=readable("effect"), writer=self._effect, options=self.effects)
 
-    def _publish(self, command: LightCommand, transition: float) -> tuple[Publication, ...]:
+    def _publish(self, command: LightCommand, transition: float) -> Publications:
         seconds = require_transition(transition, _MOST_SECONDS)
         return self.publish(replace(command, transition=seconds) if seconds else command)
 
-    def _on_off(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def _on_off(self, value: PlainValue, transition: float) -> Publications:
         return self._publish(LightCommand(on=require_bool("on_off", value)), transition)
 
-    def _level(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def _level(self, value: PlainValue, transition: float) -> Publications:
         brightness = round(255 * require_number("level", value, 0, 100, "%") / 100)
         command = LightCommand(on=True, brightness=brightness) if brightness else LightCommand(on=False)
         return self._publish(command, transition)
 
-    def _white(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def _white(self, value: PlainValue, transition: float) -> Publications:
         low, high = self.white.bounds
         kelvin = require_number(
             "color_temperature", value, min(low, _LEAST_KELVIN), max(high, _MOST_WANTED_KELVIN), "K"
         )
         return self._publish(LightCommand(on=True, kelvin=int(kelvin)), transition)
 
-    def _color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def _color(self, value: PlainValue, transition: float) -> Publications:
         hue, saturation = require_color(value)
         color = from_hue_saturation(self.color_mode, hue, saturation, self.white.kelvins)
         return self._publish(LightCommand(on=True, mode=self.color_mode, color=color), transition)
 
-    def _effect(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def _effect(self, value: PlainValue, transition: float) -> Publications:
         if self.effects or not isinstance(value, str):
             require_option("effect", value, self.effects)
         return self._publish(LightCommand(on=True, effect=str(value)), transition)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import number_of
 from homebot.conventions.homeassistant.entity import Entity
@@ -61,7 +61,7 @@ def _modes(config: DiscoveryConfig) -> frozenset[str]:
     return modes
 
 
-def _publish(command: CommandTopic, scale: int, in_kelvin: bool, light: LightCommand) -> tuple[Publication, ...]:  # noqa: FBT001 - bound once, above
+def _publish(command: CommandTopic, scale: int, in_kelvin: bool, light: LightCommand) -> Publications:  # noqa: FBT001 - bound once, above
     message: dict[str, object] = {"state": "ON" if light.on else "OFF"}
     if light.color:
         message["color"] = dict(zip(CHANNELS[light.mode], light.color, strict=True))

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import whole_of
 from homebot.conventions.homeassistant.entity import Entity
@@ -78,7 +78,7 @@ def _modes(config: DiscoveryConfig) -> frozenset[str]:
     return frozenset(modes)
 
 
-def _publish(on: CommandTopic, off: CommandTopic, in_kelvin: bool, command: LightCommand) -> tuple[Publication, ...]:  # noqa: FBT001 - bound once, above
+def _publish(on: CommandTopic, off: CommandTopic, in_kelvin: bool, command: LightCommand) -> Publications:  # noqa: FBT001 - bound once, above
     variables: dict[str, object] = {"state": command.on}
     if command.brightness is not None:
         variables["brightness"] = command.brightness

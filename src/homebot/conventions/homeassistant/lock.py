@@ -6,7 +6,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/lock.py``.
 from __future__ import annotations
 
 from homebot.conventions.command_values import require_option
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.payload import NO_READINGS, Readings, shown
@@ -36,7 +36,7 @@ def build_lock(config: DiscoveryConfig) -> DescribedPart:
     def read(text: str) -> Readings:
         return {"lock": states[text]} if text.strip() and text in states else NO_READINGS
 
-    def write(value: PlainValue, code: str) -> tuple[Publication, ...]:
+    def write(value: PlainValue, code: str) -> Publications:
         if wants_code and not code:
             raise WrongCodeError(f"lock {shown(value)}", "it wants a code")
         return (command.publication_with_code(payloads[require_option("lock", value, payloads)], code),)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publication, Publications
 from homebot.conventions.homeassistant.published_climate import (
     publish_climate,
     publish_humidifier,
@@ -107,7 +107,7 @@ class HomeAssistantPublisher:
         """Return whether *topic* holds a config of this homebot, which it must not take for a device."""
         return topic.startswith(f"{self._prefix}/") and f"/{self._owner}/" in topic
 
-    def publications(self, offer: ExposedDevice) -> tuple[Publication, ...]:
+    def publications(self, offer: ExposedDevice) -> Publications:
         """Return what makes *offer* be there, or be gone, with all that the broker kept of it."""
         entities = tuple((part, self._entities(offer, part)) for part in offer.parts)
         publish = self._withdrawal if offer.is_withdrawn else self._config
@@ -119,7 +119,7 @@ class HomeAssistantPublisher:
 
     def states(
         self, offer: ExposedDevice, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
-    ) -> tuple[Publication, ...]:
+    ) -> Publications:
         """Return what publishes what is *known* of *offer* now that *changed* are news, by part and capability."""
         found: list[Publication] = []
         for part, entities in self._published.get(offer.id, ()):
@@ -150,7 +150,7 @@ class HomeAssistantPublisher:
     def _entities(self, offer: ExposedDevice, part: Part) -> tuple[PublishedEntity, ...]:
         return publish_part(part, EntityTopics(f"{self._base}/{_slug(offer.id)}/{_slug(part.id) or '_'}"))
 
-    def _config(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> tuple[Publication, ...]:
+    def _config(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> Publications:
         for topic, read in entity.commands.items():
             self._routes[topic] = _CommandRoute(offer.id, part.id, read)
         config: dict[str, object] = {
@@ -169,7 +169,7 @@ class HomeAssistantPublisher:
         payload = json.dumps(config, ensure_ascii=False).encode()
         return (Publication(self._config_topic(offer, part, entity), payload, qos=1, retain=True),)
 
-    def _withdrawal(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> tuple[Publication, ...]:
+    def _withdrawal(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> Publications:
         for topic in entity.commands:
             self._routes.pop(topic, None)
         kept = [state.topic for state in entity.states if not state.is_event]

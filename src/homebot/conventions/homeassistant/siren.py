@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import fields_of, number_of
 from homebot.conventions.homeassistant.entity import Entity
@@ -58,16 +58,16 @@ class _SirenCommands:
     payloads: Mapping[bool, str]
     tones: tuple[str, ...]
 
-    def switch(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def switch(self, value: PlainValue, _transition: float) -> Publications:
         return self._publish(on=require_bool("on_off", value))
 
-    def sound(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def sound(self, value: PlainValue, _transition: float) -> Publications:
         return self._publish(tone=require_option("siren_tone", value, self.tones))
 
-    def set_volume(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def set_volume(self, value: PlainValue, _transition: float) -> Publications:
         return self._publish(volume_level=require_number("volume", value, 0, 100, "%") / 100)
 
-    def _publish(self, *, on: bool = True, **fields: object) -> tuple[Publication, ...]:
+    def _publish(self, *, on: bool = True, **fields: object) -> Publications:
         command = self.on if on else self.off
         variables = {"state": self.payloads[on], **fields}
         if command.template is None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from homebot.conventions.command_values import require_number
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
@@ -227,7 +227,7 @@ class _Targets:
         self.last_values[key] = found[key]
         return {name: found[key] for name in self.names if self._key(name) == key}
 
-    def write(self, name: str, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def write(self, name: str, value: PlainValue, _transition: float) -> Publications:
         number = self.limits.number(require_number(name, value, *self.limits.bounds, "°C"))
         command = self.commands.get(self._key(name))
         if command is None:

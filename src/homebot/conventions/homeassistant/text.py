@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeAlias
 
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text
@@ -50,7 +50,7 @@ _LONGEST_MESSAGE = 4096
 def _build_setting(config: DiscoveryConfig, least: int, most: int, read: _Read | None) -> DescribedPart:
     command = config.required_command()
 
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def write(value: PlainValue, _transition: float) -> Publications:
         if not isinstance(value, str) or not least <= len(value) <= most:
             raise RefusedError("text", f"it takes a text of {least} to {most} characters")
         return command.publish(value)

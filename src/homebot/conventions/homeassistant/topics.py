@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from types import MappingProxyType
 
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publication, Publications
 from homebot.conventions.jinja import PayloadContext, Template, TemplateError, UndefinedValueError
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, shown
 from homebot.errors import InvalidNameError, RefusedError, WireError
@@ -237,7 +237,7 @@ class CommandTopic:
             raise RefusedError(f"a command on {self.topic}", f"it cannot be written in {self.encoding}") from None
         return Publication(self.topic, payload, self.qos, self.retain)
 
-    def publish(self, value: object, variables: Mapping[str, object] = _NO_VARIABLES) -> tuple[Publication, ...]:
+    def publish(self, value: object, variables: Mapping[str, object] = _NO_VARIABLES) -> Publications:
         """Return :meth:`publication` alone, as writers do."""
         return (self.publication(value, variables),)
 

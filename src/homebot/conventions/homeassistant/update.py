@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
-from homebot.conventions.description import Codec, DescribedPart, Publication
+from homebot.conventions.description import Codec, DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import fields_of
 from homebot.conventions.homeassistant.entity import Entity
@@ -85,5 +85,5 @@ class _ReadOnlyCodec:
     def read(self, topic: str, payload: bytes, *, retained: bool) -> Mapping[str, PlainValue]:
         return self.reader.read(topic, payload, retained=retained)
 
-    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:  # noqa: ARG002 - the interface has them
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:  # noqa: ARG002 - the interface has them
         raise RefusedError(f"{shown(capability)} of an update", "installing software is for people to decide")

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import Scale, fields_of, number_of
 from homebot.conventions.homeassistant.entity import Entity
@@ -109,13 +109,13 @@ class _ValveCommands:
     scale: Scale | None
     variables: Mapping[str, object]
 
-    def move(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def move(self, value: PlainValue, transition: float) -> Publications:
         state = require_option("valve", value, self.payloads)
         if self.scale is not None and state != "stopped":
             return self.set_position(100.0 if state == "open" else 0.0, transition)
         return self.command.publish(self.payloads[state])
 
-    def set_position(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def set_position(self, value: PlainValue, _transition: float) -> Publications:
         percent = round(require_number("position", value, 0, 100, "%"))
         scaled = percent if self.scale is None else round(self.scale.value(percent))
         return self.command.publish(scaled, {"position": percent, **self.variables})

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from homebot.conventions.command_values import bool_writer, option_writer, require_option
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publications
 from homebot.conventions.homie.model import HomieNode, HomieProperty
 from homebot.conventions.homie.node_types import tokens_in
 from homebot.conventions.homie.property_codecs import (
@@ -81,7 +81,7 @@ def add_lock(part: BytesPart, props: Props) -> None:
         value = read_plain(state, payload) if state is not None else None
         return {"lock": _LOCKS[value]} if isinstance(value, bool) else NO_READINGS
 
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def write(value: PlainValue, _transition: float) -> Publications:
         if state is not None and state.is_settable and value != "open":
             target = require_option("lock", value, ("locked", "unlocked", *(("open",) if "open" in commands else ())))
             return (publication(state, "true" if target == "locked" else "false"),)
@@ -105,7 +105,7 @@ def add_valve(part: BytesPart, props: Props) -> None:
         value = read_plain(state, payload)
         return {"valve": _VALVES[value]} if isinstance(value, bool) else NO_READINGS
 
-    def publish(target: str) -> tuple[Publication, ...]:
+    def publish(target: str) -> Publications:
         return (publication(state, "true" if target == "open" else "false"),)
 
     part.read_from(state.topic, read)

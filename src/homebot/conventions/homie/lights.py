@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.command_values import require_bool, require_color, require_number
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publications
 from homebot.conventions.homie.model import HomieProperty
 from homebot.conventions.homie.property_codecs import add_flag, percent_of, percent_written
 from homebot.conventions.homie.values import publication, read_color, read_plain, spell_color, spell_plain
@@ -46,7 +46,7 @@ def add_light(part: BytesPart, props: Mapping[str, HomieProperty]) -> None:
 class _HomieLamp:
     switch: HomieProperty | None
 
-    def switched(self, *, on: bool) -> tuple[Publication, ...]:
+    def switched(self, *, on: bool) -> Publications:
         if self.switch is None or not self.switch.is_settable:
             return ()
         return (publication(self.switch, "true" if on else "false"),)
@@ -61,13 +61,13 @@ def _add_level(part: BytesPart, lamp: _HomieLamp, level: HomieProperty) -> None:
             return NO_READINGS
         return {"level": percent, "on_off": percent > 0} if is_switch else {"level": percent}
 
-    def dim(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def dim(value: PlainValue, _transition: float) -> Publications:
         percent = require_number("level", value, 0, 100, "%")
         if percent == 0 and (off := lamp.switched(on=False)):
             return off
         return (percent_written(level, "level", percent), *lamp.switched(on=True))
 
-    def switch(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def switch(value: PlainValue, _transition: float) -> Publications:
         return (percent_written(level, "level", 100.0 if require_bool("on_off", value) else 0.0),)
 
     part.read_from(level.topic, read)
@@ -88,7 +88,7 @@ def _add_color(part: BytesPart, lamp: _HomieLamp, color: HomieProperty, *, has_l
             return {"color": (hue, saturation)}
         return {"color": (hue, saturation), "level": brightness}
 
-    def paint(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def paint(value: PlainValue, _transition: float) -> Publications:
         hue, saturation = require_color(value)
         return (publication(color, spell_color(color, hue, saturation)), *lamp.switched(on=True))
 
@@ -109,7 +109,7 @@ def _add_white(part: BytesPart, lamp: _HomieLamp, white: HomieProperty) -> None:
             return NO_READINGS
         return {"color_temperature": value if is_kelvin else float(round(MIRED / value))}
 
-    def warm(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def warm(value: PlainValue, _transition: float) -> Publications:
         least, most = bounds or _KELVIN
         kelvin = require_number("color_temperature", value, least, most, "K")
         number = white.range.kept(round(kelvin if is_kelvin else MIRED / kelvin, digits))

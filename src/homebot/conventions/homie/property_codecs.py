@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publication, Publications
 from homebot.conventions.homie.model import HomieProperty
 from homebot.conventions.homie.values import is_unknown_number, publication, read_plain, spell_plain
 from homebot.conventions.part_builder import BytesPart
@@ -135,7 +135,7 @@ def _add(
         found = None if value is None else meaning(value)
         return {capability: found} if found is not None or is_unknown_number(prop, payload) else NO_READINGS
 
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def write(value: PlainValue, _transition: float) -> Publications:
         return (publication(prop, spell(value)),)
 
     if prop.is_retained:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publication, Publications
 from homebot.conventions.lazy_convention import LazyConvention
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class Shelly(LazyConvention[ShellySettings, "ShellyReader"]):
         )
         return tuple(dict.fromkeys((*second, *_FIRST)))
 
-    def birth_messages(self) -> tuple[Publication, ...]:
+    def birth_messages(self) -> Publications:
         """Return what makes the first generation announce itself and report its states; the second is asked by id."""
         return Publication("shellies/command", b"announce"), Publication("shellies/command", b"update")
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from functools import partial
 
 from homebot.conventions.command_values import (
-    Publications,
     bool_writer,
     number_writer,
     option_writer,
@@ -20,7 +19,7 @@ from homebot.conventions.command_values import (
     require_color,
     require_number,
 )
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publication, Publications
 from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
 from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.payload import NO_READINGS, Readings, meaning_reader, percent_of, to_json, to_text

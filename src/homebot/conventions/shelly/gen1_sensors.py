@@ -9,8 +9,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
-from homebot.conventions.command_values import Publications, number_writer
-from homebot.conventions.description import Publication
+from homebot.conventions.command_values import number_writer
+from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.payload import NO_READINGS, Readings, percent_of, read_number, to_json, to_text
 from homebot.conventions.shelly.gen1_models import Gen1Topics

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TypeAlias
 
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, read_number
 from homebot.devices.part import Category
@@ -117,7 +117,7 @@ class ShellyComponent:
         """Name the topic that commands to *part* go to."""
         part.add_command_topics(f"{self.topics.prefix}/rpc")
 
-    def call(self, method: str, /, **params: object) -> tuple[Publication, ...]:
+    def call(self, method: str, /, **params: object) -> Publications:
         """Return the call of *method* of this component."""
         return (call(self.topics.prefix, self.topics.source, method, {"id": self.index, **params}),)
 

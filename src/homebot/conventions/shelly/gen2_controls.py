@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.command_values import (
-    Publications,
     Writer,
     bool_writer,
     number_writer,
@@ -19,6 +18,7 @@ from homebot.conventions.command_values import (
     require_color,
     require_number,
 )
+from homebot.conventions.description import Publications
 from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import Readings, percent_of

@@ -9,13 +9,13 @@ import re
 from collections.abc import Mapping
 
 from homebot.conventions.command_values import (
-    Publications,
     option_writer,
     push_writer,
     require_bool,
     require_number,
     require_option,
 )
+from homebot.conventions.description import Publications
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, shown
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent

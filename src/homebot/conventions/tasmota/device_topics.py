@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from homebot.conventions.command_values import require_bool
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.tasmota.config import TasmotaConfig
@@ -39,20 +39,20 @@ class TasmotaTopics:
         return f"{self.config.telemetry}SENSOR", f"{self.config.results}STATUS10"
 
     @property
-    def state_requests(self) -> tuple[Publication, ...]:
+    def state_requests(self) -> Publications:
         """Commands that make it report its outputs; none for one that sleeps, because it would never receive them."""
         return self._request("STATE", b"")
 
     @property
-    def sensor_requests(self) -> tuple[Publication, ...]:
+    def sensor_requests(self) -> Publications:
         """Commands that make it report its sensors; likewise."""
         return self._request("STATUS", b"10")
 
-    def publish(self, command: str, argument: str | int = "") -> tuple[Publication, ...]:
+    def publish(self, command: str, argument: str | int = "") -> Publications:
         """Return what to publish for one command."""
         return (Publication(self.topic(command), str(argument).encode()),)
 
-    def publish_all(self, commands: list[tuple[str, str | int]]) -> tuple[Publication, ...]:
+    def publish_all(self, commands: list[tuple[str, str | int]]) -> Publications:
         """Return what to publish for several commands that are carried out in one go."""
         backlog = ";".join(f"NoDelay;{command} {argument}" for command, argument in commands)
         return (Publication(self.topic("Backlog"), backlog.encode()),)
@@ -91,10 +91,10 @@ class TasmotaTopics:
         readings = self.read_power(index, message)
         return {"state": readings["on_off"]} if readings else NO_READINGS
 
-    def _switch(self, index: int, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def _switch(self, index: int, value: PlainValue, _transition: float) -> Publications:
         return self.publish(f"Power{index + 1}", self.state_text(require_bool("on_off", value)))
 
-    def _request(self, command: str, argument: bytes) -> tuple[Publication, ...]:
+    def _request(self, command: str, argument: bytes) -> Publications:
         return () if self.config.is_sleeper else (Publication(self.topic(command), argument),)
 
 

@@ -13,7 +13,7 @@ import colorsys
 from dataclasses import dataclass, field
 
 from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publications
 from homebot.conventions.light_color import kelvin_mired, mired_bounds
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
@@ -204,11 +204,11 @@ class _TasmotaLamp:
             found["effect"] = _EFFECTS[scheme]
         return found
 
-    def switch(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def switch(self, value: PlainValue, transition: float) -> Publications:
         on = require_bool("on_off", value)
         return self._publish([self._power(on)], transition, FadeTarget(on=on))
 
-    def dim(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def dim(self, value: PlainValue, transition: float) -> Publications:
         """Rounded twice, by way of 0 to 255, as Home Assistant does."""
         percent = require_number("level", value, 0, 100, "%")
         if not percent:
@@ -217,26 +217,24 @@ class _TasmotaLamp:
         apart = [self._power(on=True)] if self.topics.config.option(_POWER_APART_OPTION) else []
         return self._publish([(self.dimmer, steps), *apart], transition, FadeTarget(level=steps))
 
-    def set_white(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def set_white(self, value: PlainValue, transition: float) -> Publications:
         kelvin = require_number("color_temperature", value, 1_000, 40_000, "K")
         mired = kelvin_mired(int(kelvin))
         return self._publish([self._power(on=True), ("CT", mired)], transition, FadeTarget(mired=mired))
 
-    def set_color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def set_color(self, value: PlainValue, transition: float) -> Publications:
         hue, saturation = require_color(value)
         color_commands: list[tuple[str, str | int]] = [("HsbColor1", round(hue)), ("HsbColor2", round(saturation))]
         return self._publish([self._power(on=True), *color_commands], transition, FadeTarget(color=(hue, saturation)))
 
-    def play(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def play(self, value: PlainValue, transition: float) -> Publications:
         scheme = _EFFECTS.index(require_option("effect", value, _EFFECTS))
         return self._publish([self._power(on=True), ("Scheme", scheme)], transition, FadeTarget())
 
     def _power(self, on: bool) -> tuple[str, str | int]:  # noqa: FBT001 - it is what the command says
         return f"Power{self.index + 1}", self.topics.state_text(on)
 
-    def _publish(
-        self, commands: list[tuple[str, str | int]], transition: float, target: FadeTarget
-    ) -> tuple[Publication, ...]:
+    def _publish(self, commands: list[tuple[str, str | int]], transition: float, target: FadeTarget) -> Publications:
         """Tell it to fade first: ``Fade2`` and ``Speed2`` are for the next change only."""
         if not transition or self.kind == _ON_OFF or self.topics.config.is_tuya:
             return self.topics.publish_all(commands)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import chain
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.part_builder import JsonPart, with_own_ids
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.tasmota.config import LIGHT, RELAY, SHUTTER, TasmotaConfig, Tilt
@@ -62,10 +62,10 @@ class _Fan:
         self._speed = speed or self._speed
         return {"on_off": speed > 0, "fan_speed": _PERCENTS[speed]}
 
-    def switch(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def switch(self, value: PlainValue, _transition: float) -> Publications:
         return self._topics.publish(_COMMAND, self._speed if require_bool("on_off", value) else 0)
 
-    def set_speed(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def set_speed(self, value: PlainValue, _transition: float) -> Publications:
         percent = require_number("fan_speed", value, 0, 100, "%")
         return self._topics.publish(_COMMAND, next(speed for speed, most in enumerate(_PERCENTS) if percent <= most))
 
@@ -140,14 +140,14 @@ class _Shutter:
             found["tilt"] = min(100.0, max(0.0, percent))
         return found
 
-    def move(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def move(self, value: PlainValue, _transition: float) -> Publications:
         return self.topics.publish(f"Shutter{_COMMANDS[require_option('movement', value, _COMMANDS)]}{self.number}")
 
-    def set_position(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def set_position(self, value: PlainValue, _transition: float) -> Publications:
         percent = round(require_number("position", value, 0, 100, "%"))
         return self.topics.publish(f"ShutterPosition{self.number}", 100 - percent if self.is_inverted else percent)
 
-    def set_tilt(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def set_tilt(self, value: PlainValue, _transition: float) -> Publications:
         percent = require_number("tilt", value, 0, 100, "%")
         tilt = self.tilt or Tilt(0, 100)
         return self.topics.publish(

@@ -16,7 +16,7 @@ from homebot.conventions.description import (
     DescribedPart,
     DeviceAnnounced,
     DeviceWithdrawn,
-    Publication,
+    Publications,
     TextEndpoint,
 )
 from homebot.conventions.text_codec import TextCodec
@@ -58,7 +58,7 @@ class Thesis:
         root = self._root
         return (f"{root}/+/+/out", root, f"{root}/+", f"{root}/+/+", f"{root}/+/+/+/+/#")
 
-    def birth_messages(self) -> tuple[Publication, ...]:
+    def birth_messages(self) -> Publications:
         """Return nothing: no device of the layout announces itself when asked."""
         return ()
 

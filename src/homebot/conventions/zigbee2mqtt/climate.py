@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.command_values import require_option
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
 from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics
@@ -65,7 +65,7 @@ class _Mode:
             found = _MODES.get(reported) if isinstance(reported, str) else None
         return NO_READINGS if found is None else {"thermostat_mode": found}
 
-    def write(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def write(self, value: PlainValue, _transition: float) -> Publications:
         target = require_option("thermostat_mode", value, ("off", *self.by_hand, "auto"))
         if target in _OPTIONS:
             return self.topics.publish({self.program.key: _OPTIONS[target]})

@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from homebot.conventions.command_values import Publications, bool_writer, number_writer, option_writer
-from homebot.conventions.description import DescribedPart
+from homebot.conventions.command_values import bool_writer, number_writer, option_writer
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, same_scalar

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer, require_transition
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, is_unknown
 from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, Scalar
@@ -67,7 +67,7 @@ class Zigbee2MqttTopics:
         keys = [one.key for one in expose.features if one.key] if expose.type in SPECIFIC_TYPES else [expose.key]
         return replace(self, endpoint=expose.endpoint) if all(key.endswith(expose.suffix) for key in keys) else self
 
-    def publish(self, message: Mapping[str, object], transition: float = 0.0) -> tuple[Publication, ...]:
+    def publish(self, message: Mapping[str, object], transition: float = 0.0) -> Publications:
         """Return what to publish to set each property of *message*.
 
         Args:
@@ -87,7 +87,7 @@ class Zigbee2MqttTopics:
             raise RefusedError(f"a command to {self.state}", "it cannot be written in UTF-8") from None
         return (Publication(self.command, payload),)
 
-    def request_state(self, *features: Expose | None) -> tuple[Publication, ...]:
+    def request_state(self, *features: Expose | None) -> Publications:
         """Return what to publish so that the device reports *features*; nothing for those that cannot be requested."""
         keys = self._plain(_gettable(features)) if self.is_awake else {}
         if not keys:

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
-from homebot.conventions.command_values import Publications, push_writer
-from homebot.conventions.description import DescribedPart
+from homebot.conventions.command_values import push_writer
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, shown
 from homebot.conventions.units import Quantity, conversion_of, sensor_type
 from homebot.conventions.zigbee2mqtt.expose import Expose

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.light_color import (
     CHANNELS,
     KelvinRange,
@@ -88,10 +88,10 @@ class _Zigbee2MqttLamp:
             found["effect"] = played
         return found
 
-    def switch(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def switch(self, value: PlainValue, transition: float) -> Publications:
         return self._publish({}, transition, on=require_bool("on_off", value))
 
-    def dim(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def dim(self, value: PlainValue, transition: float) -> Publications:
         """Rounded twice, by way of 0 to 255, as Home Assistant does."""
         percent = require_number("level", value, 0, 100, "%")
         if not percent:
@@ -100,18 +100,18 @@ class _Zigbee2MqttLamp:
         steps = max(1, round(round(255 * percent / 100) * _full(brightness) / 255))
         return self._publish({brightness.key: steps}, transition)
 
-    def set_white(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def set_white(self, value: PlainValue, transition: float) -> Publications:
         low, high = _kelvins(self.features["color_temp"]) or _KELVIN
         kelvin = require_number("color_temperature", value, min(low, _KELVIN[0]), max(high, _KELVIN[1]), "K")
         return self._publish({self.features["color_temp"].key: kelvin_mired(int(kelvin))}, transition)
 
-    def set_color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def set_color(self, value: PlainValue, transition: float) -> Publications:
         hue, saturation = require_color(value)
         channels = from_hue_saturation(self.mode, hue, saturation, _NO_WHITE)
         color = dict(zip(CHANNELS[self.mode], channels, strict=True))
         return self._publish({self._color_property: color}, transition)
 
-    def play(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def play(self, value: PlainValue, transition: float) -> Publications:
         if self.effect is None:
             return ()
         option: Scalar = self.effect.options[require_option("effect", value, self.effect.options)]
@@ -121,7 +121,7 @@ class _Zigbee2MqttLamp:
     def _color_property(self) -> str:
         return self.features[f"color_{self.mode}"].key
 
-    def _publish(self, message: Mapping[str, object], transition: float, *, on: bool = True) -> tuple[Publication, ...]:
+    def _publish(self, message: Mapping[str, object], transition: float, *, on: bool = True) -> Publications:
         state = self.features.get("state")
         state_fields = {} if state is None else {state.key: state.value_on if on else state.value_off}
         return self.topics.publish({**state_fields, **message}, transition)

@@ -9,7 +9,7 @@ import re
 from functools import partial
 
 from homebot.conventions.command_values import Writer
-from homebot.conventions.description import Publication
+from homebot.conventions.description import Publication, Publications
 from homebot.conventions.payload import (
     MAX_STATE_BYTES,
     NO_READINGS,
@@ -195,7 +195,7 @@ def _read(capability: Capability, affordance: Affordance, payload: bytes) -> Rea
 
 def _write(
     capability: Capability, affordance: Affordance, form: Form, value: PlainValue, _transition: float
-) -> tuple[Publication, ...]:
+) -> Publications:
     """A Thing Description does not speak of transitions."""
     if affordance.kind == "action":
         if value is not True:
