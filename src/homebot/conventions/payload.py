@@ -26,9 +26,12 @@ __all__ = [
     "JsonMessage",
     "Readings",
     "clean_text",
+    "fields_of",
     "is_unknown",
     "meaning_reader",
     "noting_duplicates",
+    "number_of",
+    "numbers_of",
     "parse_json",
     "parse_list",
     "parse_object",
@@ -37,6 +40,7 @@ __all__ = [
     "shown",
     "to_json",
     "to_text",
+    "whole_of",
 ]
 
 
@@ -318,3 +322,38 @@ def percent_of(value: object) -> float | None:
     """Return the number from 0 to 100 that *value* is; None, unknown, for anything else."""
     number = to_number(value)
     return number if number is not None and 0 <= number <= 100 else None
+
+
+def number_of(value: object) -> float | None:
+    """Return the number that a text or a JSON value is; None where it is none. As in Python, true is 1."""
+    return float(value) if isinstance(value, bool) else to_number(value)
+
+
+def whole_of(text: str) -> int | None:
+    """Return the whole number that *text* is, without point or exponent; None where it is none."""
+    try:
+        return int(text) if len(text) <= _MAX_DIGITS else None
+    except ValueError:
+        return None
+
+
+def numbers_of(text: str, count: int) -> tuple[float, ...] | None:
+    """Return the *count* numbers that *text* has between commas; None where it has others."""
+    parts = text.split(",", count)
+    numbers = [number for part in parts if (number := number_of(part)) is not None]
+    return tuple(numbers) if len(numbers) == len(parts) == count else None
+
+
+def fields_of(text: str) -> Mapping[str, object]:
+    """Return the JSON object that *text* is; empty where it is none."""
+    if not text.lstrip().startswith("{"):
+        return _NO_FIELDS
+    try:
+        message = parse_json(text)
+    except WireError:
+        return _NO_FIELDS
+    return message if isinstance(message, dict) else _NO_FIELDS
+
+
+_NO_FIELDS: Mapping[str, object] = MappingProxyType({})
+_MAX_DIGITS = 40

@@ -2,8 +2,8 @@ import pytest
 
 from homebot.conventions.description import AutoExpiry
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.conversion import Scale, fields_of, number_of, numbers_of, whole_of
-from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.homeassistant.entity import Entity, Scale
+from homebot.conventions.payload import fields_of, number_of, numbers_of, whole_of
 from homebot.errors import RefusedError, WireError
 
 

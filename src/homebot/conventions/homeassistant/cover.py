@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from homebot.conventions.command_values import Writer, number_writer, option_writer
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.conversion import Scale, fields_of, number_of
-from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.homeassistant.entity import Entity, Scale
 from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
-from homebot.conventions.payload import NO_READINGS, Readings
+from homebot.conventions.payload import NO_READINGS, Readings, fields_of, number_of
 from homebot.devices.value import PlainValue
 
 __all__ = ["build_cover"]

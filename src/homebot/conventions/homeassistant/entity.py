@@ -1,8 +1,12 @@
-"""Builder of the part of one component, and the capabilities that several components share. Pure."""
+"""Builder of the part of one component, with the capabilities that several components share. Pure.
+
+Source of the percentages: Home Assistant core 2025.4, ``util/scaling.py`` and ``util/percentage.py``.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from typing import TypeVar
 
@@ -15,7 +19,7 @@ from homebot.conventions.payload import NO_READINGS, Readings, clean_text, meani
 from homebot.devices.part import Category
 from homebot.errors import WireError
 
-__all__ = ["Entity"]
+__all__ = ["Entity", "Scale"]
 
 
 ReadT = TypeVar("ReadT")
@@ -214,3 +218,32 @@ _WIDE = (-1e15, 1e15)
 
 def _not_empty(meanings: Mapping[str, ValueT]) -> Mapping[str, ValueT]:
     return {text: meaning for text, meaning in meanings.items() if text}
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """Two values of a device that stand for 0 % and 100 %; the first may be the larger one.
+
+    Raises:
+        WireError: Both are the same.
+    """
+
+    zero: int
+    full: int
+
+    def __post_init__(self) -> None:
+        if self.zero == self.full:
+            raise WireError(f"0 % and 100 % are the same value, {self.zero}")
+
+    def percent(self, value: float) -> float:
+        """Return *value* in whole percent, rounded towards the zero; outside of 0 to 100 where the value is outside."""
+        value = min(max(value, -_FAR), _FAR)
+        return float((value - self.zero) * 100 // (self.full - self.zero))
+
+    def value(self, percent: float) -> float:
+        """Return the exact value that stands for *percent*."""
+        return percent * (self.full - self.zero) / 100 + self.zero
+
+
+_FAR = 1e100
+"""Beyond any device's values, and still a number after multiplication."""

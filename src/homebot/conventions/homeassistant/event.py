@@ -9,10 +9,9 @@ from __future__ import annotations
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.conversion import fields_of
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import StateMessage
-from homebot.conventions.payload import NO_READINGS, Readings, clean_text, shown
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, fields_of, shown
 from homebot.errors import WireError
 
 __all__ = ["build_event", "build_tag", "build_trigger"]

@@ -10,9 +10,8 @@ import math
 from homebot.conventions.command_values import number_writer, option_writer
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.conversion import Scale, whole_of
-from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.payload import NO_READINGS, Readings, meaning_reader, shown
+from homebot.conventions.homeassistant.entity import Entity, Scale
+from homebot.conventions.payload import NO_READINGS, Readings, meaning_reader, shown, whole_of
 from homebot.errors import WireError
 
 __all__ = ["build_fan"]

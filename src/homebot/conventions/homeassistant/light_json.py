@@ -12,7 +12,6 @@ from functools import partial
 
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.conversion import number_of
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.light_command import LightCommand, LightFeatures, read_white_range
 from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage
@@ -23,7 +22,7 @@ from homebot.conventions.light_color import (
     to_hue_saturation,
     white_kelvin,
 )
-from homebot.conventions.payload import NO_READINGS, Readings, clean_text, shown
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, number_of, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 
-from homebot.conventions.homeassistant.conversion import fields_of, number_of
 from homebot.conventions.homeassistant.published_entity import (
     Available,
     EntityTopics,
@@ -27,6 +26,7 @@ from homebot.conventions.homeassistant.published_entity import (
     take_settable,
     unknown_text,
 )
+from homebot.conventions.payload import fields_of, number_of
 from homebot.devices.part import Capability, Part
 
 __all__ = [

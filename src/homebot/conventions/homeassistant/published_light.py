@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 
-from homebot.conventions.homeassistant.conversion import number_of
 from homebot.conventions.homeassistant.published_entity import (
     Available,
     CommandReader,
@@ -18,7 +17,7 @@ from homebot.conventions.homeassistant.published_entity import (
     Values,
 )
 from homebot.conventions.light_color import kelvin_mired
-from homebot.conventions.payload import parse_json
+from homebot.conventions.payload import number_of, parse_json
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from homebot.conventions.command_values import require_bool, require_number, require_option
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.conversion import fields_of, number_of
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic
-from homebot.conventions.payload import Readings
+from homebot.conventions.payload import Readings, fields_of, number_of
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 

@@ -11,9 +11,8 @@ from functools import partial
 
 from homebot.conventions.description import Codec, DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.conversion import fields_of
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.payload import NO_READINGS, Readings, clean_text, shown
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, fields_of, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 

@@ -10,9 +10,8 @@ from functools import partial
 from homebot.conventions.command_values import option_writer
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.conversion import fields_of, number_of
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.payload import Readings, clean_text
+from homebot.conventions.payload import Readings, clean_text, fields_of, number_of
 from homebot.devices.value import PlainValue
 
 __all__ = ["build_vacuum"]
