@@ -58,7 +58,7 @@ class LightService(App):
         self._problems = LogLimit(node.graph.clock)
 
     async def run(self) -> None:
-        """Listen to each lamp from when it appears."""
+        """Subscribe to each lamp from when it appears."""
         async for change in self.devices.follow(SERVICE_TYPE):
             if change.kind == "removed":
                 self._noted_off.discard(change.device.id)

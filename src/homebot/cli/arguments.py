@@ -179,7 +179,7 @@ def whole(text: str) -> int:
 
 
 def _hidden(text: str) -> str:
-    """Without what may be a password."""
+    """Return *text* without what may be a password."""
     return f"…@{text.rpartition('@')[2]}" if "@" in text else text
 
 

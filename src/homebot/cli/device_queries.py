@@ -122,7 +122,7 @@ def _near(door: DoorClient, name: str) -> list[DeviceRecord]:
 
 
 def _called(name: str, devices: Sequence[DeviceRecord]) -> list[DeviceRecord]:
-    """The one whose id *name* is, or all that are called so."""
+    """Return the device whose id *name* is, or all that have the name."""
     wanted = fold(name)
     own = [one for one in devices if one["id"] == name]
     return own or [one for one in devices if wanted in {fold(text) for text in (one["id"], one["name"], *one["names"])}]

@@ -36,5 +36,5 @@ def iso(time: TimeRecord) -> str:
 
 @lru_cache(maxsize=4096)
 def _to_the_second(sec: int) -> str:
-    """Many devices are heard in one second."""
+    """Return the time to the second; cached, because many devices report in one."""
     return datetime.fromtimestamp(sec, UTC).strftime("%Y-%m-%dT%H:%M:%S")

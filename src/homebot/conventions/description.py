@@ -80,7 +80,7 @@ class TakesCode(Protocol):
     """A codec of a part that may want a code, in addition to :class:`Codec`."""
 
     def write_with_code(self, capability: str, value: PlainValue, code: str) -> Publications:
-        """As :meth:`Codec.write`, with a code. It is a secret: no error shows it.
+        """Write as :meth:`Codec.write`, with a code. It is a secret: no error shows it.
 
         Raises:
             RefusedError: As there, or it is the wrong code, or the part takes none for that.

@@ -78,7 +78,7 @@ class PartBuilder(Generic[MessageT]):
     def add_coded_capability(
         self, name: str, writer: CodedWriter, *, readable: bool = True, options: tuple[str, ...] = ()
     ) -> None:
-        """As :meth:`add_capability`, for what may be set with a code alone."""
+        """Add a capability as :meth:`add_capability`, for what may be set with a code alone."""
         self._capabilities[name] = Capability(name=name, readable=readable, settable=True, options=options)
         self._coded_writers[name] = writer
 
@@ -87,7 +87,7 @@ class PartBuilder(Generic[MessageT]):
         self._readers[topic] = (*self._readers.get(topic, ()), reader)
 
     def read_events_from(self, topic: str, reader: Reader[MessageT]) -> None:
-        """As :meth:`read_from`, but what the broker had kept is not read: it happened before."""
+        """Read events from a topic as :meth:`read_from`, but not what the broker had retained: it happened before."""
         self._readers.setdefault(topic, ())
         self._event_readers[topic] = (*self._event_readers.get(topic, ()), reader)
 

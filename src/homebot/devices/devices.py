@@ -243,7 +243,7 @@ class Devices:
         self._subscribe(response.data_topic, response.missed)
 
     async def _ask_again(self) -> None:
-        """A gateway that was restarted has forgotten its listeners; with any other, asking twice changes nothing."""
+        """Ask again, because a gateway that was restarted has forgotten who subscribed; asking twice does no harm."""
         async for service in self._node.graph.watch_services():
             for gateway, addresses in list(self._wanted.items()):
                 if service in {None, GatewayNames(gateway).subscribe}:
@@ -286,7 +286,7 @@ class Devices:
         return self._observing.get(gateway, "")
 
     def _subscribe(self, topic: str, missed: tuple[RawMessage, ...]) -> None:
-        """No other task runs between the gateway's answer and this, so nothing is lost and nothing comes twice."""
+        """Subscribe; no other task runs since the gateway's answer, so nothing is lost and nothing comes twice."""
         if topic not in self._subscriptions:
             self._subscriptions[topic] = self._node.create_subscription(RawMessage, topic, self._dispatch, _INBOX_DEPTH)
         for message in missed:

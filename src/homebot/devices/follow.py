@@ -120,7 +120,7 @@ class Follow:
         return changes
 
     def _note_state(self, change: StateChange) -> None:
-        """Only the newest of each counts; it waits until all changes of devices are read that were told before it."""
+        """Note a state; the newest of each waits until all changes of devices from before it are read."""
         self._new_states[change.stream] = change
         self._new_states.move_to_end(change.stream)
         if len(self._new_states) > _MAX_STATES:
@@ -130,7 +130,7 @@ class Follow:
             self._changes.mailbox.wake()
 
     async def _watch_directory(self) -> None:
-        """One that was restarted has a new index, and numbers its changes anew."""
+        """Watch for a directory that was restarted: it has a new index, and numbers its changes anew."""
         with self._watch:
             is_first = True
             async for service in self._node.graph.watch_services():

@@ -110,7 +110,7 @@ class ChangeQueue:
         return any((known.part, known.capability) == place for known in entry.to_device(self._topics).states)
 
     def _changes(self, one: _PendingChange) -> Iterator[DeviceChange]:
-        """The change, and what became disputed by it."""
+        """Yield the change, and what became disputed by it."""
         entry = one.entry
         if self._last.get(entry.id) is one:
             del self._last[entry.id]

@@ -146,7 +146,7 @@ class Directory:
                         self._follow(change.entity)
 
     def _follow_all(self) -> None:
-        """Sightings first: a report of a device that nobody announced says nothing."""
+        """Follow all topics, sightings first: a report of a device that nobody announced has no meaning."""
         endpoints = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER)
         for kind in (Sighting, Report):
             for endpoint in endpoints:
@@ -233,7 +233,7 @@ class Directory:
             self._earlier_deadline.set()
 
     async def _publish_changes(self) -> None:
-        """Tell what happened, and sort it in for queries, while nothing else is to be done."""
+        """Publish changes, and sort them in for queries, while nothing else is to be done."""
         while True:
             await self._happened.wait()
             self._happened = anyio.Event()
@@ -253,7 +253,7 @@ class Directory:
                 await anyio.lowlevel.checkpoint()
 
     def _publish_some(self, at_most: int) -> bool:
-        """Tell of so many changes and, after the last one, of new states; return whether more may wait."""
+        """Publish so many changes and, after the last one, new states; return whether more may wait."""
         changes = self.index.take_changes(at_most)
         for change in changes:
             self._services.remember(change)

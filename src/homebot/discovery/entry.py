@@ -99,11 +99,11 @@ class Entry:
         return max(confirmed or self.sources.values(), key=lambda one: (one.heard_at, _moment(one.seen_at))).seen_at
 
     def invalidate_device(self) -> None:
-        """Its states or its freshness changed."""
+        """Build the device anew when it is next asked for: its states or its freshness changed."""
         self._device = None
 
     def invalidate_description(self) -> None:
-        """Its announcements changed, or what is disputed about it."""
+        """Build the description anew when next asked for: its announcements changed, or what is disputed about it."""
         if self._description is not None:
             self.known_ids = self.part_ids()
             self._description = None
@@ -274,7 +274,7 @@ def _metadata(sources: Sequence[SourceRecord]) -> tuple[KeyValue, ...]:
 
 
 def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
-    """Each value once for each gateway and convention, by the first announcement that says it."""
+    """Return each value once for each gateway and convention, by the first announcement that has it."""
     found: dict[tuple[str, str, str, str], Fact] = {}
     for source in sources:
         gateway, key, convention = source.sighting.gateway, source.sighting.key, source.sighting.convention
@@ -299,7 +299,7 @@ def _facts_of(source: SourceRecord) -> list[tuple[str, str]]:
 
 
 def _endpoints(sources: Sequence[SourceRecord], main: DevicePart | None) -> tuple[Endpoint, ...]:
-    """One for each gateway: two conventions at one gateway say everything twice."""
+    """Return one for each gateway: two conventions at one gateway publish everything twice."""
     found: dict[str, Endpoint] = {}
     if main is not None:
         sightings = {source.key: source.sighting for source in sources}

@@ -144,7 +144,7 @@ def read_tombstone(device_id: str, text: str) -> Tombstone:
 
 
 def _as_last_seen(source: SourceRecord) -> Sighting:
-    """The clock may have been set since the sighting: what is kept is for how long silence is no bad sign."""
+    """Return the sighting as last seen: as the clock may have been set since, the silence allowed is what is kept."""
     expires_at = Time.from_seconds(source.seen_at.to_seconds() + source.lasts)
     return source.sighting.model_copy(update={"seen_at": source.seen_at, "expires_at": expires_at, "confirmed": False})
 

@@ -177,7 +177,7 @@ class RawDelivery:
             )
 
     def _mirror_topic(self, key: str, name: str) -> str:
-        """The device's name alone, unless a device of another key has it already."""
+        """Return the device's name alone, unless a device of another key has it already."""
         short = self._names.received_data(name)
         if self._mirrored.setdefault(short, key) == key:
             return short

@@ -49,7 +49,7 @@ class Client(Generic[RequestT, ResponseT]):
         node: str,
         on_close: Callable[[], None],
     ) -> None:
-        """Not for use by hand: see :meth:`homebot.graph.Node.create_client`."""
+        """Take what :meth:`homebot.graph.Node.create_client` gives; not for use by hand."""
         self.info = EndpointInfo(EntityKind.CLIENT, node, slot.name, service_type.ros_type)
         self._slot = slot
         self._on_close: Callable[[], None] | None = on_close

@@ -51,7 +51,7 @@ class Graph:
         self._epoch = self.clock.now() - self.clock.monotonic()
 
     def steady_now(self) -> float:
-        """Seconds since the Unix epoch by the clock as it was when the graph was made: setting it changes nothing.
+        """Return seconds since the Unix epoch, by the clock when the graph was made: setting it changes nothing.
 
         For numbers that must grow over restarts of a node, and of homebot too unless the clock was set back meanwhile.
         """

@@ -38,7 +38,7 @@ class Publisher(Generic[MessageT]):
         clock: Clock,
         on_close: Callable[[], None],
     ) -> None:
-        """Not for use by hand: see :meth:`homebot.graph.Node.create_publisher`."""
+        """Take what :meth:`homebot.graph.Node.create_publisher` gives; not for use by hand."""
         self.info = EndpointInfo(EntityKind.PUBLISHER, node, topic, message_type.ros_type, qos)
         self.qos = qos
         self.incompatible_qos_count = 0

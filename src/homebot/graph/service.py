@@ -87,7 +87,7 @@ class Service(Generic[RequestT, ResponseT]):
         on_close: Callable[[], None],
         on_failure: Callable[[Exception], None],
     ) -> None:
-        """Not for use by hand: see :meth:`homebot.graph.Node.create_service`."""
+        """Take what :meth:`homebot.graph.Node.create_service` gives; not for use by hand."""
         self.info = EndpointInfo(EntityKind.SERVICE, node, name, service_type.ros_type)
         self.callback = callback
         self.is_exclusive = not concurrent

@@ -65,7 +65,7 @@ class Subscription(Generic[MessageT]):
         from_node: str = "",
         queue: BoundedQueue[MessageT | Expiring[MessageT]] | None = None,
     ) -> None:
-        """Not for use by hand: see :meth:`homebot.graph.Node.create_subscription`."""
+        """Take what :meth:`homebot.graph.Node.create_subscription` gives; not for use by hand."""
         self.info = EndpointInfo(EntityKind.SUBSCRIPTION, node, topic, message_type.ros_type, qos)
         self.qos = qos
         self.from_node = from_node

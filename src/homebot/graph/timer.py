@@ -32,7 +32,7 @@ class Timer:
         clock: Clock,
         on_failure: Callable[[BaseException], None],
     ) -> None:
-        """Not for use by hand: see :meth:`homebot.graph.Node.create_timer`."""
+        """Take what :meth:`homebot.graph.Node.create_timer` gives; not for use by hand."""
         self.period = period
         self.skipped = 0
         self._callback = callback

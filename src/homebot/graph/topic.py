@@ -88,7 +88,7 @@ class Topic:
         publisher.connect(tuple(one for one in self.subscriptions if _fit(publisher, one)))
 
     def _report_mismatch(self, publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
-        """Say at both ends that the two do not fit, and whether that is so."""
+        """Log at both ends that the two do not fit; return whether that is so."""
         problems = qos_incompatibilities(publisher.qos, subscription.qos)
         if not problems:
             return False

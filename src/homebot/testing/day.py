@@ -115,13 +115,13 @@ class Day:
             raise UsageError(f"{path} cannot be written: {exc.strerror or exc}") from exc
 
     def __str__(self) -> str:
-        """Its file, word for word."""
+        """Return its file, letter for letter."""
         head = {"start": write_time(self.start), "length": write_duration(self.length)}
         happenings = [happening.table() for happening in self.happenings]
         return write_tables({HEAD: head, **self.house} | ({HAPPENINGS: happenings} if happenings else {}))
 
     def __repr__(self) -> str:
-        """Python that makes it again, which can be copied into ``@example``."""
+        """Return Python that makes it again, which can be copied into ``@example``."""
         text = str(self)
         return f"Day.parse({text!r})" if "\\" in text or '"""' in text else f'Day.parse("""\n{text}""")'
 
@@ -135,7 +135,7 @@ class Day:
         return parse_world(self.house, self.source, seed=seed)
 
     def play(self, world: World | None = None) -> WorldLog:
-        """Live the day without a wire, in a few milliseconds.
+        """Play the day without a wire, in a few milliseconds.
 
         What happens to the wire (``cut``, ``pull``, ``restart``) changes nothing here.
 
@@ -158,7 +158,7 @@ class Day:
         return world.event_log
 
     async def live(self, house: VirtualHouse, *, root: str = "home425") -> tuple[DayEvent, ...]:
-        """Live the day on the wire, in virtual time.
+        """Play the day on the wire, in virtual time.
 
         Args:
             house: A house with this day's :meth:`world`, on its first day and not later than the start.

@@ -23,7 +23,7 @@ ROOT = "home425"
 
 
 def live_day(day: Day, *apps: str, root: str = ROOT, seed: int = 0, heartbeat: str | float = HEARTBEAT) -> World:
-    """Live *day* with *apps* on the wire, in virtual time, from a test without ``async``.
+    """Play *day* with *apps* on the wire, in virtual time, from a test without ``async``.
 
     Args:
         day: The day.
@@ -58,7 +58,7 @@ def live_day(day: Day, *apps: str, root: str = ROOT, seed: int = 0, heartbeat: s
 
 
 async def live(day: Day, house: VirtualHouse, *, root: str = ROOT) -> tuple[DayEvent, ...]:
-    """Live *day* in *house*; as :meth:`homebot.testing.day.Day.live`."""
+    """Play *day* in *house*; as :meth:`homebot.testing.day.Day.live`."""
     midnight = house.now.replace(hour=0, minute=0, second=0, microsecond=0)
     start = midnight + timedelta(seconds=day.start)
     if house.now > start:

@@ -105,7 +105,7 @@ def _meaning(one: Affordance, main: str) -> _One:
 
 
 def _in_context(capability: str, main: str) -> str:
-    """A temperature of a thermostat is what it measures; a level of what is no lamp may be how far it is open."""
+    """Return a type by its context: a thermostat's temperature is measured; a level of no lamp may be an opening."""
     if main == "thermostat" and capability == "temperature":
         return "local_temperature"
     if main == "window_covering" and capability == "level":
@@ -136,7 +136,7 @@ def _guess(capabilities: Iterable[str]) -> str:
 
 
 def _group(one: _One, main: str, groups: dict[str, list[_One]]) -> str:
-    """The id of the part that *one* belongs to."""
+    """Return the id of the part that *one* belongs to."""
     if one.service_type:
         return one.part_id
     if one.capability in OWNED.get(main, ()) and all(
@@ -206,6 +206,6 @@ def _capability(one: _One) -> Capability:
 
 
 def _bounds(one: _One) -> tuple[float, ...]:
-    """In the vocabulary's unit; none where the vocabulary's own say as much."""
+    """Return the bounds in the vocabulary's unit; none where the vocabulary's own are as narrow."""
     bounds = bounds_of(one.capability, one.affordance)
     return () if bounds == CAPABILITIES[one.capability].bounds else bounds

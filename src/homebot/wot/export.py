@@ -139,7 +139,7 @@ def _plain_forms(endpoint: Endpoint, brokers: Mapping[str, str]) -> Iterator[dic
 
 
 def _form(broker: str, content: str, *, observed: str = "", written: str = "") -> dict[str, object]:
-    """It can be observed rather than read: whether the broker keeps it is not known."""
+    """Return a form to observe rather than to read: whether the broker retains it is not known."""
     if observed:
         return {
             "href": broker,

@@ -266,7 +266,7 @@ def _forms(fields: Fields, kind: AffordanceKind, base: str, *, read_only: bool, 
 
 
 def _form(form: Fields, ops: tuple[str, ...], base: str) -> Form:
-    """In many TDs the topic stands in the path of the address; what ``mqv:`` says counts more."""
+    """Parse a form; in many TDs the topic stands in the path of the address; what ``mqv:`` has counts more."""
     if "href" not in form:
         raise form.problem("href", "is missing; an address is wanted")
     href = form.text("href")
@@ -294,13 +294,13 @@ def _form(form: Fields, ops: tuple[str, ...], base: str) -> Form:
 
 
 def _retain(form: Fields) -> bool:
-    """A boolean, or its word, as some write it."""
+    """Parse a boolean, or its text, as some write it."""
     value = form.plain("mqv:retain")
     return value == "true" if isinstance(value, str) and value in {"true", "false"} else form.flag("mqv:retain")
 
 
 def _qos(form: Fields) -> int:
-    """``"1"``, 1, or ``quality:1`` as older drafts have it."""
+    """Parse ``"1"``, 1, or ``quality:1`` as older drafts have it."""
     value = form.plain("mqv:qos")
     if value is None:
         return 0
@@ -332,5 +332,5 @@ def _schema(fields: Fields) -> DataSchema:
 
 
 def _bare(types: tuple[str, ...]) -> tuple[str, ...]:
-    """Without prefix or namespace: ``iot:BinarySwitch`` is ``BinarySwitch``."""
+    """Return *types* without prefix or namespace: ``iot:BinarySwitch`` is ``BinarySwitch``."""
     return tuple(one.rpartition("#")[2].rpartition("/")[2].rpartition(":")[2] for one in types)

@@ -135,7 +135,7 @@ def _section(title: str, rows: Iterable[tuple[str, ...]]) -> None:
 
 
 def _by(source: RouteRecord | FactRecord) -> str:
-    """As ``mqtt, homeassistant:light/0x17``; a key that begins with its convention says it once."""
+    """Return ``mqtt, homeassistant:light/0x17``; a key that begins with its convention names it once."""
     gateway, convention, key = source["gateway"], source["convention"], source["key"]
     named = key if not convention or key.startswith(f"{convention}:") else f"{convention}:{key}"
     return f"via {gateway} as {named}" if gateway else f"as {named}"

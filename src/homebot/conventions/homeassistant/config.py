@@ -165,7 +165,7 @@ class DiscoveryConfig:
         return ValueSource(topic, self.template(template_key), self.encoding, variables) if topic else None
 
     def required_source(self, topic_key: str, template_key: str = "value_template") -> ValueSource:
-        """As :meth:`source`, but the topic must be there."""
+        """Return what :meth:`source` does, but the topic must be there."""
         source = self.source(topic_key, template_key)
         if source is None:
             raise self._refusal(topic_key, None, "a topic")
@@ -188,7 +188,7 @@ class DiscoveryConfig:
     def required_command(
         self, topic_key: str = "command_topic", template_key: str = "command_template"
     ) -> CommandTopic:
-        """As :meth:`command`, but the topic must be there."""
+        """Return what :meth:`command` does, but the topic must be there."""
         command = self.command(topic_key, template_key)
         if command is None:
             raise self._refusal(topic_key, None, "a topic")

@@ -90,7 +90,7 @@ class _CoverStateDecoder:
     position: ValueSource | None
 
     def read_state(self, message: StateMessage, text: str) -> Readings:
-        """One that stopped is closed where the same message reports that it is at 0, and else open."""
+        """Read the state; one that stopped is closed where the same message reports that it is at 0, and else open."""
         if text not in self.states:
             return NO_READINGS
         movement = self.states[text]
@@ -102,7 +102,7 @@ class _CoverStateDecoder:
         return {"movement": movement}
 
     def read_position(self, text: str) -> Readings:
-        """Without a state topic the position reports also whether it is open."""
+        """Read the position; without a state topic it reports also whether the cover is open."""
         value: object = text
         found: dict[str, PlainValue] = {}
         if text.startswith("{"):

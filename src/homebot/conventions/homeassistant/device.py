@@ -84,7 +84,7 @@ class DeviceReader:
         self._last: tuple[Mapping[str, object], Mapping[str, object], DeviceInfo] | None = None
 
     def read(self, device: Mapping[str, object], origin: Mapping[str, object]) -> DeviceInfo:
-        """As :func:`read_device`."""
+        """Read as :func:`read_device` does."""
         last = self._last
         if last is not None and last[0] == device and last[1] == origin:
             return last[2]
@@ -219,7 +219,7 @@ def _new_entry(entry: Mapping[str, object], encoding: str) -> PayloadAvailabilit
 
 @lru_cache(maxsize=128)
 def _known_entry(fields: tuple[tuple[str, str], ...], encoding: str) -> PayloadAvailability:
-    """All devices of a bridge share its entry, and all parts of a device share the device's."""
+    """Return the entry that all devices of a bridge share, as all parts of a device share the device's."""
     return _new_entry(dict(fields), encoding)
 
 

@@ -59,7 +59,7 @@ class Entity(PartBuilder[StateMessage]):
         return self._add_reader(source, _read_text, read)
 
     def read_message_from(self, source: ValueSource | None, read: Callable[[StateMessage, str], Readings]) -> bool:
-        """As :meth:`read_text_from`, but *read* is given the whole message before the text."""
+        """Add a reader as :meth:`read_text_from`, but *read* is given the whole message before the text."""
         return self._add_reader(source, _read_source, read)
 
     def expire(self, capability: str) -> None:

@@ -121,7 +121,7 @@ class BasicState:
         return {"level": self.remembered.brightness * 100 / _BYTE}
 
     def _color(self, mode: str, own_level: bool, text: str) -> Readings:  # noqa: FBT001 - bound once, above
-        """A colour whose lamp has no topic for its brightness reports that as well."""
+        """Read a colour; where its lamp has no topic for its brightness, it reports that as well."""
         channels = numbers_of(text, len(CHANNELS[mode]))
         most = _MOST.get(mode, (_BYTE,) * len(CHANNELS[mode]))
         if channels is None or not all(0 <= one <= limit for one, limit in zip(channels, most, strict=True)):

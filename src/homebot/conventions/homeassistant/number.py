@@ -37,5 +37,5 @@ def build_number(config: DiscoveryConfig) -> DescribedPart:
 
 
 def _shortest(number: float) -> float:
-    """A whole number is sent without point."""
+    """Return *value* as it is sent: a whole number without point."""
     return int(number) if number.is_integer() else number

@@ -71,7 +71,7 @@ _MODE_OF = {
 
 
 def _targets(available: Available, modes: tuple[str, ...]) -> dict[str, str]:
-    """By capability: what Home Assistant calls it there."""
+    """Return by capability what Home Assistant calls it there."""
     heats, cools = (name in available and available[name].settable for name in ("heating_setpoint", "cooling_setpoint"))
     if heats and cools:
         return {"heating_setpoint": "temperature_low", "cooling_setpoint": "temperature_high"}

@@ -107,7 +107,7 @@ def _take_percentage(available: Available, name: str) -> Capability | None:
 
 
 def _settable_payloads(capability: Capability, payloads: Mapping[str, str]) -> dict[str, str]:
-    """The payloads of what *capability* can be set to: of its options, or else all."""
+    """Return the payloads of what *capability* can be set to: of its options, or else all."""
     return {key: option for key, option in payloads.items() if not capability.options or option in capability.options}
 
 

@@ -181,7 +181,7 @@ class HomeAssistantPublisher:
         return f"{self._prefix}/{entity.component}/{self._owner}/{self._object_id(offer, part, entity)}/config"
 
     def _object_id(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> str:
-        """Two ``_`` part what it is made of, because no piece has them."""
+        """Return the object id; two ``_`` part what it is made of, because no piece has them."""
         return "__".join(_slug(one) for one in (offer.id, part.id, entity.name or entity.component) if one)
 
     def _device(self, offer: ExposedDevice) -> dict[str, object]:
@@ -200,7 +200,7 @@ def _title(name: str) -> str:
 
 
 def _slug(text: str) -> str:
-    """Letters, digits and ``_`` alone; what other characters it had stays told apart by a checksum."""
+    """Return *text* with letters, digits and ``_`` alone; a checksum keeps those apart that had other characters."""
     slug = re.sub("[^a-zA-Z0-9]+", "_", text).strip("_")
     if slug == text:
         return slug

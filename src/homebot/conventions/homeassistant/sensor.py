@@ -62,7 +62,7 @@ def _read_date(text: str) -> Readings:
 
 
 def _read_timestamp(text: str) -> Readings:
-    """A moment without time zone is no report: it may be any of many."""
+    """Read a timestamp; one without time zone is no report: it may be any of many."""
     moment = _moment(text)
     if moment is None:
         return _UNKNOWN

@@ -89,7 +89,7 @@ def source_of(config: DiscoveryConfig, name: str) -> ValueSource | None:
 
 
 def source_at(config: DiscoveryConfig, topic_key: str, template_key: str) -> ValueSource | None:
-    """As :func:`source_of`, for fields that are called otherwise."""
+    """Return what :func:`source_of` does, for fields with other names."""
     return config.source(topic_key, template_key if config.has(template_key) else "value_template")
 
 

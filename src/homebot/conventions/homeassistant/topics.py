@@ -244,7 +244,7 @@ class CommandTopic:
     def publication_with_code(
         self, value: object, code: str, variables: Mapping[str, object] = _NO_VARIABLES
     ) -> Publication:
-        """As :meth:`publication`, with a *code* that the template may name; no error shows it.
+        """Return what :meth:`publication` does, with a *code* that the template may name; no error shows it.
 
         Raises:
             RefusedError: As there.

@@ -64,7 +64,7 @@ def _version(value: object) -> str | None:
 
 
 def _is_newer(latest: str | None, installed: str | None) -> bool | None:
-    """Numbers are compared as such; of other versions only whether they differ is known."""
+    """Return whether a version is newer: numbers are compared as such; of others only whether they differ is known."""
     if latest is None or installed is None:
         return None
     if latest.isdecimal() and installed.isdecimal():

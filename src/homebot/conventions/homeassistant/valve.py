@@ -69,7 +69,7 @@ class _ValveStateDecoder:
     scale: Scale
 
     def read_state(self, text: str) -> Readings:
-        """Of a valve that does not report its position."""
+        """Read the state of a valve that does not report its position."""
         state = fields_of(text).get("state") if text.startswith("{") else text
         if not isinstance(state, str):
             return NO_READINGS
@@ -78,7 +78,7 @@ class _ValveStateDecoder:
         return {"valve": self.states[state]} if state in self.states else NO_READINGS
 
     def read_position(self, text: str) -> Readings:
-        """Of a valve that reports its position."""
+        """Read the position of a valve that reports it."""
         state: object = text
         position: object = text
         if text.startswith("{"):

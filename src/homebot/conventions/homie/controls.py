@@ -149,7 +149,7 @@ def _add_switch_of_speed(part: BytesPart, speed: HomieProperty) -> None:
 
 
 def _options_by_command(prop: HomieProperty | None, spellings: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
-    """The option of *prop* for each command."""
+    """Return the option of *prop* for each command."""
     if prop is None:
         return {}
     by_name = {option.casefold(): option for option in prop.options}
@@ -232,5 +232,5 @@ def _read(state: HomieProperty, payload: bytes) -> Readings:
 
 
 def _spelled(node: HomieNode) -> frozenset[str]:
-    """The words of a node, also of one that writes ``FanSpeedControlCapability``."""
+    """Return the words of a node, also of one that writes ``FanSpeedControlCapability``."""
     return tokens_in(_CAMEL.sub(" ", node.id), node.name)

@@ -129,7 +129,7 @@ def _add_white(part: BytesPart, lamp: _HomieLamp, white: HomieProperty) -> None:
 
 
 def _white_bounds(white: HomieProperty, *, is_kelvin: bool) -> tuple[float, float] | tuple[()]:
-    """Of one that counts in mired every kelvin that lies within when it is rounded to whole mired."""
+    """Return the bounds in kelvin; of a lamp that counts in mired all that lie within when rounded to whole mired."""
     least, most = white.range.least, white.range.most
     if least is None or most is None or not 1 <= least < most:
         return ()

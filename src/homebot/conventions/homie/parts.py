@@ -68,7 +68,7 @@ _ADDERS: Mapping[str, _Add] = {
 
 
 def _lamp(device: HomieDevice, nodes: tuple[NodeRoles, ...]) -> tuple[NodeRoles, ...]:
-    """The nodes that together are one lamp; none where there is none, or more than one."""
+    """Return the nodes that together are one lamp; none where there is none, or more than one."""
     found = tuple(
         node for node in nodes if any(role.name in LIGHT_ROLES for role in node.roles) and _may_be_of_a_lamp(node)
     )

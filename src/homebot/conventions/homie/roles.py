@@ -337,7 +337,7 @@ def _guessed_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
 
 
 def _read_only_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
-    """The role of a property that controls nothing by itself."""
+    """Return the role of a property that controls nothing by itself."""
     if prop.is_settable:
         return Role("", prop, is_guess=False)
     tokens = tokens_in(prop.id, prop.name)

@@ -123,7 +123,7 @@ class AttributeCollector:
 
 
 def _listed(text: str | None) -> tuple[str, ...] | None:
-    """The ids of a list; None where it is missing. What is no id is passed over."""
+    """Return the ids of a list; None where it is missing. What is no id is passed over."""
     if text is None:
         return None
     return tuple(dict.fromkeys(one for one in text.split(",") if _LISTED.fullmatch(one)))

@@ -41,12 +41,12 @@ Function: TypeAlias = Callable[..., object]
 
 
 def constant(value: object) -> Evaluate:
-    """A value that is written in the template; it is handled already, and nothing can change it."""
+    """Evaluate a value that is written in the template; it is handled already, and nothing can change it."""
     return lambda _: value
 
 
 def name(name_: str, otherwise: object) -> Evaluate:
-    """The value of a name, or *otherwise* where it has none."""
+    """Evaluate a name; *otherwise* where it has no value."""
 
     def evaluate(run: Run) -> object:
         value = run.lookup(name_)
@@ -56,12 +56,12 @@ def name(name_: str, otherwise: object) -> Evaluate:
 
 
 def listing(items: Sequence[Evaluate], kind: Callable[[list[object]], object]) -> Evaluate:
-    """A list or tuple, as *kind* makes it."""
+    """Evaluate a list or tuple, as *kind* makes it."""
     return lambda run: run.handle(kind([one(run) for one in items]))
 
 
 def mapping(items: Sequence[tuple[Evaluate, Evaluate]]) -> Evaluate:
-    """A mapping; the last of equal keys counts."""
+    """Evaluate a mapping; the last of equal keys counts."""
     return lambda run: run.handle({key(run): value(run) for key, value in items})
 
 
@@ -71,7 +71,7 @@ def lookup(value: Evaluate, key: Evaluate) -> Evaluate:
 
 
 def part(value: Evaluate, bounds: Sequence[Evaluate]) -> Evaluate:
-    """A slice of a list or text: from, to and step."""
+    """Evaluate a slice of a list or text: from, to and step."""
 
     def evaluate(run: Run) -> object:
         many = value(run)
@@ -86,38 +86,38 @@ def part(value: Evaluate, bounds: Sequence[Evaluate]) -> Evaluate:
 
 
 def binary(operator: str, left: Evaluate, right: Evaluate) -> Evaluate:
-    """An operation of :data:`BINARY`."""
+    """Evaluate an operation of :data:`BINARY`."""
     operate = BINARY[operator]
     return lambda run: run.handle(operate(run.handle(left(run)), run.handle(right(run))))
 
 
 def sign(operator: Callable[..., object], value: Evaluate) -> Evaluate:
-    """A sign before a number."""
+    """Evaluate a sign before a number."""
     return lambda run: operator(value(run))
 
 
 def negation(value: Evaluate) -> Evaluate:
-    """``not``."""
+    """Evaluate ``not``."""
     return lambda run: not value(run)
 
 
 def conjunction(left: Evaluate, right: Evaluate) -> Evaluate:
-    """``and``, which gives one of its values, as in Python."""
+    """Evaluate ``and``, which gives one of its values, as in Python."""
     return lambda run: left(run) and right(run)
 
 
 def disjunction(left: Evaluate, right: Evaluate) -> Evaluate:
-    """``or``, which gives one of its values, as in Python."""
+    """Evaluate ``or``, which gives one of its values, as in Python."""
     return lambda run: left(run) or right(run)
 
 
 def condition(test: Evaluate, yes: Evaluate, no: Evaluate) -> Evaluate:
-    """``yes if test else no``."""
+    """Evaluate ``yes if test else no``."""
     return lambda run: yes(run) if test(run) else no(run)
 
 
 def comparison(first: Evaluate, others: Sequence[tuple[str, Evaluate]]) -> Evaluate:
-    """A chain of comparisons of :data:`ORDER`, as in Python."""
+    """Evaluate a chain of comparisons of :data:`ORDER`, as in Python."""
     steps = [(ORDER[operator], value) for operator, value in others]
 
     def evaluate(run: Run) -> object:
@@ -135,7 +135,7 @@ def comparison(first: Evaluate, others: Sequence[tuple[str, Evaluate]]) -> Evalu
 
 
 def concatenation(values: Sequence[Evaluate]) -> Evaluate:
-    """``~``: the texts of all values as one."""
+    """Evaluate ``~``: the texts of all values as one."""
 
     def evaluate(run: Run) -> object:
         return run.handle("".join([text(run.handle(value(run))) for value in values]))
@@ -144,7 +144,7 @@ def concatenation(values: Sequence[Evaluate]) -> Evaluate:
 
 
 def call(function: Function, arguments: Sequence[Evaluate], named: Sequence[tuple[str, Evaluate]]) -> Evaluate:
-    """A call of a filter, a test or a function."""
+    """Evaluate a call of a filter, a test or a function."""
     if not named:
         return lambda run: run.handle(function(run, *[run.handle(one(run)) for one in arguments]))
 
@@ -158,7 +158,7 @@ def call(function: Function, arguments: Sequence[Evaluate], named: Sequence[tupl
 def call_method(
     owner: Evaluate, method: str, arguments: Sequence[Evaluate], named: Sequence[tuple[str, Evaluate]]
 ) -> Evaluate:
-    """A call of a method of a value; see :func:`method_of`."""
+    """Evaluate a call of a method of a value; see :func:`method_of`."""
 
     def evaluate(run: Run) -> object:
         value = run.handle(owner(run))

@@ -44,7 +44,7 @@ def output(values: Sequence[Evaluate]) -> Execute:
 
 
 def choice(cases: Sequence[tuple[Evaluate, Sequence[Execute]]], otherwise: Sequence[Execute]) -> Execute:
-    """``if``, with every ``elif`` as a further case."""
+    """Execute ``if``, with every ``elif`` as a further case."""
 
     def execute(run: Run) -> None:
         for test, body in cases:
@@ -60,12 +60,12 @@ def choice(cases: Sequence[tuple[Evaluate, Sequence[Execute]]], otherwise: Seque
 
 
 def assignment(target: Assign, value: Evaluate) -> Execute:
-    """``set`` with a value."""
+    """Execute ``set`` with a value."""
     return lambda run: target(run, value(run))
 
 
 def block_assignment(target: Assign, body: Sequence[Execute]) -> Execute:
-    """``set`` with what a block writes."""
+    """Execute ``set`` with what a block writes."""
 
     def execute(run: Run) -> None:
         start = run.mark()
@@ -114,7 +114,7 @@ def loop(
     otherwise: Sequence[Execute],
     weight: int,
 ) -> Execute:
-    """``for``, with ``loop`` as a mapping.
+    """Execute ``for``, with ``loop`` as a mapping.
 
     Args:
         target: What each value is assigned to, in a scope of its own.
@@ -149,12 +149,12 @@ def loop(
 
 
 def break_loop(_: Run) -> None:
-    """``break``."""
+    """Execute ``break``."""
     raise _BreakLoop
 
 
 def continue_loop(_: Run) -> None:
-    """``continue``."""
+    """Execute ``continue``."""
     raise _ContinueLoop
 
 

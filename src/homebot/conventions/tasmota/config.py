@@ -169,7 +169,7 @@ def _outputs(fields: Mapping[str, object]) -> tuple[int, ...]:
 
 
 def _tilts(value: object) -> tuple[Tilt | None, ...]:
-    """Of each shutter: smallest angle, largest angle and the time to turn, which is 0 where it cannot."""
+    """Return of each shutter smallest angle, largest angle and the time to turn, which is 0 where it cannot."""
     listed = value[:_MOST_OUTPUTS] if isinstance(value, list) else []
     triples = [_numbers(one, _TILT_NUMBERS) for one in listed]
     return tuple(

@@ -89,7 +89,7 @@ def _contact(topics: TasmotaTopics, index: int, mode: int) -> DescribedPart:
 
 
 def _read_state(off: str, on: str, name: str, message: JsonMessage) -> Readings:
-    """The action on one topic, the bare word on the others."""
+    """Read the action on one topic, the bare text on the others."""
     value = sensor_values(message).get(name)
     text = value.get("Action") if isinstance(value, dict) else value
     if not isinstance(text, str) or text not in (off, on):

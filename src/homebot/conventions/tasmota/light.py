@@ -209,7 +209,7 @@ class _TasmotaLamp:
         return self._publish([self._power(on)], transition, FadeTarget(on=on))
 
     def dim(self, value: PlainValue, transition: float) -> Publications:
-        """Rounded twice, by way of 0 to 255, as Home Assistant does."""
+        """Set a brightness that is rounded twice, by way of 0 to 255, as Home Assistant does."""
         percent = require_number("level", value, 0, 100, "%")
         if not percent:
             return self._publish([self._power(on=False)], transition, FadeTarget(on=False))
@@ -235,7 +235,7 @@ class _TasmotaLamp:
         return f"Power{self.index + 1}", self.topics.state_text(on)
 
     def _publish(self, commands: list[tuple[str, str | int]], transition: float, target: FadeTarget) -> Publications:
-        """Tell it to fade first: ``Fade2`` and ``Speed2`` are for the next change only."""
+        """Send the fade first: ``Fade2`` and ``Speed2`` are for the next change only."""
         if not transition or self.kind == _ON_OFF or self.topics.config.is_tuya:
             return self.topics.publish_all(commands)
         is_whole = self.topics.config.option(_FIXED_FADE_OPTION)
@@ -243,7 +243,7 @@ class _TasmotaLamp:
         return self.topics.publish_all([("Fade2", 1), ("Speed2", speed_for(transition, distance)), *commands])
 
     def _read_color(self, message: JsonMessage) -> Readings:
-        """One with colours and white shows a colour while its white is at 0."""
+        """Read the colour; a lamp with colours and white shows a colour while its white is at 0."""
         shows_white = self.kind in (_COLOR_WHITE, _COLOR_WHITES) and message.get("White") not in (None, 0)
         found: dict[str, PlainValue] = {}
         if self.has_color and not shows_white and (color := _hue_saturation(message.get("HSBColor"))):
@@ -259,7 +259,7 @@ class _TasmotaLamp:
 
 
 def _lamp(topics: TasmotaTopics, index: int) -> _TasmotaLamp:
-    """One device may be several lamps: each channel a dimmer, or colours and then white where they are not linked."""
+    """Return one of the lamps that a device may be: a channel, or colours and then white where they are not linked."""
     config = topics.config
     if config.option(_DIMMERS_OPTION):
         channel = f"Channel{index + 1}"

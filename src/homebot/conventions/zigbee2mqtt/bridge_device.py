@@ -92,7 +92,7 @@ _MAX_BYTES = 1_024
 
 
 def _is_on(option: object) -> bool:
-    """An object without ``enabled`` is how it was switched on before 2.0."""
+    """Return whether it is on; an object without ``enabled`` is how it was switched on before 2.0."""
     return option.get("enabled", True) is True if isinstance(option, dict) else option is True
 
 
@@ -177,7 +177,7 @@ _MAX_FACT = 255
 
 
 def _takes_transition(options: object) -> bool:
-    """A bridge that lists no options, because it is old, is believed to know it."""
+    """Return whether it takes a transition; a bridge that lists no options, because it is old, is taken to know it."""
     if not isinstance(options, list):
         return True
     return any(isinstance(one, dict) and one.get("name") == "transition" for one in options[:_MOST_OPTIONS])

@@ -153,7 +153,7 @@ _MODELS_WHOSE_ON_IS_FASTEST = frozenset({"99432"})
 
 
 def _speed_steps(mode: Expose, model: str) -> tuple[str, ...]:
-    """From off to the fastest."""
+    """Return the steps from off to the fastest."""
     fastest = ("on",) if model in _MODELS_WHOSE_ON_IS_FASTEST else ()
     return "off", *(speed for speed in (*_SPEEDS, *fastest) if speed in mode.options)
 

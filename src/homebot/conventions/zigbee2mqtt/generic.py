@@ -89,7 +89,7 @@ _NO_READINGS = frozenset(
 
 
 def _capability_of(name: str, unit: str) -> str:
-    """Electrical units imply what is measured; degrees and percent do not without the name."""
+    """Return the capability: electrical units imply what is measured; degrees and percent do not without the name."""
     for capability in _BY_UNIT_ALONE:
         if conversion_of(capability, unit) is not None:
             return capability
@@ -124,7 +124,7 @@ def _buttons(topics: Zigbee2MqttTopics, action: Expose) -> DescribedPart:
 
 
 def _read_action(key: str, message: JsonMessage) -> Readings:
-    """An empty action is Zigbee2MQTT's way to say that the last one is over."""
+    """Read an action; an empty one is Zigbee2MQTT's way to report that the last one is over."""
     action = message.get(key)
     return {"press": clean_text(action, MAX_VALUE)} if isinstance(action, str) and action else NO_READINGS
 
@@ -187,7 +187,7 @@ def _measured(what: Quantity, value: object) -> float | None:
 
 
 def _json_text(value: object) -> str:
-    """A list or an object is shown as JSON, cut."""
+    """Return *value* as text; a list or an object as JSON, cut."""
     text = text_of(value)
     return clean_text(json.dumps(value, ensure_ascii=False), MAX_VALUE) if text is None else text
 

@@ -70,7 +70,7 @@ class _Zigbee2MqttLamp:
     effect: Expose | None
 
     def read(self, message: JsonMessage) -> Readings:
-        """A brightness of 0 is that of a lamp that is off, and is no report."""
+        """Read the brightness; 0 is that of a lamp that is off, and is no report."""
         found: dict[str, PlainValue] = {}
         state = self.features.get("state")
         if state is not None and state.key in message:
@@ -92,7 +92,7 @@ class _Zigbee2MqttLamp:
         return self._publish({}, transition, on=require_bool("on_off", value))
 
     def dim(self, value: PlainValue, transition: float) -> Publications:
-        """Rounded twice, by way of 0 to 255, as Home Assistant does."""
+        """Set a brightness that is rounded twice, by way of 0 to 255, as Home Assistant does."""
         percent = require_number("level", value, 0, 100, "%")
         if not percent:
             return self._publish({}, transition, on=False)
@@ -166,7 +166,7 @@ _FULL = 254.0
 
 
 def _color_mode(light: Expose) -> str:
-    """The one that the device names first."""
+    """Return the mode that the device names first."""
     return next((one.name.removeprefix("color_") for one in light.features if one.name in ("color_xy", "color_hs")), "")
 
 

@@ -150,7 +150,7 @@ def _update(topics: Zigbee2MqttTopics) -> DescribedPart:
 
 
 def _read_update(message: JsonMessage) -> Readings:
-    """A version of -1 or null is not known."""
+    """Read versions; -1 and null are unknown ones."""
     update = message.get("update")
     if not isinstance(update, dict):
         return NO_READINGS

@@ -37,7 +37,7 @@ class Handle:
     service_types: ClassVar[frozenset[str]] = frozenset()
 
     def __init__(self, tracked: TrackedDevice, part_id: str, sender: CommandSender) -> None:
-        """Not for use by hand: see :meth:`homebot.devices.Devices.find`."""
+        """Take what :meth:`homebot.devices.Devices.find` gives; not for use by hand."""
         self._tracked = tracked
         self._part_id = part_id
         self._sender = sender
@@ -186,7 +186,7 @@ class Handle:
         return value if isinstance(value, float) else None
 
     def _number_of_device(self, capability: str) -> float | None:
-        """As :meth:`_number`; where the part has no such capability, of the only part of the device that has it."""
+        """Return what :meth:`_number` does; where the part cannot, the value of the only part that can."""
         if any(one.name == capability for one in self.capabilities):
             return self._number(capability)
         value = self._tracked.only_value(capability)

@@ -84,7 +84,7 @@ class TrackedDevice:
         return Device.of_checked(**{**vars(self.device), "states": states})
 
     def _put(self, state: State, sequence: int) -> None:
-        """By its number: its stamp is that of a clock that may have been set back."""
+        """Put *state* in place of an older one by its number, as the clock of its stamp may have been set back."""
         stored = self._states.get((state.part, state.capability))
         if stored is None or stored[0] <= sequence:
             self._states[state.part, state.capability] = sequence, state

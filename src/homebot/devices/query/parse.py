@@ -193,7 +193,7 @@ class _Parser:
         raise _unknown_capability(following)
 
     def _phrase(self) -> Query:
-        """The longest phrase that means something; a single word that does not is searched for."""
+        """Parse the longest phrase that means something; a single word that does not is searched for."""
         for length in range(_LONGEST_PHRASE, 0, -1):
             if (meant := _meaning(self._folded(length))) is not None:
                 self._place += length

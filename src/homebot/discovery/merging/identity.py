@@ -201,7 +201,7 @@ class IdentityGraph:
         return frozenset(source for one in reached for source in self._sources[one])
 
     def _connected(self, identities: Iterable[Identity]) -> set[Identity]:
-        """All that is bound to one of *identities*, directly or by others."""
+        """Return all that is bound to one of *identities*, directly or by others."""
         reached = set(identities)
         waiting = list(reached)
         while waiting:
@@ -247,7 +247,7 @@ def _share_a_host(one: Identity, other: Identity) -> bool:
 
 
 def _own_topic(sighting: Sighting) -> str:
-    """The topic below which all is the device's; empty where none is known."""
+    """Return the topic below which all is the device's; empty where none is known."""
     if sighting.whole_device:
         return sighting.owns[0] if sighting.owns else ""
     topics: list[str] = []

@@ -142,7 +142,7 @@ def _by_words(numbered: Iterable[tuple[int, Candidate]]) -> _Members:
 
 
 def _inside(members: _Members, words: tuple[str, ...], at_most: int) -> Iterator[tuple[int, Candidate, int]]:
-    """Those whose id stands in *words*, and where."""
+    """Yield those whose id stands in *words*, and where."""
     for length in {len(one) for one in members if len(one) <= at_most}:
         for start in range(len(words) - length + 1):
             for number, one in members.get(words[start : start + length], ()):
@@ -210,7 +210,7 @@ def _by_type(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate])
 
 
 def _is_one_of_its_type(one: Candidate, other: Candidate) -> bool:
-    """Two loads are; of two sensors it is known only where neither has another name than what it measures."""
+    """Return whether both are one part by their type: loads are; sensors where neither has a name of its own."""
     if one.part.service_type.startswith("x_") or not _can_be_one(one.part, other.part):
         return False
     if one.part.writes or other.part.writes:

@@ -151,7 +151,7 @@ _RANK = {name: number for number, name in enumerate(DEVICE_TYPES)}
 
 
 def _occurrences(sources: Sequence[SourceRecord], conflicts: list[str]) -> list[_Occurrence]:
-    """Each part of each source, and which part of its origin that is; those that are another's are in *conflicts*."""
+    """Return each part of each source, and which part of its origin it is; another's are in *conflicts*."""
     found: list[_Occurrence] = []
     namesakes: dict[tuple[_Origin, str, str], list[_SourcePart]] = {}
     for source in sources:

@@ -173,7 +173,7 @@ class Postings:
         return self._begins(f"fact {name}", value)
 
     def _all(self, terms: tuple[Query, ...]) -> Found:
-        """The cheap terms first, and those that take away or look at values last, when few devices are left."""
+        """Find what fits all terms: the cheap ones first, those that look at values last, when few devices are left."""
         found: Found | None = None
         cheap = [self.find(term) for term in terms if not isinstance(term, (Not, StateIs))]
         for one in sorted(cheap, key=len):
@@ -251,7 +251,7 @@ class Postings:
 
 
 def _fitting(column: dict[tuple[str, str], PlainValue], term: StateIs) -> set[str]:
-    """Numbers and flags, which there are most of, are compared without a call for each."""
+    """Return the devices that fit; numbers and flags, most of all, are compared without a call for each."""
     wanted = term.value
     if isinstance(wanted, bool) and term.operator == "=":
         return {place[0] for place, value in column.items() if value is wanted}
@@ -328,7 +328,7 @@ class _Words:
 
 
 def _shortened(word: str) -> set[str]:
-    """The word, and the word without each of its letters: words that are a typo apart have one in common."""
+    """Return the word, and the word without each of its letters: words that are a typo apart have one in common."""
     if not may_be_typo(word):
         return set()
     return {word, *(word[:place] + word[place + 1 :] for place in range(len(word)))}

@@ -173,7 +173,7 @@ def _holders(node: TopicNode) -> list[tuple[TopicUse, str]]:
 
 
 def _not_of(owners: tuple[TopicUse, ...], users: Iterable[TopicUse]) -> dict[SourceKey, str]:
-    """Those of *users* that are not the owners' device, or were announced at a place that does not name it."""
+    """Return those of *users* that are not the owners' device, or were announced at a place that does not name it."""
     found: dict[SourceKey, str] = {}
     for use in users:
         own = [one for one in owners if one.device == use.device]
@@ -184,7 +184,7 @@ def _not_of(owners: tuple[TopicUse, ...], users: Iterable[TopicUse]) -> dict[Sou
 
 
 def _winners(best: list[TopicUse]) -> list[TopicUse]:
-    """Of those that are named equally well, the ones that may use the topic: all, or none, or the device's own."""
+    """Return which of those named equally well may use the topic: all, or none, or the device's own."""
     if len(best) == 1:
         return best
     devices = {one.device for one in best}

@@ -101,7 +101,7 @@ def aliases_of(owns: tuple[str, ...], identifiers: tuple[str, ...]) -> frozenset
 
 @lru_cache(maxsize=4096)
 def _words_of(topic: str) -> tuple[frozenset[str], frozenset[str]]:
-    """The words and whole levels of a topic that name somebody."""
+    """Return the words and whole levels of a topic that name somebody."""
     folded = topic.casefold()
     found: set[str] = set()
     for word in _WORD.findall(folded):
@@ -116,7 +116,7 @@ def _is_name(level: str) -> bool:
 
 
 def _spellings(word: str) -> set[str]:
-    """A hardware address is also written without its 0x, and its last six digits stand for it."""
+    """Return the spellings of *word*: a hardware address also without its 0x, and its last six digits."""
     match = _HEX.fullmatch(word)
     if match is None:
         return {word}
@@ -165,7 +165,7 @@ class TopicUse(NamedTuple):
         return score(place_of(self.announced_on), topic)
 
     def names(self) -> frozenset[str]:
-        """By which names announcements at other places may be the same device's."""
+        """Return the names by which announcements at other places may be the same device's."""
         return names(place_of(self.announced_on))
 
 

@@ -99,7 +99,7 @@ class StoredAnnouncement:
         self.template = _template(self.gateway, self.key, described)  # so that what cannot be told is found at once
 
     def publishes_the_same(self, other: StoredAnnouncement) -> bool:
-        """Tell whether the graph sees no difference between the two."""
+        """Return whether the graph sees no difference between the two."""
         return self.template == other.template
 
     def report_stream(self, address: str) -> str:

@@ -154,7 +154,7 @@ class MemoryAccount:
 
 
 def _who(described: DeviceAnnounced) -> tuple[str, ...]:
-    """Announcements with the same identifiers are one device; one without any is a device by itself."""
+    """Return what identifies the device: its identifiers; an announcement without any is a device by itself."""
     return described.identifiers or (described.convention, described.key)
 
 

@@ -117,7 +117,7 @@ class PeerQuarantine(Generic[MessageT]):
         self.budgets.accept(source, payload, self._reporter.now, is_valid=is_valid)
 
     def record_offence(self, source: str, length: int, event: str, why: str) -> None:
-        """Tell of a message of *length* bytes that broke a rule, and charge it to who pays for its source."""
+        """Log a message of *length* bytes that broke a rule, and charge it to the payer of its source."""
         name, why = source[:_LONGEST], why[:_LONGEST]
         self.log_limited(event, f"{name}: {why}", source=name)
         self.budgets.charge(source, length, f"{name}: {why}"[:_LONGEST], self._reporter.now)
@@ -140,7 +140,7 @@ class PeerQuarantine(Generic[MessageT]):
                 await anyio.sleep(REFILL_EVERY)
 
     def record_plugin_failure(self, source: str, convention: str, error: BaseException) -> None:
-        """Tell of an *error* that a convention let through.
+        """Log an *error* that a convention let through.
 
         One that a stranger's message causes must not end the gateway, which would meet the same message again. As a
         convention waits for nothing, no cancellation that it lets through can be meant for the gateway.
@@ -160,7 +160,7 @@ class PeerQuarantine(Generic[MessageT]):
             )
 
     def log_limited(self, event: str, words: str, source: str) -> None:
-        """Tell of a culprit once in a while, and of so many culprits at most."""
+        """Log a culprit once in a while, and so many culprits at most."""
         source = source[:_LONGEST]
         repeated = self._limit.allows(f"{event} {source}")
         if repeated is None or (unheard := self._flood_limit.allows(event)) is None:
@@ -175,7 +175,7 @@ class PeerQuarantine(Generic[MessageT]):
         return tuple(self._message(budget) for budget in self.budgets.quarantined())
 
     def _defer(self, payer: str) -> None:
-        """Tell that what is charged to *payer* has to wait."""
+        """Log that what is charged to *payer* has to wait."""
         budget = self.budgets.defer(payer, self._reporter.now)
         if budget is None:
             return

@@ -37,7 +37,7 @@ class ReachabilityReader:
         self._words[index] = self._latest = said, retained
 
     def doubt(self) -> None:
-        """The device spoke: forget each "offline" that the broker had kept from before, which is often never cleared.
+        """Forget each "offline" that the broker had kept from before the device's message: it is often never cleared.
 
         An "offline" that was heard live stays, and so does every "online".
         """

@@ -60,7 +60,7 @@ class DeviceReporter:
         self.stamp = Time.from_seconds(self._seconds)
 
     def publish_sighting(self, device: StoredAnnouncement, kind: SightingKind, why: str, *, confirmed: bool) -> None:
-        """Tell that a device is there, still there, or gone."""
+        """Publish that a device is there, still there, or gone."""
         device.refresh_at = self.now + REFRESH
         device.is_confirmed = confirmed
         until = Time.from_seconds(min(self._seconds + (device.stale_after or self._stale_after), _LAST))
@@ -71,7 +71,7 @@ class DeviceReporter:
     def publish_report(
         self, key: str, readings: tuple[Reading, ...], address: str, stream: str, *, retained: bool
     ) -> None:
-        """Tell what the device *key* said of itself."""
+        """Publish what the device *key* reported."""
         self._reports.publish(
             Report.of_checked(
                 gateway=self._gateway.node.name,
@@ -107,13 +107,13 @@ class DeviceReporter:
     def report_reachable(
         self, device: StoredAnnouncement, part: str, address: str, *, reachable: bool | None, retained: bool
     ) -> None:
-        """Tell whether a device, or one of its parts, can be reached, as was said on *address*; empty for no more."""
+        """Publish whether a device, or one of its parts, is reachable, by *address*; empty for no more."""
         reading = Reading(part=part, capability=REACHABLE, value=Value.of(reachable))
         stream = device.report_stream(f"{REACHABLE} {part}" if part else REACHABLE)
         self.publish_report(device.key, (reading,), address, stream, retained=retained)
 
     def report_events(self, key: str, readings: tuple[Reading, ...], address: str) -> None:
-        """Tell what happened to the device *key*: nothing takes its place, and no late joiner hears it."""
+        """Publish an event of the device *key*: nothing takes its place, and no late joiner gets it."""
         self._events = (self._events + 1) % _EVENTS
         stream = f"event {self._events}"
         self.publish_report(key, readings, address, stream, retained=False)

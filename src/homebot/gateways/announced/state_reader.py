@@ -198,7 +198,7 @@ class StateReader:
             self._doubt(stored, {"", *(one.part for one in readings)}, address)
 
     def _doubt(self, stored: StoredAnnouncement, parts: set[str], address: str) -> None:
-        """The *parts* spoke: an "offline" of theirs that had been kept from before was of before."""
+        """Forget each "offline" that had been retained from before a message of *parts*."""
         for part in parts:
             if stored.reachable.get(part) is False and (reachability := stored.reachability.get(part)) is not None:
                 reachability.doubt()

@@ -39,7 +39,7 @@ def check_command(part: Part, capability: str, value: PlainValue) -> None:
 
 
 def can_report(part: Part, capability: str, value: PlainValue) -> bool:
-    """Tell whether *value* can be one that *part* reports for *capability*; None, for unknown, always can."""
+    """Return whether *value* can be one that *part* reports for *capability*; None, for unknown, always can."""
     found = next((one for one in part.capabilities if one.readable and one.name == capability), None)
     if found is None:
         return False

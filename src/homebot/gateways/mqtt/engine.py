@@ -317,7 +317,7 @@ class AnnouncedDevices:
         self._spare_memory.freed()
 
     async def _make_up_for(self, topic: str, reader: AnnouncedPart | AvailabilityReader) -> None:
-        """A topic that is subscribed to already does not tell its kept message again."""
+        """Deliver the retained message of a topic that is subscribed to already: the broker does not send it again."""
         word = self._last_messages.get(topic)
         if word is None:
             return

@@ -205,7 +205,7 @@ class MqttGateway(Gateway):
                 await described.hear(message, route)
 
     async def _take_long(self, message: MqttMessage, route: TopicReaders | None) -> int:
-        """Only what comes where devices are announced may be longer than the rest; return how much work it was."""
+        """Take a long message, which only comes where devices are announced; return how much work it was."""
         work = 0
         if route is not None and route.conventions:
             work = _ANNOUNCEMENT * len(route.conventions)

@@ -43,7 +43,7 @@ _END = object()
 
 
 def _steps(convention: Convention, message: MqttMessage) -> Iterator[AnnouncementEvent | None]:
-    """A generator, so that what a convention raises at once is raised at the first step as well."""
+    """Yield the steps of a convention, so that what it raises at once is raised at the first step as well."""
     if _is_sliced(convention):
         yield from convention.take_slices(message.topic, message.payload, retained=message.retain)
     else:
@@ -255,5 +255,5 @@ def _is_sliced(convention: Convention) -> TypeGuard[SlicedConvention]:
 
 @cache
 def _takes_slices(kind: type[Convention]) -> bool:
-    """A look at a protocol takes longer than to read a short announcement."""
+    """Return whether reading takes slices: a look at a protocol takes longer than to read a short announcement."""
     return issubclass(kind, SlicedConvention)

@@ -94,7 +94,7 @@ def _checked(model: type[BaseModel], table: object) -> BaseModel:
 
 
 def _problem(key: str, model: type[BaseModel], error: Mapping[str, object]) -> InitErrorDetails:
-    """As ``[gateways.NAME]`` reports its own: which key, what is wrong, what there is."""
+    """Return a problem as ``[gateways.NAME]`` reports its own: which key, what is wrong, what there is."""
     loc = error["loc"]
     words = str(error["msg"]).removeprefix("Value error, ")
     words = f"{words[:1].lower()}{words[1:]}"

@@ -95,7 +95,7 @@ class Offers:
         self._wait(one for publisher in self._publishers for one in publisher.states(offer, known, changed))
 
     def _wait(self, publications: Iterable[Publication]) -> None:
-        """The newest state of each topic waits, so that a slow link costs no memory; of events each one does."""
+        """Let the newest state of each topic wait, so that a slow link costs no memory; of events each one."""
         for publication in publications:
             if not publication.retain:
                 if len(self._events) == MAX_EVENTS:

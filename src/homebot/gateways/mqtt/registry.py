@@ -291,7 +291,7 @@ def _is_new(availability_reader: AvailabilityReader, before: StoredAnnouncement)
 
 
 def _readings(stored: StoredAnnouncement) -> Iterator[tuple[str, AnnouncedPart | AvailabilityReader]]:
-    """Each filter that something of *stored* is read on, with what is."""
+    """Yield each filter that something of *stored* is read on, with what is."""
     for announced_part in stored.parts.values() if stored.described.text is None else ():
         for topic_filter in dict.fromkeys(announced_part.described.codec.topics()):
             yield topic_filter, announced_part

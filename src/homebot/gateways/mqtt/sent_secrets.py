@@ -34,7 +34,7 @@ class SentSecrets:
         return replace(publication, retain=False)
 
     def is_one(self, topic: str, payload: bytes) -> bool:
-        """Tell whether a message is one that we sent with a code."""
+        """Return whether a message is one that we sent with a code."""
         sent = self.sent.get(topic)
         return sent is not None and sent == self._hash(payload)
 

@@ -28,7 +28,7 @@ class SpareMemory:
         self._is_planned = False
 
     def freed(self) -> None:
-        """Something was freed; look later, once for all that is freed until then."""
+        """Plan a look for something that was freed, once for all that is freed until then."""
         if not self._is_planned:
             self._is_planned = self._scheduler.plan(("memory",), _AFTER, self._look)
 

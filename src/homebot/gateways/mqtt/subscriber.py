@@ -131,7 +131,7 @@ class Subscriber:
                 await anyio.sleep(ASK_EVERY)
 
     async def _on_connected(self, connection: MqttConnection) -> None:
-        """On each link ask devices to announce themselves, and on each but the first for their state."""
+        """Ask devices on each link to announce themselves, and on each but the first for their state."""
         is_first = True
         async for state in connection.states():
             if state.phase is not LinkPhase.CONNECTED:

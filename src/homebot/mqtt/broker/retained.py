@@ -155,14 +155,14 @@ class Replay:
         return _WEIGHT * (len(self._exact) + len(self._wild))
 
     def add(self, subscription: SessionSubscription) -> None:
-        """Owe the messages for one more filter."""
+        """Add the messages for one more filter."""
         if "+" in subscription.filter or "#" in subscription.filter:
             self._wild.append(subscription)
         else:
             self._exact.append(subscription)
 
     def leave_out_qos0(self) -> None:
-        """Owe only what is kept for the client, which is gone."""
+        """Leave out QoS 0 messages: the client is gone, and only what is kept for it counts."""
         self._only_kept = True
         self.complete = True
 
@@ -175,7 +175,7 @@ class Replay:
         return self._found[0]
 
     def popleft(self) -> None:
-        """Strike out the next message."""
+        """Remove the next message."""
         self._found.popleft()
 
     @property

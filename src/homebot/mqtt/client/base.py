@@ -254,7 +254,7 @@ class ClientLink(ABC):
 
     @abstractmethod
     async def close(self, *, ends_session: bool) -> None:
-        """Say good-bye and wait until the link is closed; *ends_session* where the version has a word for it."""
+        """Send DISCONNECT and wait until the link is closed; *ends_session* where the version has a field for it."""
 
     def ack(self, messages: Iterable[MqttMessage]) -> None:
         """Acknowledge those of *messages* that came by this link, perhaps together with what follows."""
@@ -269,7 +269,7 @@ class ClientLink(ABC):
         self._lose(reason)
 
     def data_received(self, data: bytes) -> None:
-        """Bytes came from the broker."""
+        """Handle bytes from the broker."""
         self._heard_at = self._loop.time()
         answers = b""
         try:
@@ -293,13 +293,13 @@ class ClientLink(ABC):
                 self._put(answers)
 
     def drained(self) -> None:
-        """The broker has taken everything that was written."""
+        """Go on: the broker has taken everything that was written."""
         if self._drained is not None:
             self._drained.set()
             self._drained = None
 
     def link_ended(self, reason: LinkError | RefusedError) -> None:
-        """The broker closed the link, or it broke."""
+        """End with the link, which the broker closed, or which broke."""
         self._lose(reason if self._is_granted else early_end(reason, self._options))
 
     @abstractmethod
@@ -311,7 +311,7 @@ class ClientLink(ABC):
         """
 
     def _begin(self, grant: SessionGrant, *, open_publishes: int = 0) -> None:
-        """The login has succeeded; *open_publishes* of an earlier link take up places."""
+        """Begin after a login that succeeded; *open_publishes* of an earlier link take up places."""
         self.grant = grant
         self._is_granted = True
         self._window = SendWindow(min(grant.receive_maximum, _IN_FLIGHT) - open_publishes)

@@ -58,7 +58,7 @@ class FrameReader:
         self._skip = 0
 
     def feed(self, data: bytes) -> list[Frame]:
-        """The packets that *data* completes.
+        """Return the packets that *data* completes.
 
         Raises:
             WireError: A length has more than four bytes; the stream cannot be followed any further.
@@ -120,7 +120,7 @@ class PublishReader:
         self._topics: dict[bytes, str] = {}
 
     def packet_id(self, packet: Frame) -> int:
-        """The packet identifier, also of a packet whose rest is cut or bad; 0 where none can be read."""
+        """Return the packet identifier, also of a packet whose rest is cut or bad; 0 where none can be read."""
         if not packet.first & 0x06:
             return 0
         start = 2 + int.from_bytes(packet.body[:2], "big")
@@ -128,7 +128,7 @@ class PublishReader:
         return int.from_bytes(raw, "big") if len(raw) == 2 else 0
 
     def read(self, packet: Frame, receipt: int) -> MqttMessage:
-        """The message in a whole packet.
+        """Return the message in a whole packet.
 
         Args:
             packet: A PUBLISH.
@@ -170,7 +170,7 @@ class PublishReader:
 
 
 def _read_length(buffer: bytes, position: int) -> tuple[int, int] | None:
-    """Value and end of a variable byte integer; None while it is incomplete."""
+    """Return value and end of a variable byte integer; None while it is incomplete."""
     value = 0
     for index, byte in enumerate(buffer[position : position + 4]):
         value |= (byte & 0x7F) << (7 * index)

@@ -42,7 +42,7 @@ class KeepAlive:
         self.due = now + interval
 
     def check(self, now: float) -> LifeSign:
-        """Say what is to be done now; a ping counts as sent."""
+        """Return what is to be done now; a ping counts as sent."""
         self._waiting = self._waiting and self.heard_at < self._pinged_at
         if self._waiting:
             self.due = self._pinged_at + self._patience

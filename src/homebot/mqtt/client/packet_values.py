@@ -13,7 +13,7 @@ __all__ = ["connect_packet", "disconnect_packet", "filter_request", "publish_pro
 
 
 def connect_packet(options: MqttOptions, version: ProtocolVersion) -> Connect:
-    """The login that *options* ask for."""
+    """Return the login that *options* ask for."""
     is_v5 = version is ProtocolVersion.V5
     properties = NOTHING
     if is_v5:
@@ -35,7 +35,7 @@ def connect_packet(options: MqttOptions, version: ProtocolVersion) -> Connect:
 
 
 def disconnect_packet(*, ends_session: bool) -> Disconnect:
-    """The good-bye; in MQTT 5 it can end the session with it."""
+    """Return the DISCONNECT; in MQTT 5 it can end the session with it."""
     return Disconnect(properties=Properties(session_expiry_interval=0)) if ends_session else Disconnect()
 
 
@@ -53,7 +53,7 @@ def session_of(answer: Connack, version: ProtocolVersion) -> SessionGrant:
 
 
 def filter_request(subscription: MqttSubscription) -> FilterRequest:
-    """One line of a SUBSCRIBE."""
+    """Return one line of a SUBSCRIBE."""
     return FilterRequest(
         subscription.filter,
         subscription.qos,
@@ -64,7 +64,7 @@ def filter_request(subscription: MqttSubscription) -> FilterRequest:
 
 
 def publish_properties(wanted: MessageProperties) -> Properties:
-    """The properties of a PUBLISH or a will."""
+    """Return the properties of a PUBLISH or a will."""
     if wanted is NO_PROPERTIES:
         return NOTHING
     return Properties(

@@ -88,7 +88,7 @@ class PahoSocket:
             raise WireError(repr(error), frame.body) from error
 
     def end(self) -> None:
-        """The link has ended: nothing more is sent, and a connection that is still being made is closed."""
+        """End with the link: send nothing more, and close a connection that is still being made."""
         self._is_over = True
         if self._tick is not None:
             self._tick.cancel()
@@ -101,10 +101,10 @@ class PahoSocket:
         return self
 
     def settimeout(self, seconds: float) -> None:
-        """Nothing; the options have the limit."""
+        """Do nothing; the options have the limit."""
 
     def setblocking(self, flag: bool) -> None:  # noqa: FBT001 - as sockets have it
-        """Nothing; it never blocks."""
+        """Do nothing; it never blocks."""
 
     def do_handshake(self) -> None:
         """Have the event loop carry the connection, in paho's thread; wait until it does."""
@@ -112,7 +112,7 @@ class PahoSocket:
         self._opening.result(2 * self._options.timeout)  # never that long where the loop runs
 
     def recv(self, size: int) -> bytes:
-        """The next of the bytes that are there for paho."""
+        """Return the next of the bytes that are there for paho."""
         if not self._unread:
             raise BlockingIOError
         piece = bytes(self._unread[:size])
@@ -127,7 +127,7 @@ class PahoSocket:
         return len(data)
 
     def fileno(self) -> int:
-        """The number of the socket, -1 where there is none."""
+        """Return the number of the socket, -1 where there is none."""
         return -1 if self._connected is None else self._connected.fileno()
 
     def close(self) -> None:

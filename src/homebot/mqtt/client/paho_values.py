@@ -99,7 +99,7 @@ def publish_properties(wanted: MessageProperties, packet_type: int = PacketTypes
 
 
 def packed_size(properties: Properties | None) -> int:
-    """Bytes of the properties; it also checks them, which paho does only when half of a publish is booked."""
+    """Return the size of the properties; check them too, which paho does only when half of a publish is booked."""
     try:
         return 0 if properties is None else len(properties.pack())  # type: ignore[no-untyped-call] # as above
     except (MQTTException, ValueError, struct.error) as error:

@@ -167,7 +167,7 @@ class MqttClient(Protocol):
         ...
 
     async def receive(self) -> list[MqttMessage]:
-        """All messages that are there, in order; waits for the first.
+        """Return all messages that are there, in order; wait for the first.
 
         Raises:
             LinkError: There is no link and no message.
@@ -175,7 +175,7 @@ class MqttClient(Protocol):
         ...
 
     def ack(self, messages: Iterable[MqttMessage]) -> None:
-        """Tell the broker that these messages are in good hands; those of QoS 0 are passed over.
+        """Acknowledge these messages to the broker; those of QoS 0 are passed over.
 
         A message from an earlier link is passed over too: the broker sends it again if it still has it.
         """

@@ -137,7 +137,7 @@ class ClientProtocol(ClientLink):
         await self._answer_to(encode(Unsubscribe(packet_id, filters), self._version), packet_id, "unsubscribe")
 
     async def close(self, *, ends_session: bool) -> None:
-        """Say good-bye, if there is still somebody, and drop the link; MQTT 5 has a word for *ends_session*."""
+        """Send DISCONNECT, if there is still a link, and drop it; MQTT 5 has a field for *ends_session*."""
         transport = self.transport
         if self._lost is None and transport is not None:
             self._send(disconnect_packet(ends_session=ends_session and self._is_v5))

@@ -50,13 +50,13 @@ class Receiver:
         self.settle = self._ledger.settle
 
     def begin_link(self, session: SessionGrant) -> None:
-        """Messages of a new link follow."""
+        """Begin a link, whose messages follow."""
         self._ledger.begin_link(resumed=session.resumed)
         self._inbox.reopen(resumed=session.resumed)
         self._reader = PublishReader(has_properties=session.protocol == "5")
 
     def end_link(self, reason: LinkError | RefusedError) -> None:
-        """No more messages before the next link."""
+        """End a link: no more messages come before the next one."""
         self._inbox.end(reason)
 
     def publish(self, packet: Frame) -> bytes:
@@ -150,7 +150,7 @@ class Inbox:
             self._wake_up(self._wake)
 
     async def take(self) -> list[MqttMessage]:
-        """Everything that is there, oldest first.
+        """Return everything that is there, oldest first.
 
         Raises:
             LinkError: The store is empty and nothing more will come before `reopen`.
@@ -166,13 +166,13 @@ class Inbox:
         return taken
 
     def end(self, reason: LinkError | RefusedError) -> None:
-        """Nothing more will come, because of *reason*; what is there can still be taken."""
+        """End, because of *reason*: nothing more will come; what is there can still be taken."""
         self._ended = reason
         if self._wake is not None:
             self._wake_up(self._wake)
 
     def reopen(self, *, resumed: bool) -> None:
-        """Messages will come again; in a *resumed* session the broker repeats those of QoS 1 that wait here."""
+        """Begin again; in a *resumed* session the broker repeats those of QoS 1 that wait here."""
         self._ended = None
         if resumed:
             self._messages = deque(message for message in self._messages if message.qos != 1)
@@ -208,7 +208,7 @@ class DeliveryLedger:
         self._recorded: dict[int, bool] = {}  # open QoS 2 identifiers; True once settled
 
     def begin_link(self, *, resumed: bool) -> None:
-        """A new link; *resumed* says whether the broker still has the session."""
+        """Begin a new link; *resumed* is whether the broker still has the session."""
         self._link += 1
         if not resumed:
             self._session += 1
@@ -229,7 +229,7 @@ class DeliveryLedger:
         return self._session << 16 | packet_id, b""
 
     def settle(self, messages: Iterable[MqttMessage]) -> bytes:
-        """The acknowledgements to send for *messages*; what cannot be acknowledged any more is passed over."""
+        """Return the acknowledgements to send for *messages*; what cannot be acknowledged any more is passed over."""
         out = bytearray()
         for message in messages:
             if message.qos == 1:
@@ -240,14 +240,14 @@ class DeliveryLedger:
         return bytes(out)
 
     def refuse(self, qos: int, packet_id: int) -> bytes:
-        """The acknowledgement of a message that was dropped for good, so that it does not come again."""
+        """Return the acknowledgement of a message that was dropped for good, so that it does not come again."""
         if qos == 1:
             return _packet(_PUBACK, packet_id)
         self._recorded[packet_id] = True
         return _packet(_PUBREC, packet_id)
 
     def release(self, packet_id: int) -> bytes:
-        """The answer to a PUBREL; also to one for an unknown identifier, or the broker would ask for ever."""
+        """Return the answer to a PUBREL; also to one for an unknown identifier, or the broker would ask for ever."""
         self._recorded.pop(packet_id, None)
         return _packet(_PUBCOMP, packet_id)
 

@@ -24,7 +24,7 @@ _THROWN_OUT: Final = {
 
 
 def reason_text(code: int) -> str:
-    """A reason code in words, such as ``not authorized``."""
+    """Return a reason code in words, such as ``not authorized``."""
     try:
         return ReasonCode(code).text
     except ValueError:

@@ -33,7 +33,7 @@ class Requests:
         self._open: dict[int, Publish | None] = {}  # QoS 2; None once PUBREC has come
 
     def new_id(self) -> int:
-        """An identifier that nothing open has."""
+        """Return an identifier that nothing open has."""
         while True:
             self._last = self._last % _LAST + 1
             if self._last not in self._answers and self._last not in self._open:
@@ -55,29 +55,29 @@ class Requests:
         return answer
 
     def forget(self, packet_id: int) -> None:
-        """Nobody waits for this answer any more."""
+        """Forget an answer that nobody waits for any more."""
         self._answers.pop(packet_id, None)
 
     def hold(self, publish: Publish) -> None:
-        """A hand-shake of QoS 2 begins: it must be brought to an end, also on a later link."""
+        """Hold a hand-shake of QoS 2: it must be brought to an end, also on a later link."""
         if publish.packet_id is not None:
             self._open[publish.packet_id] = publish
 
     def taken(self, packet_id: int) -> Pubrel:
-        """PUBREC came and said yes; returns the answer."""
+        """Handle a PUBREC that accepts; return the answer."""
         if packet_id in self._open:
             self._open[packet_id] = None
         return Pubrel(packet_id)
 
     def answered(self, packet_id: int, reasons: Answer) -> None:
-        """The last answer to *packet_id* came; nothing where nobody waits for it any more."""
+        """Handle the last answer to *packet_id*; do nothing where nobody waits for it any more."""
         self._open.pop(packet_id, None)
         answer = self._answers.get(packet_id)
         if answer is not None and not answer.done():
             answer.set_result(reasons)
 
     def fail(self, words: str) -> None:
-        """No answer will come, because of *words*."""
+        """Fail all that wait for an answer: none will come, because of *words*."""
         for answer in self._answers.values():
             if not answer.done():
                 answer.set_exception(LinkError(words))
@@ -116,7 +116,7 @@ class SendWindow:
             raise
 
     def release(self) -> None:
-        """A publish has ended: its place is for the next."""
+        """Free the place of a publish that has ended."""
         self._free += 1
         while self._free > 0 and self._waiters:
             waiter = self._waiters.popleft()
@@ -125,7 +125,7 @@ class SendWindow:
                 waiter.set_result(None)
 
     def close(self, words: str) -> None:
-        """Tell all who wait that they wait in vain, because of *words*."""
+        """Fail all that wait, because of *words*."""
         while self._waiters:
             waiter = self._waiters.popleft()
             if not waiter.done():

@@ -114,18 +114,18 @@ class TcpTransport(asyncio.BufferedProtocol):
             raise
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """The connection stands."""
+        """Take the connection, which stands."""
         self._transport = cast("asyncio.Transport", transport)
         self._transport.set_write_buffer_limits(high=SEND_BUFFER)
         self.socket = transport.get_extra_info("socket")
         self._acknowledge()
 
     def get_buffer(self, sizehint: int) -> memoryview:  # noqa: ARG002 - as asyncio calls it
-        """The place for the next bytes: always the same, or each read would ask the kernel for 256 KiB."""
+        """Return the place for the next bytes: always the same, or each read would ask the kernel for 256 KiB."""
         return self._buffer
 
     def buffer_updated(self, nbytes: int) -> None:
-        """Bytes came from the socket."""
+        """Handle bytes from the socket."""
         data = bytes(self._buffer[:nbytes])
         if self._ahead.size or len(data) > _PORTION:
             self._read_ahead(data)
@@ -134,14 +134,14 @@ class TcpTransport(asyncio.BufferedProtocol):
         self._acknowledge()
 
     def pause_writing(self) -> None:
-        """The broker takes bytes slower than they come; the user looks at `waiting`."""
+        """Note that the broker takes bytes slower than they come; the user looks at `waiting`."""
 
     def resume_writing(self) -> None:
-        """The broker has taken most of what was written."""
+        """Go on: the broker has taken most of what was written."""
         self._user.drained()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """The connection is closed."""
+        """End with the connection, which is closed."""
         while portion := self._ahead.take():  # what came before the end counts
             self._user.data_received(portion)
         self._drop_held()

@@ -17,15 +17,15 @@ class TransportUser(Protocol):
     """The client's half of what a transport carries to."""
 
     def data_received(self, data: bytes) -> None:
-        """Bytes came from the broker."""
+        """Handle bytes from the broker."""
         ...
 
     def drained(self) -> None:
-        """Few or no bytes wait for the broker any more."""
+        """Go on: few or no bytes wait for the broker any more."""
         ...
 
     def link_ended(self, reason: LinkError | RefusedError) -> None:
-        """The broker closed the link, or it broke; nothing more comes."""
+        """End with the link, which the broker closed, or which broke; nothing more comes."""
         ...
 
 

@@ -126,7 +126,7 @@ def _encode(capability: Capability, affordance: Affordance, value: PlainValue) -
 
 
 def _flag(affordance: Affordance, value: object) -> bool | None:
-    """Of two listed words, the one that says yes, or else the second, is true."""
+    """Return a flag; of two listed texts, the one that means yes, or else the second, is true."""
     if isinstance(value, bool):
         return value
     enum = affordance.schema.enum
@@ -196,7 +196,7 @@ def _read(capability: Capability, affordance: Affordance, payload: bytes) -> Rea
 def _write(
     capability: Capability, affordance: Affordance, form: Form, value: PlainValue, _transition: float
 ) -> Publications:
-    """A Thing Description does not speak of transitions."""
+    """Write a value; a Thing Description has no transitions."""
     if affordance.kind == "action":
         if value is not True:
             raise RefusedError(f"{capability.name} {shown(value)}", "it takes true")

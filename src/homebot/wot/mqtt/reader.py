@@ -82,7 +82,7 @@ def _parts(thing: Thing) -> Iterator[DescribedPart]:
 
 
 def _usable(classified: ClassifiedPart) -> ClassifiedPart:
-    """Without what cannot be spoken.
+    """Return the part without what cannot be used.
 
     Raises:
         WireError: A topic to read or write is none.
