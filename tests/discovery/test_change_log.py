@@ -10,7 +10,7 @@ import pytest
 from homebot.devices import Device, DeviceChange, KeyValue
 from homebot.devices.device import DevicePart
 from homebot.devices.part import Capability, Part
-from homebot.discovery.change_log import ChangeLog
+from homebot.discovery.changes import ChangeLog
 from homebot.messages import Time
 
 

@@ -21,10 +21,9 @@ from homebot.devices.names import text_address
 from homebot.devices.text.commands import accepts_text
 from homebot.devices.value import PlainValue, Value
 from homebot.discovery.echoes import Echoes
-from homebot.discovery.merging.part_ids import NO_IDS, PartIds, lost_ids
-from homebot.discovery.merging.parts import MergedParts, main_part, merge_parts
+from homebot.discovery.liveness import ReportInterval
+from homebot.discovery.merging.parts import NO_IDS, MergedParts, PartIds, lost_ids, main_part, merge_parts
 from homebot.discovery.reachability import offline_parts, reachability
-from homebot.discovery.report_interval import ReportInterval
 from homebot.discovery.source_record import SourceKey, SourceRecord, StoredValue, preference
 from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time

@@ -21,7 +21,7 @@ from homebot.discovery.merging.merger import DeviceMerger
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.search.postings import Postings
 from homebot.discovery.source_record import SourceKey, SourceRecord
-from homebot.discovery.state_recorder import StateRecorder
+from homebot.discovery.states import StateRecorder
 
 __all__ = ["MAX_DEVICES", "DeviceIndex", "IndexCounters"]
 

@@ -3,21 +3,86 @@
 from __future__ import annotations
 
 import math
-from typing import final
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, final
 
-from homebot.discovery.device_table import DeviceTable
-from homebot.discovery.entry import Entry
-from homebot.discovery.source_record import SourceRecord
 from homebot.messages import Time
 from homebot.timer_queue import TimerQueue
 
-__all__ = ["SAVE_LIFE", "Liveness"]
+if TYPE_CHECKING:
+    from homebot.discovery.device_table import DeviceTable
+    from homebot.discovery.entry import Entry
+    from homebot.discovery.source_record import SourceRecord
+
+__all__ = ["SAVE_LIFE", "Liveness", "ReportInterval"]
+
+
+_KEPT = 8
+
+_BURST = 1.0
+"""Seconds within which messages belong together: a device often says several things at once."""
+
+_FEW = 3
+
+_TIMES = 3.0
+"""How many usual gaps may pass: two reports may be lost on the way."""
+
+_LONGEST_OF_FEW = 86_400.0
+
+_LONGEST = 7 * 86_400.0
 
 SAVE_LIFE = 600.0
 """Seconds between two writings of when a device was last seen."""
 
 _ONLINE_FOR = 86_400.0
 """Seconds for which a device that reported live that it is online may be silent: its last will watches over it."""
+
+
+@final
+class ReportInterval:
+    """The gaps between the last few times that a device spoke: at most eight, so that old habits are forgotten.
+
+    The longest gap does not count once there are three: it may have been a power cut.
+    """
+
+    __slots__ = ("_gaps", "_last", "_patience")
+
+    def __init__(self, gaps: Iterable[float] = ()) -> None:
+        self._last: float | None = None
+        self._gaps: tuple[float, ...] = ()
+        self._patience = 0.0
+        if gaps:
+            self._learn(tuple(gaps)[-_KEPT:])
+
+    @property
+    def gaps(self) -> tuple[float, ...]:
+        """The gaps in seconds, oldest first."""
+        return self._gaps
+
+    def record(self, now: float) -> float:
+        """Note that it spoke at *now*, in seconds; return :meth:`expected_silence`."""
+        last = self._last
+        if last is None:
+            self._last = now
+        elif (gap := now - last) >= _BURST:
+            self._last = now
+            self._learn((*self._gaps, gap)[-_KEPT:])
+        return self._patience
+
+    def expected_silence(self) -> float:
+        """Return for how many seconds after its last word its silence is usual; 0 where nothing is known yet."""
+        return self._patience
+
+    def join(self, other: ReportInterval) -> None:
+        """Take over what *other* learnt of the same device, where that is more."""
+        if len(other._gaps) > len(self._gaps):
+            self._learn(other._gaps)
+        if other._last is not None:
+            self._last = max(other._last, self._last or other._last)
+
+    def _learn(self, gaps: tuple[float, ...]) -> None:
+        self._gaps = gaps
+        self._patience = _patience(gaps)
 
 
 @final
@@ -128,3 +193,11 @@ class Liveness:
     def forgotten_at(self, entry: Entry) -> float:
         """Return when a stale device is to be removed, in seconds since the Unix epoch."""
         return entry.expires + self._forget_after
+
+
+def _patience(gaps: tuple[float, ...]) -> float:
+    if not gaps:
+        return 0.0
+    if len(gaps) < _FEW:
+        return min(_TIMES * min(gaps), _LONGEST_OF_FEW)
+    return min(_TIMES * sorted(gaps)[-2], _LONGEST)

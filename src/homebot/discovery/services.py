@@ -36,7 +36,7 @@ from homebot.devices.services import (
     QueryDevicesRequest,
     QueryDevicesResponse,
 )
-from homebot.discovery.change_log import ChangeLog
+from homebot.discovery.changes import ChangeLog
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.search.rank import rank, reasons

@@ -1,19 +1,129 @@
-"""Reported states of devices, kept at the announcement through which they came. Pure."""
+"""Reported states of devices: noted at their announcement, made findable and published. Pure."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from operator import attrgetter
+from typing import final
 
 from homebot.devices import State
-from homebot.devices.gateway_messages import Reading
+from homebot.devices.capabilities import EVENTS
+from homebot.devices.gateway_messages import REACHABLE, Reading, Report
+from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
+from homebot.discovery.liveness import Liveness
 from homebot.discovery.source_record import Reach, SourceRecord, StoredValue
 from homebot.messages import Time
 
-__all__ = ["has_capability", "is_denied", "state_of", "store_reachability"]
+__all__ = ["StateRecorder", "has_capability", "is_denied", "state_of", "store_reachability"]
+
 
 _NAME = attrgetter("name")
+
+
+@final
+class StateRecorder:
+    """Takes in the reports of known devices.
+
+    Args:
+        table: The devices.
+        liveness: When each was heard.
+    """
+
+    __slots__ = ("_liveness", "_table")
+
+    def __init__(self, table: DeviceTable, liveness: Liveness) -> None:
+        self._table = table
+        self._liveness = liveness
+
+    def record(self, entry: Entry, source: SourceRecord, report: Report) -> None:
+        """Take in *report*, which came through *source*, an announcement of *entry*."""
+        live, now, stamp = not report.retained, self._liveness.now, report.received_at
+        shows_life = live and report.address != ""
+        before = self._reach(entry) if entry.is_denied else None
+        new: list[tuple[Reading, StoredValue]] = []
+        for reading in report.readings:
+            stored = source.values.get((reading.part, reading.capability))
+            if stored is None:
+                if reading.capability == REACHABLE:
+                    before = before or self._reach(entry)
+                    shows_life = shows_life and reading.value.flag
+                stored = self._record_new(entry, source, reading, report)
+                if stored is not None:
+                    new.append((reading, stored))
+            elif live or not stored.live:  # what the broker had kept never overwrites what came live
+                stored.told_at, stored.live, stored.heard_at = stamp, live, now
+                value, known = reading.value.plain(), stored.value
+                if known != value or type(known) is not type(value):
+                    stored.value, stored.since = value, stamp
+                    new.append((reading, stored))
+        if new:
+            self._publish(entry, source, new)
+        if shows_life:
+            self._liveness.mark_seen(entry, source, report.received_at, "it reported live")
+        else:
+            entry.invalidate_device()
+        if before is not None and self._reach(entry) != before:
+            self._table.note("changed", entry, entry.reachability().why)
+
+    def _record_new(self, entry: Entry, source: SourceRecord, reading: Reading, report: Report) -> StoredValue | None:
+        """Take in what is no newer value of a known one: an event, reachability, or a first value, which it returns."""
+        capability, stamp, live = reading.capability, report.received_at, not report.retained
+        if capability == REACHABLE:
+            if report.address:
+                store_reachability(entry, source, reading, stamp, self._liveness.now, live=live)
+            else:  # the device reports it no longer
+                source.set_reach({part: reach for part, reach in source.reach.items() if part != reading.part})
+        elif capability in EVENTS:
+            if live:
+                self._record_event(entry, source, reading, stamp)
+        elif has_capability(source, reading.part, capability):
+            stored = StoredValue(reading.value.plain(), stamp, stamp, live, self._liveness.now)
+            source.values[reading.part, capability] = stored
+            return stored
+        else:
+            self._table.counters.unknown_parts += 1
+        return None
+
+    def _reach(self, entry: Entry) -> tuple[str, tuple[str, ...]]:
+        """Return whether *entry* can be reached, and which of its parts cannot."""
+        return entry.reachability().state, entry.offline_parts(entry.parts(self._table.topics))
+
+    def _publish(self, entry: Entry, source: SourceRecord, new: list[tuple[Reading, StoredValue]]) -> None:
+        """Make new values findable, and publish them."""
+        table = self._table
+        is_sorted = entry.id not in table.outdated
+        if not (is_sorted or table.collects_states):
+            return
+        merged = entry.parts(table.topics)
+        for reading, stored in new:
+            number = merged.places.get((*source.key, reading.part))
+            if number is None:
+                continue
+            part = merged.parts[number]
+            if is_sorted and len(part.routes) > 1:
+                is_sorted = False
+                table.outdated[entry.id] = None
+            elif is_sorted:
+                table.postings.put_value(entry.id, part.id, part.part.service_type, reading.capability, stored.value)
+            if table.collects_states:
+                table.changes.note_state(entry, merged, state_of(part.id, reading, stored))
+
+    def _record_event(self, entry: Entry, source: SourceRecord, reading: Reading, stamp: Time) -> None:
+        """Publish an event once, by however many routes it comes; it is no state, so nothing is found by it."""
+        table, now = self._table, self._liveness.now
+        if not has_capability(source, reading.part, reading.capability):
+            table.counters.unknown_parts += 1
+            return
+        merged = entry.parts(table.topics)
+        number = merged.places.get((*source.key, reading.part))
+        value = reading.value.plain()
+        if number is None or not entry.is_new_event(number, reading.capability, value, source.key, now):
+            return
+        stored = StoredValue(value, stamp, stamp, live=True, heard_at=now)
+        source.events = {**source.events, (reading.part, reading.capability): stored}
+        if table.collects_states:
+            table.changes.note_state(entry, merged, state_of(merged.parts[number].id, reading, stored))
 
 
 def has_capability(source: SourceRecord, part_id: str, capability: str) -> bool:

@@ -1,26 +1,82 @@
-"""The parts of a device out of all announcements of it: each lamp once, with the ways to it. Pure."""
+"""Parts of a device, merged from all its announcements: each once, with its id, capabilities and routes. Pure."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
+from types import MappingProxyType
 from typing import TypeAlias
 
 from homebot.devices import DevicePart, Route
 from homebot.devices.device import EVERYTHING
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.part import Part
-from homebot.discovery.merging.capabilities import decided, settable_by
-from homebot.discovery.merging.matching import Candidate, candidates, match
-from homebot.discovery.merging.part_ids import NO_IDS, Named, PartIds, PartPlace, part_ids
+from homebot.devices.part import Capability, Part
+from homebot.discovery.merging.matching import SETTING, Candidate, candidates, match
 from homebot.discovery.source_record import SourceRecord, preference
 from homebot.discovery.topics.ownership import TopicOwnership
 
-__all__ = ["MAX_PARTS", "MergedParts", "main_part", "merge_parts"]
+__all__ = [
+    "MAX_LOST",
+    "MAX_PARTS",
+    "NO_IDS",
+    "MergedParts",
+    "Named",
+    "PartIds",
+    "PartPlace",
+    "lost_ids",
+    "main_part",
+    "merge_parts",
+    "part_ids",
+]
+
 
 MAX_PARTS = 1000
 """Parts of one device; further ones are left out."""
+
+PartPlace: TypeAlias = tuple[str, str, str]
+"""Gateway, key, and what the part is called there."""
+
+PartIds: TypeAlias = Mapping[PartPlace, str]
+"""The id that the part announced at each place had."""
+
+NO_IDS: PartIds = MappingProxyType({})
+
+MAX_LOST = 1000
+"""Places of a device that tell nothing now and whose ids are remembered; the oldest are forgotten."""
+
+_Origin: TypeAlias = tuple[bool, str, str]
+"""True for what is not native, gateway, convention: native ones sort first."""
+
+_Way: TypeAlias = tuple[PartPlace, _Origin, Part]
+"""The place of a part, the origin of its announcement, and its description."""
+
+_RANK = {name: number for number, name in enumerate(DEVICE_TYPES)}
+
+
+@dataclass(slots=True)
+class _SourcePart:
+    """A part as one origin announces it: in one announcement, or in several that agree on its command topics."""
+
+    part: Part
+    sources: list[SourceRecord]
+
+
+_Occurrence: TypeAlias = tuple[SourceRecord, Part, _SourcePart]
+
+
+@dataclass(slots=True)
+class _Merged:
+    """A part in the making, the so-manieth; *ways* are those that nobody disputes, the preferred ones first.
+
+    What the part is does not depend on which came first, so the ways decide on that in the order of their origins.
+    """
+
+    part: Part
+    number: int
+    label: str
+    places: list[tuple[int, PartPlace]] = field(default_factory=list)
+    ways: list[_Way] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,37 +96,6 @@ class MergedParts:
     def ids(self) -> dict[PartPlace, str]:
         """Return which id the part has that each part of a source is."""
         return {place: self.parts[number].id for place, number in self.places.items()}
-
-
-@dataclass(slots=True)
-class _SourcePart:
-    """A part as one origin announces it: in one announcement, or in several that agree on its command topics."""
-
-    part: Part
-    sources: list[SourceRecord]
-
-
-@dataclass(slots=True)
-class _Merged:
-    """A part in the making, the so-manieth; *ways* are those that nobody disputes, the preferred ones first.
-
-    What the part is does not depend on which came first, so the ways decide on that in the order of their origins.
-    """
-
-    part: Part
-    number: int
-    label: str
-    places: list[tuple[int, PartPlace]] = field(default_factory=list)
-    ways: list[_Way] = field(default_factory=list)
-
-
-_Origin: TypeAlias = tuple[bool, str, str]
-"""True for what is not native, gateway, convention: native ones sort first."""
-
-_Way: TypeAlias = tuple[PartPlace, _Origin, Part]
-"""The place of a part, the origin of its announcement, and its description."""
-
-_Occurrence: TypeAlias = tuple[SourceRecord, Part, _SourcePart]
 
 
 def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: PartIds = NO_IDS) -> MergedParts:
@@ -108,6 +133,97 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
     return MergedParts(_named(tuple(numbered.values()), known), tuple(conflicts), places)
 
 
+def main_part(parts: Sequence[DevicePart]) -> DevicePart | None:
+    """Return the part that a device is there for: no setting or diagnosis, and rather a lamp than its thermometer."""
+    if len(parts) == 1:
+        return parts[0]
+    return min(
+        parts, key=lambda one: (bool(one.part.category), _RANK.get(one.part.service_type, len(_RANK))), default=None
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A part that needs an id.
+
+    Attributes:
+        name: What its best announcement calls it.
+        label: What people know that announcement by.
+        places: Where it is announced, each with the age of the announcement: the smaller number is the older one.
+    """
+
+    name: str
+    label: str
+    places: Sequence[tuple[int, PartPlace]]
+
+
+def part_ids(parts: Sequence[Named], known: PartIds) -> tuple[str, ...]:
+    """Return the ids of *parts*, each another one.
+
+    A part has the id that it had, by its oldest announcement; a new one what its best announcement calls it. Of two
+    that were one, the one that is called so has the id.
+    """
+    held = _held(parts, known) if known else {}
+    taken = set(held.values())
+    found = []
+    for number, part in enumerate(parts):
+        part_id = held.get(number)
+        if part_id is None:
+            part_id = part.name
+            if part_id in taken:
+                part_id = f"{part.label}/{part_id}"
+            while part_id in taken:
+                part_id += "'"
+            taken.add(part_id)
+        found.append(part_id)
+    return tuple(found)
+
+
+def lost_ids(known: PartIds, places: Iterable[PartPlace]) -> PartIds:
+    """Return what is worth remembering of *known* beside *places*: ids that are not what the part is called there."""
+    there = frozenset(places)
+    lost = [(place, part_id) for place, part_id in known.items() if place not in there and part_id != place[2]]
+    return dict(lost[-MAX_LOST:]) if lost else NO_IDS
+
+
+def _merge_capabilities(parts: Sequence[Part]) -> Part:
+    """Return the first of *parts* with the capabilities of all of them: it is what they all describe, best first."""
+    best = parts[0]
+    if len(parts) == 1 or all(one.capabilities == best.capabilities for one in parts):
+        return best
+    found: dict[str, Capability] = {}
+    for part in parts:
+        for capability in part.capabilities:
+            known = found.get(capability.name)
+            found[capability.name] = capability if known is None else _joined(known, capability)
+    capabilities = tuple(found.values())
+    return best if capabilities == best.capabilities else best.model_copy(update={"capabilities": capabilities})
+
+
+def _decided(parts: Sequence[Part]) -> Part:
+    """Return :func:`_merge_capabilities` of *parts*, best first; it is a setting where one of them says so.
+
+    Who knows the category decides for all, and of a setting for the type as well: Home Assistant knows no setting that
+    is on or off, it calls that a switch.
+    """
+    whole = _merge_capabilities(parts)
+    knows = next((one for one in parts if one.category), whole)
+    is_setting = knows.service_type == SETTING
+    service_type, advertised = (SETTING, knows.advertised) if is_setting else (whole.service_type, whole.advertised)
+    if (knows.category, service_type) == (whole.category, whole.service_type):
+        return whole
+    changes = {"category": knows.category, "service_type": service_type, "advertised": advertised}
+    return whole.model_copy(update=changes)
+
+
+def _settable_by(part: Part, whole: Part) -> tuple[str, ...]:
+    """Return what can be set by the way that is described as *part*, where all ways together are *whole*."""
+    if part is whole:
+        return EVERYTHING
+    names = _settable(part)
+    return EVERYTHING if names == _settable(whole) else tuple(names)
+
+
 def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) -> MergedParts:
     """Return the parts of the usual device, of one announcement: nothing is to be matched."""
     conflicts: list[str] = []
@@ -136,18 +252,6 @@ def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) 
 
 def _left_out(count: int) -> str:
     return f"{count} further parts are left out, for a device has {MAX_PARTS:,} at most"
-
-
-def main_part(parts: Sequence[DevicePart]) -> DevicePart | None:
-    """Return the part that a device is there for: no setting or diagnosis, and rather a lamp than its thermometer."""
-    if len(parts) == 1:
-        return parts[0]
-    return min(
-        parts, key=lambda one: (bool(one.part.category), _RANK.get(one.part.service_type, len(_RANK))), default=None
-    )
-
-
-_RANK = {name: number for number, name in enumerate(DEVICE_TYPES)}
 
 
 def _occurrences(sources: Sequence[SourceRecord], conflicts: list[str]) -> list[_Occurrence]:
@@ -205,9 +309,11 @@ def _named(merged: Sequence[_Merged], known: PartIds) -> tuple[DevicePart, ...]:
 
 
 def _device_part(part_id: str, one: _Merged) -> DevicePart:
-    part = decided([way[2] for way in sorted(one.ways, key=lambda way: way[1])]) if len(one.ways) > 1 else one.part
+    part = _decided([way[2] for way in sorted(one.ways, key=lambda way: way[1])]) if len(one.ways) > 1 else one.part
     routes = tuple(
-        Route.of_checked(gateway=gateway, key=key, part=name, convention=convention, takes=settable_by(described, part))
+        Route.of_checked(
+            gateway=gateway, key=key, part=name, convention=convention, takes=_settable_by(described, part)
+        )
         for (gateway, key, name), (_, _, convention), described in one.ways
     )
     return DevicePart.of_checked(id=part_id, part=part, routes=routes)
@@ -222,3 +328,31 @@ def _same_topics(part: Part, other: Part) -> bool:
     if part.writes or other.writes:
         return set(part.writes) == set(other.writes)
     return part.reads == other.reads
+
+
+def _settable(part: Part) -> dict[str, None]:
+    return {one.name: None for one in part.capabilities if one.settable}
+
+
+def _joined(best: Capability, other: Capability) -> Capability:
+    """Join two capabilities; where only one is settable it decides: its range and options are those of commands."""
+    if best == other:
+        return best
+    shown = other if other.settable and not best.settable else best
+    options = shown.options
+    if best.settable == other.settable and best.options and other.options:
+        options = tuple(dict.fromkeys(best.options + other.options))
+    readable, settable = best.readable or other.readable, best.settable or other.settable
+    return shown.model_copy(update={"readable": readable, "settable": settable, "options": options})
+
+
+def _held(parts: Sequence[Named], known: PartIds) -> dict[int, str]:
+    bids: dict[str, tuple[bool, int, int]] = {}
+    for number, part in enumerate(parts):
+        had = min(((age, known[place]) for age, place in part.places if place in known), default=None)
+        if had is not None:
+            age, part_id = had
+            is_called_so = any(place[2] == part_id for _, place in part.places)
+            bid = (not is_called_so, age, number)
+            bids[part_id] = min(bid, bids.get(part_id, bid))
+    return {number: part_id for part_id, (_, _, number) in bids.items()}
