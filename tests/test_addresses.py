@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.addresses import is_loopback, network_of
+from homebot.addresses import ip_version, is_loopback, network_of
+
+
+@pytest.mark.parametrize(
+    ("host", "version"),
+    [("127.0.0.1", 4), ("::1", 6), ("fe80::1%eth0", 6), ("hub.lan", None), ("1.2.3", None), ("", None)],
+)
+def test_an_address_needs_no_look_up_and_a_name_does(host: str, version: int | None) -> None:
+    assert ip_version(host) == version
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "::1", "[::1]", "localhost", "LocalHost.", "127.8.8.8"])

@@ -6,7 +6,7 @@ import ipaddress
 from functools import lru_cache
 from typing import Final
 
-__all__ = ["is_loopback", "network_of"]
+__all__ = ["ip_version", "is_loopback", "network_of"]
 
 _IPV6_PREFIX: Final = 64
 """Bits of an IPv6 address that belong to one household or customer; the rest anybody may choose."""
@@ -20,6 +20,14 @@ def is_loopback(host: str) -> bool:
         return ipaddress.ip_address(host.removeprefix("[").removesuffix("]")).is_loopback
     except ValueError:
         return False
+
+
+def ip_version(host: str) -> int | None:
+    """Return 4 or 6 where *host* is an address, which needs no look-up; None where it is a name."""
+    try:
+        return ipaddress.ip_address(host).version
+    except ValueError:
+        return None
 
 
 @lru_cache(maxsize=1024)

@@ -137,7 +137,7 @@ async def test_a_dialled_socket_sends_small_packets_at_once() -> None:
         await transport.wait_closed()
 
 
-@pytest.mark.parametrize("host", ["127.0.0.1", "localhost"])
+@pytest.mark.parametrize("host", ["127.0.0.1", "::1", "localhost"])
 async def test_a_port_where_nobody_listens_is_told_in_words(unused_tcp_port: int, host: str) -> None:
     with pytest.raises(LinkError) as caught:
         await dial_tcp(MqttOptions(host=host, port=unused_tcp_port), NoUser())

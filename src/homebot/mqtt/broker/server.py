@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import errno
-import ipaddress
 import socket
 import ssl
 from collections.abc import Callable, Collection, Mapping
@@ -12,7 +11,7 @@ from typing import final
 
 import anyio
 
-from homebot.addresses import is_loopback
+from homebot.addresses import ip_version, is_loopback
 from homebot.clock import Clock
 from homebot.errors import LinkError, UsageError
 from homebot.mqtt.broker.base import EmbeddedBroker
@@ -174,10 +173,8 @@ class Broker(EmbeddedBroker):
         return sock
 
     async def _resolve(self, loop: asyncio.AbstractEventLoop) -> tuple[int, tuple[object, ...]]:
-        try:
-            literal = ipaddress.ip_address(self._host)
-        except ValueError:
+        version = ip_version(self._host)
+        if version is None:
             infos = await loop.getaddrinfo(self._host, self._port, type=socket.SOCK_STREAM)
             return infos[0][0], infos[0][4]
-        family = socket.AF_INET if literal.version == 4 else socket.AF_INET6
-        return family, (self._host, self._port)
+        return socket.AF_INET if version == 4 else socket.AF_INET6, (self._host, self._port)

@@ -16,6 +16,7 @@ from typing import Final, cast, final
 import anyio
 import anyio.to_thread
 
+from homebot.addresses import ip_version
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.certificate import load_certificate
 from homebot.mqtt.client.read_ahead import ReadAhead
@@ -261,10 +262,9 @@ def dial_error(error: OSError, *, in_tls: bool) -> LinkError | RefusedError:
 
 async def _connect(options: MqttOptions) -> socket.socket:
     loop = asyncio.get_running_loop()
-    addresses = await loop.getaddrinfo(options.host, options.port, type=socket.SOCK_STREAM)
     failure: OSError = OSError("the name has no address")
-    for family, kind, protocol, _, address in addresses:
-        sock = socket.socket(family, kind, protocol)
+    for family, address in await _resolve(options):
+        sock = socket.socket(family, socket.SOCK_STREAM)
         try:
             sock.setblocking(False)  # noqa: FBT003 - the standard library's own
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -278,6 +278,16 @@ async def _connect(options: MqttOptions) -> socket.socket:
         else:
             return sock
     raise failure
+
+
+async def _resolve(options: MqttOptions) -> list[tuple[int, tuple[object, ...]]]:
+    """Return where the broker may be, each with its family; an address is not looked up, which takes a thread."""
+    version = ip_version(options.host)
+    if version is not None:
+        return [(socket.AF_INET if version == 4 else socket.AF_INET6, (options.host, options.port))]
+    loop = asyncio.get_running_loop()
+    found = await loop.getaddrinfo(options.host, options.port, type=socket.SOCK_STREAM)
+    return [(family, address) for family, _, _, _, address in found]
 
 
 def _load_context(options: MqttOptions) -> ssl.SSLContext:
