@@ -58,8 +58,8 @@ class Devices:
         self._since = self._clock.monotonic()
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._handlers: dict[tuple[str, str], MessageHandler] = {}
-        self._wanted: dict[str, set[str]] = {}
-        self._asks_again = False
+        self._listened: dict[str, set[str]] = {}
+        self._watches_services = False
         self._subscriptions: dict[str, Subscription[RawMessage]] = {}
         self._gateways: dict[str, Client[SubscribeToTopicRequest, SubscribeToTopicResponse]] = {}
         self._commands: dict[str, Publisher[RawCommand]] = {}
@@ -98,7 +98,7 @@ class Devices:
         if isinstance(service_type, str):
             _check_plain(service_type, none, query)
             return (await self._find.call(FindDevicesRequest(service_type=service_type))).devices
-        return await self._typed().find(service_type.where(*none, **query))
+        return await self._all_handles().find(service_type.where(*none, **query))
 
     @overload
     def follow(self, service_type: str = "") -> Follow: ...
@@ -119,7 +119,7 @@ class Devices:
         if isinstance(service_type, str):
             _check_plain(service_type, none, query)
             return Follow(self._node, service_type)
-        return FollowHandles(self._node, self._typed(), service_type.where(*none, **query))
+        return FollowHandles(self._node, self._all_handles(), service_type.where(*none, **query))
 
     def offer(self, offer: ExposedDevice, gateway: str = "mqtt") -> Exposure:
         """Expose something to the other systems of the house: ``with devices.offer(robot) as offering``.
@@ -183,7 +183,7 @@ class Devices:
             except RefusedError as exc:
                 problem = exc
                 continue
-            if why_not := self._why_not(endpoint.gateway):
+            if why_not := self._refusal_of(endpoint.gateway):
                 raise RefusedError(f"a command to {device.id}", why_not)
             if out.subscription_count:
                 has_one_way = len(device.parts) == 1 and len(device.parts[0].routes) == 1
@@ -199,8 +199,8 @@ class Devices:
 
     async def _listen_at(self, endpoint: Endpoint, handler: MessageHandler) -> None:
         _check(endpoint)
-        if endpoint.address not in self._wanted.setdefault(endpoint.gateway, set()):
-            await self._want(endpoint.gateway, endpoint.address)
+        if endpoint.address not in self._listened.setdefault(endpoint.gateway, set()):
+            await self._listen_to(endpoint.gateway, endpoint.address)
         self._handlers[endpoint.gateway, endpoint.key] = handler
 
     def handles(self, device: Device, kind: HandleType[..., HandleT], sequence: int = 0) -> tuple[HandleT, ...]:
@@ -211,28 +211,28 @@ class Devices:
             kind: For example :class:`Light`.
             sequence: The ``sequence`` of the :class:`DeviceChange` that *device* came with; 0 if it came with none.
         """
-        typed, query = self._typed(), kind.where()
+        typed, query = self._all_handles(), kind.where()
         return tuple(typed.of_parts(query.kind, typed.track(device, sequence), query.parts(device)))
 
-    def _typed(self) -> Handles:
+    def _all_handles(self) -> Handles:
         if self._handles is None:
             self._handles = Handles(self._node)
         return self._handles
 
-    async def _want(self, gateway: str, address: str) -> None:
-        self._wanted[gateway].add(address)
-        if not self._asks_again:
-            self._asks_again = True
-            self._node.create_task(self._ask_again)
+    async def _listen_to(self, gateway: str, address: str) -> None:
+        self._listened[gateway].add(address)
+        if not self._watches_services:
+            self._watches_services = True
+            self._node.create_task(self._renew_requests)
         try:
-            await self._ask(gateway, address)
+            await self._request_messages(gateway, address)
         except ServiceUnavailableError:
             return  # it is asked when it comes
         except BaseException:
-            self._wanted[gateway].discard(address)
+            self._listened[gateway].discard(address)
             raise
 
-    async def _ask(self, gateway: str, address: str) -> None:
+    async def _request_messages(self, gateway: str, address: str) -> None:
         since = Time.from_seconds(
             self._clock.now() - (self._clock.monotonic() - self._since)
         )  # by the clock as it is now
@@ -242,18 +242,18 @@ class Devices:
             raise RefusedError(f"listening to {address}", response.message)
         self._subscribe(response.data_topic, response.missed)
 
-    async def _ask_again(self) -> None:
+    async def _renew_requests(self) -> None:
         """Ask again, because a gateway that was restarted has forgotten who subscribed; asking twice does no harm."""
         async for service in self._node.graph.watch_services():
-            for gateway, addresses in list(self._wanted.items()):
+            for gateway, addresses in list(self._listened.items()):
                 if service in {None, GatewayNames(gateway).subscribe}:
                     for address in sorted(addresses):
-                        await self._try_to_ask(gateway, address)
+                        await self._try_to_request(gateway, address)
                         await anyio.lowlevel.checkpoint()
 
-    async def _try_to_ask(self, gateway: str, address: str) -> None:
+    async def _try_to_request(self, gateway: str, address: str) -> None:
         try:
-            await self._ask(gateway, address)
+            await self._request_messages(gateway, address)
         except (ServiceUnavailableError, ClosedError):
             return  # the gateway is gone again and is asked when it comes, or we are
         except (RefusedError, ServiceError) as exc:
@@ -274,7 +274,7 @@ class Devices:
             )
         return self._commands[gateway]
 
-    def _why_not(self, gateway: str) -> str:
+    def _refusal_of(self, gateway: str) -> str:
         """Return why *gateway* sends no commands, by its last state; empty where it does, or reported none yet."""
         if gateway not in self._states:
             names = GatewayNames(gateway)

@@ -54,7 +54,7 @@ class Follow:
         terms: list[Query] = [type_is(service_type)] if service_type else []
         if query:
             terms.append(_parsed(query) if isinstance(query, str) else query)
-        self._followed = LiveQueryState(terms[0] if len(terms) == 1 else And(tuple(terms)))
+        self._state = LiveQueryState(terms[0] if len(terms) == 1 else And(tuple(terms)))
         self._request = FindDevicesRequest(service_type=service_type)
         self._changes: Subscription[DeviceChange] | None = None
         self._states: Subscription[StateChange] | None = None
@@ -62,7 +62,7 @@ class Follow:
         self._ready: deque[DeviceChange] = deque()
         self._is_outdated = True
         self._watch = anyio.CancelScope()
-        self._given = 0
+        self._turns = 0
         self._is_closed = False
         self._limit = LogLimit(node.graph.clock)
 
@@ -91,17 +91,17 @@ class Follow:
 
     async def _next(self, changes: Subscription[DeviceChange]) -> DeviceChange:
         while not self._is_closed:
-            await self._give_others_a_turn()
+            await self._yield_sometimes()
             if self._is_outdated:
                 await self._compare()
             elif self._ready:
                 return self._ready.popleft()
             elif (change := changes.take()) is not None:
-                shown = self._followed.take(change)
+                shown = self._state.take(change)
                 if shown is not None:
                     return shown
             elif self._new_states:
-                shown = self._followed.take_state(self._new_states.popitem(last=False)[1])
+                shown = self._state.take_state(self._new_states.popitem(last=False)[1])
                 if shown is not None:
                     return shown
             else:
@@ -112,7 +112,7 @@ class Follow:
         self._changes = changes = self._node.create_subscription(
             DeviceChange, DEVICE_CHANGES, qos_profile=1, from_node=DIRECTORY_NODE
         )
-        if self._followed.wants_states:
+        if self._state.wants_states:
             self._states = self._node.create_subscription(
                 StateChange, DEVICE_STATES, self._note_state, 1, from_node=DIRECTORY_NODE
             )
@@ -148,7 +148,7 @@ class Follow:
         finally:
             client.close()
         self._is_outdated = False
-        self._ready.extend(self._followed.compare(found.devices, found.sequence))
+        self._ready.extend(self._state.compare(found.devices, found.sequence))
 
     async def _ask(self, client: Client[FindDevicesRequest, FindDevicesResponse]) -> FindDevicesResponse:
         while True:
@@ -160,10 +160,10 @@ class Follow:
                     self._node.log.warning(NO_ANSWER, message=f"{exc}; it is asked again")
                 await anyio.sleep(_PAUSE)
 
-    async def _give_others_a_turn(self) -> None:
-        self._given += 1
-        if self._given >= _TURN:
-            self._given = 0
+    async def _yield_sometimes(self) -> None:
+        self._turns += 1
+        if self._turns >= _TURN:
+            self._turns = 0
             await anyio.lowlevel.checkpoint()
 
 

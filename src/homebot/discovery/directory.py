@@ -237,7 +237,7 @@ class Directory:
         while True:
             await self._happened.wait()
             self._happened = anyio.Event()
-            while self._publish_some(_FEW) or self.index.sort(_FEW):
+            while self.index.is_behind and (self._publish_some(_FEW) or self.index.sort(_FEW)):
                 await anyio.lowlevel.checkpoint()
 
     async def _expire(self) -> None:

@@ -86,7 +86,7 @@ class Mailbox(Generic[T]):
         """Add *item*; a full mailbox drops its oldest item first. After :meth:`close`: nothing happens."""
         if self._closed:
             return
-        if len(self.queue) >= self.depth:
+        if self._keyed is None and len(self.queue) >= self.depth:
             self.drop_oldest()
         self.queue.append(item)
         if self.waiter is not None:

@@ -93,7 +93,7 @@ class ParameterSet:
             raise ParameterError(f"{self._node}: parameter {name!r} is {'declared already' if name else 'nameless'}")
         declared = _Declared(default, _kind_of(default), descriptor or ParameterDescriptor())
         parameter = Parameter(name, self._fitting(name, declared, self._overrides.get(name, default)))
-        self._ask(parameter)
+        self._check(parameter)
         declared.value = parameter.value
         self._declared[name] = declared
         self._on_event("new", parameter)
@@ -121,7 +121,7 @@ class ParameterSet:
         if declared.descriptor.read_only:
             raise ParameterError(f"{self._node}: parameter {name!r} is read-only")
         parameter = Parameter(name, self._fitting(name, declared, value))
-        self._ask(parameter)
+        self._check(parameter)
         if parameter.value != declared.value:
             declared.value = parameter.value
             self._on_event("changed", parameter)
@@ -160,7 +160,7 @@ class ParameterSet:
                 raise ParameterError(f"{self._node}: parameter {name!r} goes from {low:g} to {high:g}, got {value!r}")
         return value
 
-    def _ask(self, parameter: Parameter) -> None:
+    def _check(self, parameter: Parameter) -> None:
         for check in reversed(self._checks):
             try:
                 reason = check(parameter)

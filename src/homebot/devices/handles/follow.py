@@ -72,15 +72,15 @@ class FollowHandles(Generic[HandleT]):
         self._handles = handles
         self._query = query
         self._devices: Follow | None = None
-        self._known: dict[str, TrackedDevice] = {}
-        self._given: dict[str, dict[str, HandleT]] = {}
-        self._touched: dict[str, None] = {}
+        self._tracked: dict[str, TrackedDevice] = {}
+        self._reported: dict[str, dict[str, HandleT]] = {}
+        self._changed: dict[str, None] = {}
         self._ready: deque[HandleChange[HandleT]] = deque()
         self.events_lost = 0
         self._clock = node.graph.clock
         self._events: deque[StateChange] = deque()
-        self._early: deque[tuple[float, StateChange]] = deque(maxlen=_MAX_EARLY)
-        self._is_touched = anyio.Event()
+        self._early_events: deque[tuple[float, StateChange]] = deque(maxlen=_MAX_EARLY)
+        self._has_news = anyio.Event()
         self._unwatch: Callable[[], None] | None = None
         self._is_closed = False
         self._count = 0
@@ -102,27 +102,27 @@ class FollowHandles(Generic[HandleT]):
         if self._count % _TURN == 0:
             await anyio.lowlevel.checkpoint()
         while not self._ready:
-            if self._touched:
-                device_id = next(iter(self._touched))
-                del self._touched[device_id]
+            if self._changed:
+                device_id = next(iter(self._changed))
+                del self._changed[device_id]
                 self._compare(device_id)
             elif self._events:
                 self._report_event(self._events.popleft())
             elif self._is_closed:
                 raise StopAsyncIteration
             else:
-                await self._is_touched.wait()
-                self._is_touched = anyio.Event()
+                await self._has_news.wait()
+                self._has_news = anyio.Event()
         return self._ready.popleft()
 
     def close(self) -> None:
         """End the query. Twice is fine."""
         if not self._is_closed:
             self._is_closed = True
-            self._touched.clear()
+            self._changed.clear()
             self._events.clear()
             self._ready.clear()
-            self._is_touched.set()
+            self._has_news.set()
             if self._devices is not None:
                 self._devices.close()
             if self._unwatch is not None:
@@ -132,61 +132,63 @@ class FollowHandles(Generic[HandleT]):
         try:
             async for change in devices:
                 device = change.device
-                self._known[device.id] = self._handles.track(device, change.sequence, is_gone=change.kind == "removed")
-                self._touch(device.id)
+                self._tracked[device.id] = self._handles.track(
+                    device, change.sequence, is_gone=change.kind == "removed"
+                )
+                self._mark_changed(device.id)
                 self._add_early(device.id)
         finally:
             self.close()
 
     def _on_state(self, change: StateChange) -> None:
         if change.state.capability not in EVENTS:
-            self._touch(change.device)
-        elif change.device in self._known:
+            self._mark_changed(change.device)
+        elif change.device in self._tracked:
             self._add_event(change)
         else:  # the event that made the device known comes on another topic than its description
-            self._early.append((self._clock.monotonic(), change))
+            self._early_events.append((self._clock.monotonic(), change))
 
     def _add_event(self, change: StateChange) -> None:
         if len(self._events) >= _MAX_EVENTS:
             self._events.popleft()
             self.events_lost += 1
         self._events.append(change)
-        self._is_touched.set()
+        self._has_news.set()
 
     def _add_early(self, device_id: str) -> None:
         """Report the events of a device that was not known a moment ago."""
-        early, now = self._early, self._clock.monotonic()
-        self._early = deque((one for one in early if one[1].device != device_id), maxlen=early.maxlen)
+        early, now = self._early_events, self._clock.monotonic()
+        self._early_events = deque((one for one in early if one[1].device != device_id), maxlen=early.maxlen)
         for at, change in early:
             if change.device == device_id and now - at <= _MOMENT:
                 self._add_event(change)
 
     def _report_event(self, change: StateChange) -> None:
-        given = self._given.get(change.device, {})
-        if (handle := given.get(change.state.part)) is not None:
+        reported = self._reported.get(change.device, {})
+        if (handle := reported.get(change.state.part)) is not None:
             self._ready.append(HandleChange("event", handle, change.state))
 
-    def _touch(self, device_id: str) -> None:
-        if device_id in self._known:
-            self._touched[device_id] = None
-            self._is_touched.set()
+    def _mark_changed(self, device_id: str) -> None:
+        if device_id in self._tracked:
+            self._changed[device_id] = None
+            self._has_news.set()
 
     def _compare(self, device_id: str) -> None:
         """Compare the handles of a device that the reader has with those that match now."""
-        known = self._known[device_id]
+        known = self._tracked[device_id]
         parts = [] if known.is_gone else self._query.parts(known.current())
-        given = self._given.get(device_id, {})
-        for part in [part for part in given if part not in parts]:
-            self._ready.append(HandleChange("removed", given.pop(part)))
+        reported = self._reported.get(device_id, {})
+        for part in [part for part in reported if part not in parts]:
+            self._ready.append(HandleChange("removed", reported.pop(part)))
         for part in parts:
-            if part in given:
-                self._ready.append(HandleChange("changed", given[part]))
+            if part in reported:
+                self._ready.append(HandleChange("changed", reported[part]))
             else:
-                (given[part],) = self._handles.of_parts(self._query.kind, known, [part])
-                self._ready.append(HandleChange("appeared", given[part]))
+                (reported[part],) = self._handles.of_parts(self._query.kind, known, [part])
+                self._ready.append(HandleChange("appeared", reported[part]))
         if known.is_gone:
-            del self._known[device_id]
-        if given:
-            self._given[device_id] = given
+            del self._tracked[device_id]
+        if reported:
+            self._reported[device_id] = reported
         else:
-            self._given.pop(device_id, None)
+            self._reported.pop(device_id, None)
