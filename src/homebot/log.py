@@ -24,7 +24,7 @@ from homebot.errors import UsageError
 from homebot.logger import ConsoleRenderer, LineWriter, sentence, with_local_time
 from homebot.output import CleanText, QueuedText, wants_colour
 
-__all__ = ["LogFormat", "LogLimit", "configure_logging", "sentence"]
+__all__ = ["LogFormat", "LogLimit", "configure_logging", "more_like_this", "sentence"]
 
 LogFormat: TypeAlias = Literal["console", "json"]
 
@@ -141,6 +141,11 @@ class LogLimit:
         return held_back
 
 
+def more_like_this(held_back: int) -> str:
+    """Return the end of a line that stands for those that a :class:`LogLimit` held back; empty where there are none."""
+    return f" (and {held_back} more like this)" if held_back else ""
+
+
 @dataclass(slots=True)
 class _Interval:
     start: float
@@ -160,11 +165,10 @@ class _StdlibLines(logging.Handler):
         if held_back is None:
             return
         facts = {"exc_info": record.exc_info} if record.exc_info else {}
-        more = f" (and {held_back} more like this)" if held_back else ""
         structlog.get_logger(node=record.name).log(
             min(record.levelno, logging.CRITICAL) // 10 * 10,
             LIBRARY_LINE,
-            message=f"{_text(record)}{more}",
+            message=f"{_text(record)}{more_like_this(held_back)}",
             held_back=held_back,
             **facts,
         )

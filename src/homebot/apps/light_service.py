@@ -14,7 +14,7 @@ from homebot.devices.text.states import decode_text
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError, RefusedError, ServiceError, WireError
 from homebot.graph import Node
-from homebot.log import LogLimit
+from homebot.log import LogLimit, more_like_this
 
 __all__ = ["LightService"]
 
@@ -73,14 +73,14 @@ class LightService(App):
             try:
                 await self._answer(lamp, message)
             except WireError as exc:
-                self._complain(NOT_UNDERSTOOD, lamp, exc)
+                self._log_problem(NOT_UNDERSTOOD, lamp, exc)
             except (RefusedError, LinkError) as exc:
-                self._complain(NOT_TURNED_OFF, lamp, exc)
+                self._log_problem(NOT_TURNED_OFF, lamp, exc)
 
         try:
             await self.devices.listen(lamp, answer)
         except (RefusedError, ServiceError) as exc:
-            self._complain(NO_MESSAGES, lamp, exc)
+            self._log_problem(NO_MESSAGES, lamp, exc)
 
     async def _answer(self, lamp: Device, message: RawMessage) -> None:
         """Answer ``on`` with ``off``; note ``off``.
@@ -131,8 +131,9 @@ class LightService(App):
         if self._lines_of_lamp.allows(f"{event} {lamp.id}") is not None and self._lines.allows(event) is not None:
             self.node.log.info(event, message=f"{lamp.id} {text}", device=lamp.id)
 
-    def _complain(self, event: str, lamp: Device, problem: HomebotError) -> None:
+    def _log_problem(self, event: str, lamp: Device, problem: HomebotError) -> None:
         held_back = self._problems.allows(f"{event} {lamp.id}")
         if held_back is not None and self._lines.allows(event) is not None:
-            more = f" (and {held_back} more like this)" if held_back else ""
-            self.node.log.warning(event, message=f"{lamp.id}: {problem}{more}", device=lamp.id, held_back=held_back)
+            self.node.log.warning(
+                event, message=f"{lamp.id}: {problem}{more_like_this(held_back)}", device=lamp.id, held_back=held_back
+            )

@@ -34,7 +34,7 @@ from homebot.discovery.services import DirectoryServices
 from homebot.errors import TypeMismatchError
 from homebot.graph import DurabilityPolicy, EndpointInfo, EntityKind, Node, QoSProfile, Subscription
 from homebot.isolation import run_as
-from homebot.log import LogLimit
+from homebot.log import LogLimit, more_like_this
 from homebot.units import Seconds
 
 __all__ = ["Directory", "DirectorySettings"]
@@ -271,10 +271,10 @@ class Directory:
         if held_back is None:
             return
         device = change.device
-        more = f" (and {held_back} more like this)" if held_back else ""
         self._node.log.info(
             event,
-            message=words.format(id=device.id, gateway=device.endpoints[0].gateway, why=change.why) + more,
+            message=words.format(id=device.id, gateway=device.endpoints[0].gateway, why=change.why)
+            + more_like_this(held_back),
             device=device.id,
             service_type=device.service_type,
             gateway=device.endpoints[0].gateway,

@@ -8,7 +8,7 @@ from typing import final
 
 from homebot.clock import Clock
 from homebot.isolation import error_text
-from homebot.log import LogLimit
+from homebot.log import LogLimit, more_like_this
 from homebot.logger import get_logger
 
 __all__ = ["CallbackFailure", "Failures"]
@@ -66,10 +66,9 @@ class Failures:
         held_back = self._limit.allows(f"{node} {callback}")
         if held_back is None:
             return
-        more = f" (and {held_back} more like this)" if held_back else ""
         get_logger(node=node).error(
             CALLBACK_FAILED,
-            message=f"the {callback} failed ({failure.last}); {cost}{more}",
+            message=f"the {callback} failed ({failure.last}); {cost}{more_like_this(held_back)}",
             callback=callback,
             failures=failure.count,
             exc_info=error,

@@ -7,7 +7,7 @@ from tests.mqtt.broker.conftest import MemoryClient, NewState
 
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import BrokerState
-from homebot.mqtt.broker.login_limits import Applicant, LoginThrottle
+from homebot.mqtt.broker.authentication import Applicant, LoginThrottle
 from homebot.mqtt.packets import Connack, Connect, Pingreq, Pingresp, ProtocolVersion, ReasonCode
 
 BAD = ReasonCode.BAD_USER_NAME_OR_PASSWORD

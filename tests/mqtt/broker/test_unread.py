@@ -8,7 +8,7 @@ import pytest
 from tests.mqtt.broker.conftest import Join, NewState, Stranger
 
 from homebot.mqtt.broker import BrokerState
-from homebot.mqtt.broker.client_text import host_of
+from homebot.mqtt.broker.authentication import host_of
 from homebot.mqtt.packets import (
     Connack,
     Connect,

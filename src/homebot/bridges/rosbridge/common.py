@@ -13,7 +13,7 @@ from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.turns import Turns
 from homebot.graph import EntityKind, Graph, Node
-from homebot.log import LogLimit
+from homebot.log import LogLimit, more_like_this
 
 __all__ = ["ClientErrorLog", "Common", "DoorCounters", "ExpectedTopics", "operation_text"]
 
@@ -91,12 +91,11 @@ class ClientErrorLog:
         """
         if (held_back := self._limit.allows(kind)) is None:
             return
-        more = f" (and {held_back} more like this)" if held_back else ""
         known: dict[str, object] = {key: _short(fact) if isinstance(fact, str) else fact for key, fact in facts.items()}
         if error is not None:
             known["exc_info"] = error
         write = self._log.error if level == "error" else self._log.warning
-        write(event, message=f"{_short(message)}{more}", held_back=held_back, **known)
+        write(event, message=f"{_short(message)}{more_like_this(held_back)}", held_back=held_back, **known)
 
 
 def operation_text(op: str, name: str) -> str:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import re
-from typing import Annotated, Any, ClassVar, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -84,6 +84,10 @@ class FrameError(PeerError):
         self.problem = problem
 
 
+_CLASSES: dict[str, type[Operation]] = {}
+"""What a client may ask for, by the protocol's names."""
+
+
 class Operation(BaseModel):
     """An operation that a client asks for.
 
@@ -94,10 +98,12 @@ class Operation(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="ignore", strict=True, defer_build=True)
 
-    ops: ClassVar[tuple[str, ...]] = ()
-
     op: str
     id: Id | int | None = None
+
+    def __init_subclass__(cls, ops: tuple[str, ...] = (), **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        _CLASSES.update(dict.fromkeys(ops, cls))
 
     @property
     def name(self) -> str:
@@ -105,35 +111,29 @@ class Operation(BaseModel):
         return next((getattr(self, key) for key in _NAMES if hasattr(self, key)), "")
 
 
-class Advertise(Operation):
+class Advertise(Operation, ops=("advertise",)):
     """The client will publish messages of ``type`` on ``topic``."""
-
-    ops = ("advertise",)
 
     topic: Name
     type: Name
     latch: bool = False
 
 
-class Unadvertise(Operation):
+class Unadvertise(Operation, ops=("unadvertise",)):
     """The client will publish on ``topic`` no more; without an id: under none of its ids."""
-
-    ops = ("unadvertise",)
 
     topic: Name
 
 
-class PublishOperation(Operation):
+class PublishOperation(Operation, ops=("publish",)):
     """A message for a topic."""
-
-    ops = ("publish",)
 
     topic: Name
     msg: dict[str, Any]
     latch: bool = False
 
 
-class SubscribeOperation(Operation):
+class SubscribeOperation(Operation, ops=("subscribe",)):
     """The client wants the messages of ``topic``.
 
     Attributes:
@@ -143,8 +143,6 @@ class SubscribeOperation(Operation):
         fragment_size: Largest frame that the client wants; this door sends each message in one.
     """
 
-    ops = ("subscribe",)
-
     topic: Name
     type: str = ""
     throttle_rate: Milliseconds = 0
@@ -153,77 +151,60 @@ class SubscribeOperation(Operation):
     fragment_size: int | None = None
 
 
-class UnsubscribeOperation(Operation):
+class UnsubscribeOperation(Operation, ops=("unsubscribe",)):
     """The client wants no more; without an id: under none of its ids."""
-
-    ops = ("unsubscribe",)
 
     topic: Name
 
 
-class CallService(Operation):
+class CallService(Operation, ops=("call_service",)):
     """A service call; a list of ``args`` fills the request's fields in order."""
-
-    ops = ("call_service",)
 
     service: Name
     args: dict[str, Any] | list[Any] = Field(default_factory=dict)
     timeout: Seconds = 0
 
 
-class ServiceResponse(Operation):
+class ServiceResponse(Operation, ops=("service_response",)):
     """The answer to a call of a service that the client provides; ``values`` is a text where ``result`` is false."""
-
-    ops = ("service_response",)
 
     service: str = ""
     values: Any = None
     result: bool = False
 
 
-class AdvertiseService(Operation):
+class AdvertiseService(Operation, ops=("advertise_service",)):
     """The client provides a service."""
-
-    ops = ("advertise_service",)
 
     service: Name
     type: Name
 
 
-class UnadvertiseService(Operation):
+class UnadvertiseService(Operation, ops=("unadvertise_service",)):
     """The client provides it no more."""
-
-    ops = ("unadvertise_service",)
 
     service: Name
 
 
-class SetLevel(Operation):
+class SetLevel(Operation, ops=("set_level",)):
     """From which level on the client wants status messages."""
-
-    ops = ("set_level",)
 
     level: Level
 
 
-class AuthOperation(Operation):
+class AuthOperation(Operation, ops=("auth",)):
     """The login of rosauth; clients log in when they connect instead, so there is nothing to do."""
 
-    ops = ("auth",)
 
-
-class Status(Operation):
+class Status(Operation, ops=("status",)):
     """A remark of the client."""
-
-    ops = ("status",)
 
     msg: str = ""
 
 
-class ActionOperation(Operation):
-    """Anything about actions."""
-
-    ops = (
+class ActionOperation(
+    Operation,
+    ops=(
         "send_action_goal",
         "cancel_action_goal",
         "action_feedback",
@@ -231,30 +212,12 @@ class ActionOperation(Operation):
         "action_status",
         "advertise_action",
         "unadvertise_action",
-    )
+    ),
+):
+    """Anything about actions."""
 
     action: Name
 
-
-_CLASSES: dict[str, type[Operation]] = {
-    op: cls
-    for cls in (
-        Advertise,
-        Unadvertise,
-        PublishOperation,
-        SubscribeOperation,
-        UnsubscribeOperation,
-        CallService,
-        ServiceResponse,
-        AdvertiseService,
-        UnadvertiseService,
-        SetLevel,
-        AuthOperation,
-        Status,
-        ActionOperation,
-    )
-    for op in cls.ops
-}
 
 _WHOLE_FRAMES_ONLY = frozenset({"fragment", "png"})
 

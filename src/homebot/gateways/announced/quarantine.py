@@ -18,7 +18,7 @@ from homebot.gateways.announced.work_budget import CALM, WorkBudget, WorkBudgets
 from homebot.gateways.base import Gateway
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.isolation import crash_of
-from homebot.log import LogLimit
+from homebot.log import LogLimit, more_like_this
 from homebot.messages import Time
 
 __all__ = ["PeerQuarantine"]
@@ -166,9 +166,8 @@ class PeerQuarantine(Generic[MessageT]):
         if repeated is None or (unheard := self._flood_limit.allows(event)) is None:
             return
         held_back = repeated + unheard
-        more = f" (and {held_back} more like this)" if held_back else ""
         facts = {self._log_key: source, "held_back": held_back}
-        self._node.log.warning(event, message=f"{words}{more}", **facts)
+        self._node.log.warning(event, message=f"{words}{more_like_this(held_back)}", **facts)
 
     def quarantined(self) -> tuple[Quarantine, ...]:
         """Return who is quarantined now."""

@@ -1,16 +1,18 @@
-"""Authentication of clients."""
+"""Authentication of clients: passwords, a growing delay for hosts that guess them, and how many may wait. No I/O."""
 
 from __future__ import annotations
 
 import hmac
 import secrets
+from collections import Counter
 from collections.abc import Mapping
-from typing import final
+from typing import Final, NamedTuple, Protocol, final
 
+from homebot.addresses import network_of
+from homebot.clock import Clock
 from homebot.mqtt.packets import ReasonCode
 
-__all__ = ["Authentication"]
-
+__all__ = ["Applicant", "Authentication", "LoginCandidate", "LoginThrottle", "WaitingLogins", "host_of"]
 
 _NOBODYS = bytes(32)
 
@@ -51,3 +53,130 @@ class Authentication:
 
     def _digest(self, password: bytes) -> bytes:
         return hmac.digest(self._key, password, "sha256")
+
+
+_FREE: Final = 3  # wrong passwords that delay nothing: people mistype
+_FIRST: Final = 0.5
+_LONGEST: Final = 8.0
+"""Seconds; less than a CONNECT may wait, so that an honest client of the same host has its chances."""
+_FORGOTTEN: Final = 600.0  # seconds after the last wrong password
+_MOST_HOSTS: Final = 1000
+_MOST_KNOWN: Final = 2000
+
+
+class Applicant(NamedTuple):
+    """A client that wants to log in."""
+
+    host: str
+    username: str | None
+    client_id: str
+
+
+class _Guesser:
+    __slots__ = ("failed_at", "failures", "until")
+
+    def __init__(self) -> None:
+        self.failures = 0
+        self.failed_at = self.until = 0.0
+
+
+@final
+class LoginThrottle:
+    """Keeps how long an attempt to log in has to wait, by its host.
+
+    After three wrong passwords from one host each further one delays all new attempts from there, half a second at
+    first, twice as long each time, eight seconds at most. A client that has logged in from there before does not wait,
+    until its password is wrong once. Both are remembered of a bounded number; the one that failed, or came, longest
+    ago is forgotten first.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._guessers: dict[str, _Guesser] = {}  # in the order of their last failure
+        self._known: dict[Applicant, None] = {}  # in the order of their last login
+
+    def __len__(self) -> int:
+        return len(self._guessers)
+
+    def until(self, applicant: Applicant) -> float:
+        """Return when the attempt may be checked, on the clock's monotonic scale; may be past."""
+        guesser = self._guessers.get(applicant.host)
+        return 0.0 if guesser is None or applicant in self._known else guesser.until
+
+    def failed(self, applicant: Applicant) -> tuple[int, float]:
+        """Note a wrong password; return how many were from this host, and how long the next attempt has to wait."""
+        now = self._clock.monotonic()
+        self._known.pop(applicant, None)
+        guesser = self._guessers.pop(applicant.host, None)
+        if guesser is None or guesser.failed_at < now - _FORGOTTEN:
+            guesser = _Guesser()
+        self._guessers[applicant.host] = guesser
+        if len(self._guessers) > _MOST_HOSTS:
+            del self._guessers[next(iter(self._guessers))]
+        guesser.failed_at = now
+        guesser.failures += 1
+        excess = guesser.failures - _FREE
+        delay = 0.0 if excess <= 0 else min(_FIRST * 2.0 ** min(excess - 1, 10), _LONGEST)
+        guesser.until = now + delay
+        return guesser.failures, delay
+
+    def succeeded(self, applicant: Applicant) -> None:
+        """Note that a password was right."""
+        self._known.pop(applicant, None)
+        self._known[applicant] = None
+        if len(self._known) > _MOST_KNOWN:
+            del self._known[next(iter(self._known))]
+
+
+class LoginCandidate(Protocol):
+    """A connection whose CONNECT has not been accepted yet."""
+
+    @property
+    def address(self) -> str:
+        """The far side."""
+        ...
+
+    def make_room(self) -> None:
+        """End the connection: another one needs its place."""
+        ...
+
+
+@final
+class WaitingLogins:
+    """The connections that have not logged in, oldest first.
+
+    One more than the bound costs the oldest one of the host that has most of them, so that a flood from one host
+    keeps nobody else out.
+
+    Args:
+        most: The bound.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._candidates: dict[LoginCandidate, None] = {}
+
+    def __len__(self) -> int:
+        return len(self._candidates)
+
+    def add(self, candidate: LoginCandidate) -> None:
+        """Add a connection that was opened."""
+        if len(self._candidates) >= self._most:
+            self._make_room()
+        self._candidates[candidate] = None
+
+    def discard(self, candidate: LoginCandidate) -> None:
+        """Remove a connection that has logged in, or has gone."""
+        self._candidates.pop(candidate, None)
+
+    def _make_room(self) -> None:
+        hosts = [host_of(each.address) for each in self._candidates]
+        most = Counter(hosts).most_common(1)[0][0]
+        oldest = next(each for each, host in zip(self._candidates, hosts, strict=True) if host == most)
+        del self._candidates[oldest]
+        oldest.make_room()
+
+
+def host_of(address: str) -> str:
+    """Return the host of ``HOST:PORT``, as far as one owner has it."""
+    return network_of(address.rpartition(":")[0])

@@ -12,11 +12,10 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from typing import final
 
-from homebot.mqtt.broker.client_text import short
 from homebot.mqtt.broker.deadlines import Deadline
 from homebot.mqtt.broker.ports import Transport
 from homebot.mqtt.broker.session import BrokerSession
-from homebot.mqtt.broker.state import BrokerState
+from homebot.mqtt.broker.state import BrokerState, short
 from homebot.mqtt.packets import Packet, Publish, ReasonCode
 
 __all__ = ["Backpressure"]

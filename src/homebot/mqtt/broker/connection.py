@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import socket
 from collections.abc import Callable, Iterator
-from typing import Final, Protocol, cast, final
+from typing import Final, cast, final
 
 import anyio
 
@@ -14,27 +14,10 @@ from homebot.mqtt.broker.ports import ConnectionHandler, Transport
 from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import ReasonCode
 
-__all__ = ["BrokerConnection", "OpenSocket", "Sockets"]
+__all__ = ["BrokerConnection", "Sockets"]
 
 _READ_AT_MOST = 16 * 1024  # handled in one turn of the loop: some hundred messages, then it is the others' turn
 _PER_CLIENT = 2  # those not logged in must not keep the others out, nor be without bound
-
-
-class OpenSocket(Protocol):
-    """A connection as those see it who count it."""
-
-    @property
-    def address(self) -> str:
-        """The far side."""
-        ...
-
-    def end(self, reason: ReasonCode) -> None:
-        """Close it in order; MQTT 5 clients are sent *reason*, and no will is published."""
-        ...
-
-    def abort(self) -> None:
-        """Cut it without a DISCONNECT."""
-        ...
 
 
 @final
@@ -47,17 +30,17 @@ class Sockets:
 
     def __init__(self) -> None:
         self.read_buffer = memoryview(bytearray(_READ_AT_MOST))
-        self._open: dict[OpenSocket, None] = {}
-        self._ending: dict[OpenSocket, None] = {}  # the oldest first
+        self._open: dict[BrokerConnection, None] = {}
+        self._ending: dict[BrokerConnection, None] = {}  # the oldest first
         self._empty: anyio.Event | None = None
 
     def __len__(self) -> int:
         return len(self._open)
 
-    def __iter__(self) -> Iterator[OpenSocket]:
+    def __iter__(self) -> Iterator[BrokerConnection]:
         return iter(list(self._open))
 
-    def admit(self, socket: OpenSocket, state: BrokerState) -> bool:
+    def admit(self, socket: BrokerConnection, state: BrokerState) -> bool:
         """Count *socket*; False where there are too many, and it has to be cut."""
         if len(self._open) >= _PER_CLIENT * state.limits.max_connections and not self._end_one():
             state.warn(
@@ -72,12 +55,12 @@ class Sockets:
         self._open[socket] = None
         return True
 
-    def ends(self, socket: OpenSocket) -> None:
+    def ends(self, socket: BrokerConnection) -> None:
         """Note that *socket* is only kept so that its client can read why it was closed."""
         if socket in self._open:
             self._ending[socket] = None
 
-    def lost(self, socket: OpenSocket) -> None:
+    def lost(self, socket: BrokerConnection) -> None:
         """Forget *socket*, which is closed."""
         self._open.pop(socket, None)
         self._ending.pop(socket, None)

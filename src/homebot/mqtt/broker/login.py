@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from homebot.mqtt.broker.client_text import host_of
-from homebot.mqtt.broker.login_limits import Applicant
+from homebot.mqtt.broker.authentication import Applicant, host_of
 from homebot.mqtt.broker.sessions import will_size
 from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import (

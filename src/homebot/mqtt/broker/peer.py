@@ -6,15 +6,15 @@ from dataclasses import dataclass
 from typing import final
 
 from homebot.mqtt.broker import login
+from homebot.mqtt.broker.authentication import host_of
 from homebot.mqtt.broker.byte_limits import UnreadMark
 from homebot.mqtt.broker.client_packets import ClientPackets
-from homebot.mqtt.broker.client_text import client_text, host_of, short
 from homebot.mqtt.broker.deadlines import Deadline
 from homebot.mqtt.broker.outbound import Outbound, goodbye, unread_connect_answer
 from homebot.mqtt.broker.ports import Transport
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.sessions import will_size
-from homebot.mqtt.broker.state import BrokerState
+from homebot.mqtt.broker.state import BrokerState, short
 from homebot.mqtt.packets import (
     Connack,
     Connect,
@@ -52,7 +52,7 @@ class PeerLog:
     @property
     def client_text(self) -> str:
         """Name of the client in the log."""
-        return client_text(self.client_id, self._link.address)
+        return _client_text(self.client_id, self._link.address)
 
     def failed(self, error: PacketError) -> None:
         """Log that the connection ends because of what the client did or left undone."""
@@ -69,7 +69,7 @@ class PeerLog:
         """Log that *client_id* was not let in."""
         self._state.warn(
             "broker.login_refused",
-            f"the broker did not let {client_text(client_id, self._link.address)} in: {reason.text}",
+            f"the broker did not let {_client_text(client_id, self._link.address)} in: {reason.text}",
             address=self._link.address,
             client_id=client_id,
             reason=reason.name.lower(),
@@ -371,3 +371,8 @@ class _Client:
     outbound: Outbound
     packets: ClientPackets
     will: Will | None
+
+
+def _client_text(client_id: str | None, address: str) -> str:
+    """Return ``client 'lamp' (10.0.0.5:50000)``, or the address alone before the login."""
+    return address if client_id is None else f"client {short(client_id)!r} ({address})"

@@ -10,15 +10,13 @@ from random import Random, SystemRandom
 from typing import TYPE_CHECKING, final
 
 from homebot.clock import Clock
-from homebot.log import LogLimit
+from homebot.log import LogLimit, more_like_this
 from homebot.logger import get_logger
-from homebot.mqtt.broker.authentication import Authentication
+from homebot.mqtt.broker.authentication import Authentication, LoginThrottle, WaitingLogins
 from homebot.mqtt.broker.byte_limits import QueuePool, UnreadPackets, UnsentBytes
-from homebot.mqtt.broker.client_text import short
 from homebot.mqtt.broker.deadlines import BrokerTimers, SliceBudget
 from homebot.mqtt.broker.exchange import MessageRouter
 from homebot.mqtt.broker.limits import BrokerLimits
-from homebot.mqtt.broker.login_limits import LoginThrottle, WaitingLogins
 from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.ports import BrokerPolicy, RefusedFilters
 from homebot.mqtt.broker.sessions import Sessions
@@ -28,11 +26,12 @@ from homebot.mqtt.packets import ReasonCode
 if TYPE_CHECKING:
     from homebot.mqtt.broker.peer import Peer
 
-__all__ = ["BrokerState"]
+__all__ = ["BrokerState", "short"]
 
 _CUT_BY_A_READ = 4096  # bytes: about a read may leave as much of a packet on every connection
 _IN_A_TURN = 20_000  # units of work
 _WARNINGS = 20  # of one event in ten seconds: enough to tell a few clients apart
+_LONGEST_TEXT = 100  # a client may choose a name or topic of 65,535 bytes
 _log = get_logger()
 
 
@@ -124,9 +123,8 @@ class BrokerState:
         held_back = self._log_limit.allows(event)
         if held_back is None:
             return
-        more = f" (and {held_back} more like this)" if held_back else ""
         known = {key: short(fact) if isinstance(fact, str) else fact for key, fact in facts.items()}
-        _log.warning(event, message=f"{message}{more}", held_back=held_back, **known)
+        _log.warning(event, message=f"{message}{more_like_this(held_back)}", held_back=held_back, **known)
 
     @property
     def will_bytes(self) -> int:
@@ -167,3 +165,8 @@ class BrokerState:
         self.sessions = Sessions(
             self.exchange, self.clock, self.deadlines, self.limits, self.counters, self.work, self.pool
         )
+
+
+def short(text: str) -> str:
+    """Return *text*, cut to 100 characters."""
+    return text if len(text) <= _LONGEST_TEXT else f"{text[: _LONGEST_TEXT - 1]}…"

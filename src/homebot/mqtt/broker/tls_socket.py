@@ -10,40 +10,12 @@ import asyncio
 import ssl
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, Final, Protocol, cast, final
+from typing import Any, Final, cast, final
 
-__all__ = ["TlsSocket", "TlsUser"]
+__all__ = ["TlsSocket"]
 
 _READ_AT_MOST: Final = 16 * 1024
 _ENCRYPT_AT_MOST: Final = 64 * 1024  # bytes, before they are handed on
-
-
-class TlsUser(Protocol):
-    """A protocol on top of TLS, as asyncio has them."""
-
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Take the open socket; the hand-shake is still to come."""
-        ...
-
-    def get_buffer(self, sizehint: int) -> memoryview:
-        """Return the buffer for the next bytes."""
-        ...
-
-    def buffer_updated(self, nbytes: int) -> None:
-        """Take that many bytes from the buffer."""
-        ...
-
-    def pause_writing(self) -> None:
-        """Note that the socket takes bytes slower than they come."""
-        ...
-
-    def resume_writing(self) -> None:
-        """Go on: the socket's buffer is almost empty again."""
-        ...
-
-    def connection_lost(self, exc: Exception | None) -> None:
-        """Let go of the socket, which is closed."""
-        ...
 
 
 @final
@@ -56,7 +28,9 @@ class TlsSocket(asyncio.BufferedProtocol):
         on_failure: Called with the reason why a hand-shake, or what came after it, was no TLS.
     """
 
-    def __init__(self, context: ssl.SSLContext, user: TlsUser, on_failure: Callable[[str], None]) -> None:
+    def __init__(
+        self, context: ssl.SSLContext, user: asyncio.BufferedProtocol, on_failure: Callable[[str], None]
+    ) -> None:
         self._user = user
         self._on_failure = on_failure
         self._incoming = ssl.MemoryBIO()
