@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import stat
 import sys
+from collections.abc import Mapping
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -17,14 +18,16 @@ from homebot.file_access import why_not_trusted
 __all__ = ["load_plugin", "plugin_names"]
 
 
-@lru_cache(maxsize=64)
-def _entry_points(group: str) -> tuple[EntryPoint, ...]:
-    return tuple(entry_points(group=group))
+@lru_cache
+def _entry_points() -> Mapping[str, tuple[EntryPoint, ...]]:
+    """Return homebot's groups; to ask for one of them alone reads the files of all installed packages as well."""
+    installed = entry_points()
+    return {group: tuple(installed.select(group=group)) for group in installed.groups if group.startswith("homebot.")}
 
 
 def plugin_names(group: str) -> tuple[str, ...]:
     """Return the names that the entry-point group *group* offers, sorted."""
-    return tuple(sorted({point.name for point in _entry_points(group)}))
+    return tuple(sorted({point.name for point in _entry_points().get(group, ())}))
 
 
 def load_plugin(group: str, name: str) -> type[Any]:
@@ -46,7 +49,7 @@ def load_plugin(group: str, name: str) -> type[Any]:
 
 
 def _load_entry_point(group: str, name: str) -> object:
-    for point in _entry_points(group):
+    for point in _entry_points().get(group, ()):
         if point.name == name:
             try:
                 return point.load()
