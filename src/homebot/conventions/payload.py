@@ -25,7 +25,9 @@ __all__ = [
     "NO_READINGS",
     "JsonMessage",
     "Readings",
+    "as_fields",
     "clean_text",
+    "compact_json",
     "fields_of",
     "is_unknown",
     "meaning_reader",
@@ -282,6 +284,16 @@ def to_json(payload: bytes) -> object:
         return None
 
 
+def as_fields(value: object) -> Mapping[str, object]:
+    """Return the JSON object that *value*, read of JSON, is; an empty one where it is none."""
+    return value if isinstance(value, dict) else _NO_FIELDS
+
+
+def compact_json(value: object) -> str:
+    """Return *value* in JSON without spaces."""
+    return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+
+
 def is_unknown(value: object) -> bool:
     """Return whether *value*, in the place of a number, means that the device does not know it.
 
@@ -352,7 +364,7 @@ def fields_of(text: str) -> Mapping[str, object]:
         message = parse_json(text)
     except WireError:
         return _NO_FIELDS
-    return message if isinstance(message, dict) else _NO_FIELDS
+    return as_fields(message)
 
 
 _NO_FIELDS: Mapping[str, object] = MappingProxyType({})

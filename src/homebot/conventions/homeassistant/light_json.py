@@ -5,7 +5,6 @@ Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_json.py``.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -22,7 +21,7 @@ from homebot.conventions.light_color import (
     to_hue_saturation,
     white_kelvin,
 )
-from homebot.conventions.payload import NO_READINGS, Readings, clean_text, number_of, shown
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, compact_json, number_of, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
@@ -72,7 +71,7 @@ def _publish(command: CommandTopic, scale: int, in_kelvin: bool, light: LightCom
         message["color_temp"] = light.kelvin if in_kelvin else kelvin_mired(light.kelvin)
     if light.effect:
         message["effect"] = light.effect
-    return command.publish(json.dumps(message, ensure_ascii=False, separators=(",", ":")))
+    return command.publish(compact_json(message))
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,7 @@ from homebot.conventions.homeassistant.published_entity import (
     take_settable,
     unknown_text,
 )
-from homebot.conventions.payload import fields_of, number_of
+from homebot.conventions.payload import compact_json, fields_of, number_of
 from homebot.devices.part import Capability, Part
 
 __all__ = [
@@ -235,7 +235,7 @@ def _vacuum_text(values: Values) -> str:
         message["fan_speed"] = speed
     if isinstance(charge, float):
         message["battery_level"] = round(charge)
-    return json.dumps(message, ensure_ascii=False, separators=(",", ":"))
+    return compact_json(message)
 
 
 def publish_mower(_part: Part, available: Available, topics: EntityTopics) -> Entities:
@@ -308,7 +308,7 @@ def _siren_text(values: Values) -> str:
         message["tone"] = tone
     if isinstance(volume, float):
         message["volume_level"] = volume / 100
-    return json.dumps(message, ensure_ascii=False, separators=(",", ":"))
+    return compact_json(message)
 
 
 def _read_siren(text: str, tones: tuple[str, ...], *, has_volume: bool) -> Values:

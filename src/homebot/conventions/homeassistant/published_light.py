@@ -5,7 +5,6 @@ Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt/light/schema_jso
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 
 from homebot.conventions.homeassistant.published_entity import (
@@ -17,7 +16,7 @@ from homebot.conventions.homeassistant.published_entity import (
     Values,
 )
 from homebot.conventions.light_color import kelvin_mired
-from homebot.conventions.payload import number_of, parse_json
+from homebot.conventions.payload import compact_json, number_of, parse_json
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
@@ -80,7 +79,7 @@ def _written(taken: frozenset[str]) -> StateWriter:
         message |= _tint(values, taken)
         if "effect" in taken and isinstance(values.get("effect"), str):
             message["effect"] = values["effect"]
-        return json.dumps(message, ensure_ascii=False, separators=(",", ":"))
+        return compact_json(message)
 
     return write
 

@@ -5,7 +5,6 @@ Source: Home Assistant core 2025.4, ``components/mqtt/siren.py``.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -14,7 +13,7 @@ from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic
-from homebot.conventions.payload import Readings, fields_of, number_of
+from homebot.conventions.payload import Readings, compact_json, fields_of, number_of
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
@@ -70,7 +69,7 @@ class _SirenCommands:
         command = self.on if on else self.off
         variables = {"state": self.payloads[on], **fields}
         if command.template is None:
-            return command.publish(json.dumps(variables, ensure_ascii=False, separators=(",", ":")))
+            return command.publish(compact_json(variables))
         publication = command.publication(self.payloads[on], variables)
         if publication.payload in _EMPTY_PAYLOADS:
             raise RefusedError(f"a command on {command.topic}", "its template makes nothing of it")

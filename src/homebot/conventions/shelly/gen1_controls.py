@@ -6,7 +6,6 @@ Source: Shelly Gen1 API, MQTT of Shelly1, Shelly2.5, Plug, Dimmer, Duo, Bulb and
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -22,7 +21,15 @@ from homebot.conventions.command_values import (
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
 from homebot.conventions.part_builder import BytesPart
-from homebot.conventions.payload import NO_READINGS, Readings, meaning_reader, percent_of, to_json, to_text
+from homebot.conventions.payload import (
+    NO_READINGS,
+    Readings,
+    compact_json,
+    meaning_reader,
+    percent_of,
+    to_json,
+    to_text,
+)
 from homebot.conventions.shelly.gen1_models import Gen1Topics
 from homebot.devices.value import PlainValue
 from homebot.numbers import to_number
@@ -210,7 +217,7 @@ class _Gen1Lamp:
     def _set(self, fields: Mapping[str, object], transition: float) -> Publications:
         if transition:
             fields = {**fields, "transition": min(round(transition * 1000), _LONGEST_TRANSITION)}
-        return (Publication(f"{self.topic}/set", json.dumps(fields, separators=(",", ":")).encode()),)
+        return (Publication(f"{self.topic}/set", compact_json(fields).encode()),)
 
 
 def _color(message: Mapping[str, object]) -> tuple[float, ...] | None:

@@ -12,7 +12,7 @@ from functools import partial
 from homebot.conventions.command_values import number_writer
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import BytesPart
-from homebot.conventions.payload import NO_READINGS, Readings, percent_of, read_number, to_json, to_text
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, read_number, to_json, to_text
 from homebot.conventions.shelly.gen1_models import Gen1Topics
 from homebot.conventions.units import sensor_type
 from homebot.devices.part import Category
@@ -213,8 +213,7 @@ _MOTION: tuple[tuple[str, str, _Find, Category], ...] = (
 
 def _status_part(topics: Gen1Topics, part_id: str, capability: str, find: _Find, category: Category) -> BytesPart:
     def read(payload: bytes) -> Readings:
-        status = to_json(payload)
-        value = find(status) if isinstance(status, dict) else _UNCLEAR
+        value = find(as_fields(to_json(payload)))
         return {capability: value} if value is None or isinstance(value, (bool, float)) else NO_READINGS
 
     part = BytesPart(part_id, sensor_type(capability), advertised="status", category=category)
@@ -225,14 +224,11 @@ def _status_part(topics: Gen1Topics, part_id: str, capability: str, find: _Find,
 
 
 def _read_valve(payload: bytes) -> Readings:
-    status = to_json(payload)
-    if not isinstance(status, dict):
-        return NO_READINGS
+    status = as_fields(to_json(payload))
     listed = status.get("thermostats")
     valve = listed[0] if isinstance(listed, list) and listed and isinstance(listed[0], dict) else status
     found: dict[str, PlainValue] = {}
-    target = valve.get("target_t")
-    setpoint = to_number(target.get("value")) if isinstance(target, dict) else None
+    setpoint = to_number(as_fields(valve.get("target_t")).get("value"))
     if setpoint is not None:
         found["heating_setpoint"] = setpoint
     temperature = _temperature(valve)

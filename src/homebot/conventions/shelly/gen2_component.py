@@ -8,7 +8,6 @@ Source: Shelly Gen2+ API, General, RPC Protocol, RPC Channels (MQTT), Notificati
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -16,7 +15,7 @@ from typing import TypeAlias
 
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings, clean_text, read_number
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, clean_text, compact_json, read_number
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 
@@ -28,7 +27,7 @@ def call(prefix: str, source: str, method: str, params: Mapping[str, object] | N
     frame: dict[str, object] = {"id": 1, "src": source, "method": method}
     if params is not None:
         frame["params"] = params
-    return Publication(f"{prefix}/rpc", json.dumps(frame, separators=(",", ":"), ensure_ascii=False).encode())
+    return Publication(f"{prefix}/rpc", compact_json(frame).encode())
 
 
 Fields: TypeAlias = Mapping[str, object]
@@ -144,8 +143,7 @@ def flag(field: str, capability: str) -> StatusDecoder:
 
 
 def _read(frame: Fields, member: str, key: str, decode: StatusDecoder) -> Readings:
-    components = frame.get(member)
-    status = components.get(key) if isinstance(components, dict) else None
+    status = as_fields(frame.get(member)).get(key)
     return decode(status) if isinstance(status, dict) else NO_READINGS
 
 
@@ -153,13 +151,13 @@ _MOST_EVENTS = 32
 
 
 def _read_events(frame: Fields, key: str, presses: Mapping[str, str]) -> Readings:
-    params = frame.get("params")
-    events = params.get("events") if isinstance(params, dict) else None
+    events = as_fields(frame.get("params")).get("events")
     if not isinstance(events, list):
         return NO_READINGS
     found: dict[str, PlainValue] = {}
     for event in events[:_MOST_EVENTS]:
-        name = event.get("event") if isinstance(event, dict) and event.get("component") == key else None
+        fields = as_fields(event)
+        name = fields.get("event") if fields.get("component") == key else None
         if isinstance(name, str) and name in presses:
             found["press"] = presses[name]
     return found

@@ -21,7 +21,7 @@ from homebot.conventions.command_values import (
 from homebot.conventions.description import Publications
 from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import Readings, percent_of
+from homebot.conventions.payload import Readings, as_fields, percent_of
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, flag, measured
 from homebot.devices.value import PlainValue
 from homebot.numbers import to_number
@@ -56,8 +56,8 @@ def build_cover(component: ShellyComponent) -> tuple[JsonPart, ...]:
     part.add_capability("movement", writer=mover, options=_MOVEMENTS)
     if component.status.get("pos_control") is not False:
         part.add_capability("position", writer=_go_to(component, "position", "pos"))
-    slat = component.config.get("slat")
-    if component.status.get("slat_pos") is not None or (isinstance(slat, dict) and slat.get("enable") is True):
+    slat = as_fields(component.config.get("slat"))
+    if component.status.get("slat_pos") is not None or slat.get("enable") is True:
         part.add_capability("tilt", writer=_go_to(component, "tilt", "slat_pos"))
     return (part,)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from homebot.conventions.description import Availability, DescribedPart, DeviceAnnounced, LastWillAvailability
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import clean_text
+from homebot.conventions.payload import as_fields, clean_text
 from homebot.conventions.shelly.gen2_bluetooth import build_bluetooth_device, build_bluetooth_sensor
 from homebot.conventions.shelly.gen2_component import Fields, Gen2Topics, ShellyComponent, call
 from homebot.conventions.shelly.gen2_controls import (
@@ -36,7 +36,6 @@ __all__ = [
     "MAX_COMPONENTS",
     "Gen2Device",
     "build_parts",
-    "fields_in",
     "is_config_change",
     "is_prefix",
     "kind_of",
@@ -62,7 +61,7 @@ def kind_of(result: Fields) -> str:
     """Return the question that *result* answers; empty for another, such as a command."""
     if "mac" in result and "id" in result:
         return "info"
-    system = fields_in(result, "sys")
+    system = as_fields(result.get("sys"))
     if "device" in system:
         return "config"
     is_status = "mac" in system or "uptime" in system or any(":" in key for key in result)
@@ -84,16 +83,10 @@ def is_config_change(params: Fields) -> bool:
 
 def sleeps(status: Fields) -> bool:
     """Return whether a device is off the network most of the time, so that silence means nothing."""
-    period = to_number(fields_in(status, "sys").get("wakeup_period"))
-    external = fields_in(fields_in(status, "devicepower:0"), "external")
+    period = to_number(as_fields(status.get("sys")).get("wakeup_period"))
+    external = as_fields(as_fields(status.get("devicepower:0")).get("external"))
     runs_on_battery = "devicepower:0" in status and external.get("present") is not True
     return runs_on_battery or (period is not None and period > 0)
-
-
-def fields_in(fields: Fields, name: str) -> Fields:
-    """Return the object *name*; empty where there is none."""
-    inner = fields.get(name)
-    return inner if isinstance(inner, dict) else {}
 
 
 def text_of(value: object) -> str:
@@ -150,8 +143,7 @@ def _components(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[She
         if len(found) >= MAX_COMPONENTS:
             break
         if isinstance(fields, dict) and _KEY.fullmatch(key) and key.partition(":")[0] in _RANKS:
-            settings = config.get(key)
-            found.append(ShellyComponent(topics, key, fields, settings if isinstance(settings, dict) else {}))
+            found.append(ShellyComponent(topics, key, fields, as_fields(config.get(key))))
     return tuple(sorted(found, key=lambda one: (_RANKS[one.kind], one.index)))
 
 
@@ -196,7 +188,7 @@ class Gen2Device:
     def has_new_fields(self, components: Fields) -> bool:
         """Return whether *components* say something of it that is new; its values are not."""
         return any(
-            isinstance(fields, dict) and not fields.keys() <= fields_in(self.status, key).keys()
+            isinstance(fields, dict) and not fields.keys() <= as_fields(self.status.get(key)).keys()
             for key, fields in components.items()
         )
 
@@ -206,13 +198,13 @@ class Gen2Device:
         status = dict(self.status)
         for key, fields in components.items():
             if isinstance(fields, dict) and (key in status or len(status) < MAX_COMPONENTS):
-                status[key] = {**fields_in(status, key), **fields}
+                status[key] = {**as_fields(status.get(key)), **fields}
         self.status = status
 
     @property
     def mac(self) -> str:
         """Its hardware address; empty where it did not report it yet."""
-        address = text_of(self.info.get("mac")) or text_of(fields_in(self.status, "sys").get("mac"))
+        address = text_of(self.info.get("mac")) or text_of(as_fields(self.status.get("sys")).get("mac"))
         return address or mac_in(self.prefix)
 
     def describe(self, client: str, topic: str, device_id: str) -> DeviceAnnounced:
@@ -250,7 +242,11 @@ class Gen2Device:
 
     def _name(self) -> str:
         own = text_of(self.info.get("name"))
-        return own or text_of(fields_in(fields_in(self.config, "sys"), "device").get("name")) or clean_text(self.prefix)
+        return (
+            own
+            or text_of(as_fields(as_fields(self.config.get("sys")).get("device")).get("name"))
+            or clean_text(self.prefix)
+        )
 
     def _facts(self) -> dict[str, str]:
         generation = to_number(self.info.get("gen"))

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from functools import partial
 
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings, percent_of
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, flag, measured
 from homebot.conventions.units import sensor_type
 from homebot.devices.value import PlainValue
@@ -54,8 +54,7 @@ def build_power(component: ShellyComponent) -> tuple[JsonPart, ...]:
     part = component.part("", "x_battery", category="diagnostic")
     component.read_status(part, _decode_power)
     part.add_capability("battery")
-    battery = component.status.get("battery")
-    if isinstance(battery, dict) and "V" in battery:
+    if "V" in as_fields(component.status.get("battery")):
         part.add_capability("voltage")
     if isinstance(component.status.get("external"), dict):
         part.add_capability("plugged_in")
@@ -88,19 +87,18 @@ def build_input(component: ShellyComponent) -> tuple[JsonPart, ...]:
 
 
 def _decode_counter(status: Fields) -> Readings:
-    counts = status.get("counts")
-    total = to_number(counts.get("total")) if isinstance(counts, dict) else None
+    total = to_number(as_fields(status.get("counts")).get("total"))
     return NO_READINGS if total is None else {"measurement": total}
 
 
 def _decode_power(status: Fields) -> Readings:
     found: dict[str, PlainValue] = {}
-    battery, external = status.get("battery"), status.get("external")
-    if isinstance(battery, dict) and "percent" in battery:
+    battery, external = as_fields(status.get("battery")), as_fields(status.get("external"))
+    if "percent" in battery:
         found["battery"] = percent_of(battery["percent"])
-    if isinstance(battery, dict) and "V" in battery:
+    if "V" in battery:
         found["voltage"] = to_number(battery["V"])
-    if isinstance(external, dict) and isinstance(present := external.get("present"), bool):
+    if isinstance(present := external.get("present"), bool):
         found["plugged_in"] = present
     return found
 
@@ -147,8 +145,7 @@ def build_own_temperature(component: ShellyComponent) -> tuple[JsonPart, ...]:
     inner = measured("tC", "temperature")
 
     def decode(status: Fields) -> Readings:
-        temperature = status.get("temperature")
-        return inner(temperature) if isinstance(temperature, dict) else NO_READINGS
+        return inner(as_fields(status.get("temperature")))
 
     part = component.part("temperature", "temperature_sensor", category="diagnostic")
     component.read_status(part, decode)
@@ -181,6 +178,5 @@ def _count(component: ShellyComponent, part: JsonPart, key: str, drawn: str, ret
 
 
 def _decode_energy(field: str, capability: str, status: Fields) -> Readings:
-    energy = status.get(field)
-    total = to_number(energy.get("total")) if isinstance(energy, dict) else None
+    total = to_number(as_fields(status.get(field)).get("total"))
     return NO_READINGS if total is None else {capability: total * _ENERGY}

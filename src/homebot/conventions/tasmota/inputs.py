@@ -10,7 +10,7 @@ from functools import partial
 
 from homebot.conventions.description import AutoExpiry, DescribedPart
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, as_fields, clean_text
 from homebot.conventions.tasmota.device_topics import TasmotaTopics, sensor_values
 
 __all__ = ["describe_inputs"]
@@ -113,6 +113,5 @@ def _presses(topics: TasmotaTopics, part_id: str, name: str, actions: Mapping[st
 
 
 def _read_press(name: str, actions: Mapping[str, str], message: JsonMessage) -> Readings:
-    value = message.get(name)
-    action = value.get("Action") if isinstance(value, dict) else None
+    action = as_fields(message.get(name)).get("Action")
     return {"press": actions[action]} if isinstance(action, str) and action in actions else NO_READINGS

@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, is_unknown
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, as_fields, clean_text, is_unknown
 from homebot.conventions.tasmota.device_topics import TasmotaTopics, sensor_values
 from homebot.conventions.units import Quantity, quantity
 from homebot.numbers import finite_number
@@ -216,6 +216,5 @@ def _signal(topics: TasmotaTopics) -> DescribedPart:
 
 
 def _read_signal(message: JsonMessage) -> Readings:
-    wifi = message.get("Wifi")
-    signal = finite_number(wifi.get("Signal")) if isinstance(wifi, dict) else None
+    signal = finite_number(as_fields(message.get("Wifi")).get("Signal"))
     return NO_READINGS if signal is None else {"signal_strength": signal}

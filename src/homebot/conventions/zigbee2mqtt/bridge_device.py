@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from homebot.conventions.description import Availability
-from homebot.conventions.payload import clean_text, parse_json, shown
+from homebot.conventions.payload import as_fields, clean_text, parse_json, shown
 from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.topics import validate_topic
 
@@ -43,7 +43,7 @@ class StateAvailability:
             message = parse_json(payload, _MAX_BYTES)
         except WireError:
             return None
-        state = message.get("state") if isinstance(message, dict) else None
+        state = as_fields(message).get("state")
         return _STATES.get(state.encode()) if isinstance(state, str) else None
 
 
@@ -75,8 +75,7 @@ def read_availability_rule(info: Mapping[str, object]) -> AvailabilityRule:
     config = info.get("config")
     if not isinstance(config, dict):
         raise WireError(f"bridge/info: config is {shown(config)}, not an object")
-    devices = config.get("devices")
-    listed = devices.items() if isinstance(devices, dict) else ()
+    listed = as_fields(config.get("devices")).items()
     return AvailabilityRule(
         _is_on(config.get("availability")),
         {
@@ -131,7 +130,7 @@ class BridgeDevice:
 
 def ieee_address(entry: object) -> str:
     """Return the address of an entry; empty where it has none."""
-    address = entry.get("ieee_address") if isinstance(entry, dict) else None
+    address = as_fields(entry).get("ieee_address")
     return address.lower() if isinstance(address, str) and _ADDRESS.fullmatch(address.lower()) else ""
 
 
@@ -152,8 +151,7 @@ def read_bridge_device(base: str, entry: Mapping[str, object]) -> BridgeDevice:
         validate_topic(topic)
     except InvalidNameError as error:
         raise WireError(f"friendly_name {shown(name)} cannot be a topic: {error}") from None
-    declared = entry.get("definition")
-    definition: Mapping[str, object] = declared if isinstance(declared, dict) else {}
+    definition = as_fields(entry.get("definition"))
     return BridgeDevice(
         ieee=ieee_address(entry),
         name=name,
@@ -180,7 +178,7 @@ def _takes_transition(options: object) -> bool:
     """Return whether it takes a transition; a bridge that lists no options, because it is old, is taken to know it."""
     if not isinstance(options, list):
         return True
-    return any(isinstance(one, dict) and one.get("name") == "transition" for one in options[:_MOST_OPTIONS])
+    return any(as_fields(one).get("name") == "transition" for one in options[:_MOST_OPTIONS])
 
 
 def _bare_endpoints(endpoints: object) -> frozenset[str]:

@@ -5,7 +5,6 @@ Source: zigbee2mqtt.io, Usage > MQTT topics and messages; Zigbee2MQTT 2.14.1.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -13,7 +12,7 @@ from functools import partial
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer, require_transition
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, is_unknown
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, compact_json, is_unknown
 from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, Scalar
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Category
@@ -82,7 +81,7 @@ class Zigbee2MqttTopics:
         if seconds and self.takes_transition:
             fields["transition"] = whole_or_not(seconds)
         try:
-            payload = json.dumps(fields, ensure_ascii=False, separators=(",", ":")).encode()
+            payload = compact_json(fields).encode()
         except UnicodeEncodeError:
             raise RefusedError(f"a command to {self.state}", "it cannot be written in UTF-8") from None
         return (Publication(self.command, payload),)
@@ -92,7 +91,7 @@ class Zigbee2MqttTopics:
         keys = self._plain(_gettable(features)) if self.is_awake else {}
         if not keys:
             return ()
-        payload = json.dumps(keys, ensure_ascii=False, separators=(",", ":")).encode()
+        payload = compact_json(keys).encode()
         return (Publication(f"{self._base}/get", payload),)
 
     @property
