@@ -285,7 +285,7 @@ def _is_flag(prop: HomieProperty) -> bool:
     return prop.datatype == "boolean"
 
 
-def _is_order(prop: HomieProperty) -> bool:
+def _is_command(prop: HomieProperty) -> bool:
     return prop.datatype == "enum" and prop.is_settable
 
 
@@ -294,25 +294,14 @@ def _is_choice(prop: HomieProperty) -> bool:
 
 
 _FITS: Mapping[str, _Fit] = {
-    "on_off": _is_flag,
-    "level": _is_number,
+    **dict.fromkeys(("on_off", "lock", "valve", "battery_low"), _is_flag),
+    **dict.fromkeys(("level", "color_temperature", "position", "tilt", "fan_speed", "battery"), _is_number),
+    **dict.fromkeys(("heating_setpoint", "cooling_setpoint"), _is_number),
+    **dict.fromkeys(("move", "lock_action"), _is_command),
+    **dict.fromkeys(("thermostat_mode", "fan_mode"), _is_choice),
     "color": lambda prop: prop.datatype == "color",
-    "color_temperature": _is_number,
-    "position": _is_number,
-    "tilt": _is_number,
     "movement": is_opening,
-    "move": _is_order,
-    "lock": _is_flag,
-    "lock_action": _is_order,
-    "valve": _is_flag,
-    "heating_setpoint": _is_number,
-    "cooling_setpoint": _is_number,
     "local_temperature": lambda prop: prop.is_number and not prop.is_settable,
-    "thermostat_mode": _is_choice,
-    "fan_mode": _is_choice,
-    "fan_speed": _is_number,
-    "battery": _is_number,
-    "battery_low": _is_flag,
     "press": lambda prop: prop.datatype in {"enum", "string"},
 }
 

@@ -59,37 +59,30 @@ def build_bluetooth_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
 
 _BUTTON = 58
 _DIAGNOSTIC = frozenset({"battery", "battery_low", "battery_charging"})
-_CONDITIONS: Mapping[int, str] = {
-    15: "state",
-    16: "power_detected",
-    17: "contact",
-    21: "battery_low",
-    22: "battery_charging",
-    23: "carbon_monoxide_alarm",
-    24: "freeze",
-    25: "connectivity",
-    26: "contact",
-    27: "contact",
-    28: "gas",
-    29: "heat",
-    30: "light_detected",
-    31: "unlocked",
-    32: "water_leak",
-    33: "occupancy",
-    34: "moving",
-    35: "occupancy",
-    36: "plugged_in",
-    37: "occupancy",
-    38: "problem",
-    39: "running",
-    40: "safety",
-    41: "smoke",
-    42: "sound",
-    43: "tamper",
-    44: "vibration",
-    45: "contact",
-}
-_QUANTITIES: Mapping[str, tuple[int, ...]] = {
+_CAPABILITIES: Mapping[str, tuple[int, ...]] = {
+    "state": (15,),
+    "power_detected": (16,),
+    "contact": (17, 26, 27, 45),
+    "battery_low": (21,),
+    "battery_charging": (22,),
+    "carbon_monoxide_alarm": (23,),
+    "freeze": (24,),
+    "connectivity": (25,),
+    "gas": (28,),
+    "heat": (29,),
+    "light_detected": (30,),
+    "unlocked": (31,),
+    "water_leak": (32,),
+    "occupancy": (33, 35, 37),
+    "moving": (34,),
+    "plugged_in": (36,),
+    "problem": (38,),
+    "running": (39,),
+    "safety": (40,),
+    "smoke": (41,),
+    "sound": (42,),
+    "tamper": (43,),
+    "vibration": (44,),
     "battery": (1,),
     "temperature": (2, 69, 87, 88),
     "humidity": (3, 46),
@@ -127,8 +120,7 @@ _MEASURED: Mapping[str, tuple[int, ...]] = {
 """Numbers of no capability of their own, by their unit."""
 
 _OBJECTS: Mapping[int, tuple[str, str]] = {
-    **{one: (capability, "") for one, capability in _CONDITIONS.items()},
-    **{one: (capability, "") for capability, ids in _QUANTITIES.items() for one in ids},
+    **{one: (capability, "") for capability, ids in _CAPABILITIES.items() for one in ids},
     **{one: ("measurement", unit) for unit, ids in _MEASURED.items() for one in ids},
 }
 """Capability and unit of each object id."""
