@@ -37,21 +37,20 @@ class LoopClock:
     Args:
         epoch: The reading of :meth:`now` when the clock is made, in seconds since the Unix epoch; from then on
             it runs with the loop. By default the computer's own time, also when that is set or slept meanwhile.
+
+    Attributes:
+        monotonic: Returns seconds of the event loop's time; the loop's own function, as it is called so often.
     """
 
     def __init__(self, epoch: float | None = None) -> None:
         loop = asyncio.get_running_loop()
-        self._loop_time = loop.time
+        self.monotonic = loop.time
         self._follows_computer = epoch is None and type(loop).time is asyncio.BaseEventLoop.time
-        self._offset = (time.time() if epoch is None else epoch) - self._loop_time()
-
-    def monotonic(self) -> float:
-        """Return seconds of the event loop's time."""
-        return self._loop_time()
+        self._offset = (time.time() if epoch is None else epoch) - self.monotonic()
 
     def now(self) -> float:
         """Return seconds since the Unix epoch, UTC."""
-        return time.time() if self._follows_computer else self._offset + self._loop_time()
+        return time.time() if self._follows_computer else self._offset + self.monotonic()
 
 
 @final

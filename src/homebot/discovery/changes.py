@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final
 
@@ -100,7 +100,10 @@ class ChangeQueue:
         """Return the oldest changes, and what they made disputed, and forget them."""
         taken = self.pending if at_most is None else self.pending[:at_most]
         self.pending = [] if at_most is None else self.pending[at_most:]
-        return tuple(change for one in taken for change in self._changes(one))
+        found: list[DeviceChange] = []
+        for one in taken:
+            found += self._changes(one)
+        return tuple(found)
 
     def take_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
         """Return the changes of states, oldest first, and forget them; what is of a part that went is left out.
@@ -111,7 +114,7 @@ class ChangeQueue:
         taken = self.states if at_most is None else self.states[:at_most]
         self.states = [] if at_most is None else self.states[at_most:]
         return tuple(
-            self._state_change(entry, state) for entry, parts, state in taken if self._is_current(entry, parts, state)
+            [self._state_change(entry, state) for entry, parts, state in taken if self._is_current(entry, parts, state)]
         )
 
     def _is_current(self, entry: Entry, parts: MergedParts, state: State) -> bool:
@@ -125,20 +128,21 @@ class ChangeQueue:
         place = (state.part, state.capability)
         return any((known.part, known.capability) == place for known in entry.to_device(self._topics).states)
 
-    def _changes(self, one: _PendingChange) -> Iterator[DeviceChange]:
-        """Yield the change, and what became disputed by it."""
+    def _changes(self, one: _PendingChange) -> list[DeviceChange]:
+        """Return the change, and what became disputed by it."""
         entry = one.entry
         if self._last.get(entry.id) is one:
             del self._last[entry.id]
         device = one.device or entry.to_device(self._topics)
-        yield self._change(one.kind, device, one.why, one.other)
+        found = [self._change(one.kind, device, one.why, one.other)]
         before, entry.published_conflicts = entry.published_conflicts, device.conflicts
         if before == device.conflicts or one.kind == "removed":
-            return
+            return found
         if not device.conflicts:
-            yield self._change("resolved", device, "nothing of it is disputed any more")
+            found.append(self._change("resolved", device, "nothing of it is disputed any more"))
         elif new := [conflict for conflict in device.conflicts if conflict not in before]:
-            yield self._change("conflict", device, "; ".join(new))
+            found.append(self._change("conflict", device, "; ".join(new)))
+        return found
 
     def _change(self, kind: ChangeKind, device: Device, why: str, other: str = "") -> DeviceChange:
         self.sequence += 1
@@ -190,6 +194,9 @@ class ChangeLog:
 
 def _size(change: DeviceChange) -> int:
     device = change.device
-    facts = (text for fact in device.metadata for text in (fact.key, fact.value))
+    facts = [text for fact in device.metadata for text in (fact.key, fact.value)]
+    parts = [one.part for one in device.parts]
     texts = (device.name, device.area, change.why, *device.identifiers, *device.evidence, *device.conflicts, *facts)
-    return _CHANGE + size_of_texts(texts) + size_of_parts(one.part for one in device.parts) + _PART * len(device.parts)
+    return (
+        _CHANGE + size_of_texts(texts) + size_of_parts(parts) + _PART * len(parts)
+    )

@@ -33,7 +33,7 @@ from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.services import DirectoryServices
 from homebot.errors import TypeMismatchError
 from homebot.graph import DurabilityPolicy, EndpointInfo, EntityKind, Node, QoSProfile, Subscription
-from homebot.isolation import run_as
+from homebot.isolation import isolated, run_as
 from homebot.log import LogLimit, more_like_this
 from homebot.units import Seconds
 
@@ -132,7 +132,8 @@ class Directory:
             self._follow_all()
             self._services.register()
             async with anyio.create_task_group() as tasks:
-                for work in (self._persistence.run, self._expire, self._publish_changes):
+                tasks.start_soon(self._publish_changes)
+                for work in (self._persistence.run, self._expire):
                     tasks.start_soon(run_as, self._node.full_name, work)
                 task_status.started()
                 lost = 0
@@ -234,11 +235,12 @@ class Directory:
 
     async def _publish_changes(self) -> None:
         """Publish changes, and sort them in for queries, while nothing else is to be done."""
-        while True:
-            await self._happened.wait()
-            self._happened = anyio.Event()
-            while self.index.is_behind and (self._publish_some(_FEW) or self.index.sort(_FEW)):
-                await anyio.lowlevel.checkpoint()
+        with isolated(self._node.full_name):
+            while True:
+                await self._happened.wait()
+                self._happened = anyio.Event()
+                while self.index.is_behind and (self._publish_some(_FEW) or self.index.sort(_FEW)):
+                    await anyio.lowlevel.checkpoint()
 
     async def _expire(self) -> None:
         while True:

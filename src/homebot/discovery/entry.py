@@ -294,7 +294,7 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
 
 def _facts_of(source: SourceRecord) -> list[tuple[str, str]]:
     sighting = source.sighting
-    return [("name", sighting.name), ("area", sighting.area), *((one.key, one.value) for one in sighting.metadata)]
+    return [("name", sighting.name), ("area", sighting.area), *[(one.key, one.value) for one in sighting.metadata]]
 
 
 def _endpoints(sources: Sequence[SourceRecord], main: DevicePart | None) -> tuple[Endpoint, ...]:

@@ -131,7 +131,7 @@ class FilterIndex(Generic[Key]):
 
     def add(self, topic_filter: str, item: Key) -> None:
         """Have *item* found by every topic that *topic_filter* matches; twice is once."""
-        if has_wildcard(topic_filter):
+        if "+" in topic_filter or "#" in topic_filter:
             self._wild.add(topic_filter.split("/"), item, None)
         else:
             self._exact.setdefault(topic_filter, {})[item] = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from operator import attrgetter
 
 from homebot.devices.part import Capability, Part
 from homebot.devices.text.states import FRACTION_CAPABILITIES, SPEED_WORDS, bounds_of, encode_value, percent
@@ -46,9 +47,12 @@ def main_part(parts: tuple[Part, ...]) -> Part | None:
     return parts[0] if parts else None
 
 
+_SETTABLE = attrgetter("settable")
+
+
 def accepts_text(part: Part) -> bool:
     """Return whether the part takes commands."""
-    return any(capability.settable for capability in part.capabilities)
+    return any(map(_SETTABLE, part.capabilities))
 
 
 def decode_command(text: str, part: Part) -> tuple[str, PlainValue]:

@@ -89,13 +89,14 @@ class StoredAnnouncement:
 
     def __post_init__(self) -> None:
         described, text = self.described, self.described.text
-        self.parts = {
-            one.part.id: AnnouncedPart(self, one, text_address(self.key, one.part.id) if text is None else text.address)
-            for one in described.parts
-        }
-        told = [("", described.availability)]
-        told += [(one.part.id, one.availability) for one in described.parts if one.availability is not None]
-        self.reachability = {part: ReachabilityReader(one) for part, one in told if one is not None and one.sources}
+        self.parts, self.reachability = {}, {}
+        if described.availability is not None and described.availability.sources:
+            self.reachability[""] = ReachabilityReader(described.availability)
+        for one in described.parts:
+            part = one.part.id
+            self.parts[part] = AnnouncedPart(self, one, text_address(self.key, part) if text is None else text.address)
+            if one.availability is not None and one.availability.sources:
+                self.reachability[part] = ReachabilityReader(one.availability)
         self.template = _template(self.gateway, self.key, described)  # so that what cannot be told is found at once
 
     def publishes_the_same(self, other: StoredAnnouncement) -> bool:
@@ -166,7 +167,7 @@ def _template(gateway: str, key: str, described: DeviceAnnounced) -> Sighting:
         service_type=endpoint.service_type,
         address=endpoint.address,
         command_address=endpoint.command_address,
-        metadata=tuple(_fact(fact, value) for fact, value in described.facts.items()),
+        metadata=tuple(map(_fact, described.facts, described.facts.values())),
         convention=described.convention if text is None else "",
         native=described.native or text is not None,
         whole_device=described.whole_device,

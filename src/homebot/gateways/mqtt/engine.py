@@ -6,6 +6,7 @@ do what takes time or must wait: subscribing, asking, and ending what ends by it
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Awaitable, Iterator
 from dataclasses import replace
 from functools import partial
@@ -111,7 +112,7 @@ class AnnouncedDevices:
         self.codecs = self._registry.codecs
         self.read_text = self._states.read_text
         self._last_messages = LastMessageCache()
-        self._taking = anyio.Lock(fast_acquire=True)  # else each announcement is subscribed to by itself
+        self._taking = asyncio.Lock()  # anyio's costs as much as a tenth of an announcement
         self._missed: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
         self._subscriber = Subscriber(self._topics, self._registry, conventions, self.quarantine, self.counters)
         reserved = ReservedTopics(conventions)

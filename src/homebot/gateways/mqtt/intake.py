@@ -192,7 +192,8 @@ class AnnouncementHandler:
             raise
         self._accepted = True
         stored, before = change.stored, change.before
-        self._scheduler.drop(("gone", stored.key))
+        if before is not None:
+            self._scheduler.drop(("gone", stored.key))
         for problem in change.refused:
             self._counters.topics_refused += 1
             self._quarantine.log_limited(NOT_READ, f"{stored.key} is only partly read: {problem}", source=message.topic)

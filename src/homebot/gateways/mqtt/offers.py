@@ -61,7 +61,7 @@ class Offers:
 
     def is_own_topic(self, topic: str) -> bool:
         """Return whether what comes on *topic* is our own, and no device."""
-        return any(publisher.is_own_topic(topic) for publisher in self._publishers)
+        return bool(self._publishers) and any(publisher.is_own_topic(topic) for publisher in self._publishers)
 
     def take(self, message: MqttMessage) -> bool:
         """Take *message* if it is a command to something offered; one that the broker had kept is none."""

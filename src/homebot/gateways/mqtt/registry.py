@@ -145,7 +145,8 @@ class AnnouncementRegistry:
         self._excess.check(described.key, excess, 0 if before is None else before.excess)
         stored = StoredAnnouncement(self.gateway, key, described, excess)
         refused, readers = self._register_readers(stored)
-        self._register_text(stored)
+        if described.text is not None:
+            self._register_text(stored)
         if before is not None:
             stored.take_over_state(before)
             self._unregister_readers(before)
@@ -232,7 +233,7 @@ class AnnouncementRegistry:
                 self._reader_counts[topic_filter] -= 1
 
     def _forget_routes(self, topic_filter: str) -> None:
-        if has_wildcard(topic_filter):
+        if "+" in topic_filter or "#" in topic_filter:
             self._routes.clear()
         else:
             self._routes.pop(topic_filter, None)

@@ -64,10 +64,11 @@ class ReservedTopics:
 
         Such a part stays, and can be read; it cannot be told anything.
         """
-        refused: dict[str, str] = {}
-        parts = tuple([self._part(described.convention, part, refused) for part in described.parts])
-        if not refused:
+        reason, convention = self._reason, described.convention
+        if not any(reason(topic, convention) for part in described.parts for topic in part.part.writes):
             return described, ()
+        refused: dict[str, str] = {}
+        parts = tuple([self._part(convention, part, refused) for part in described.parts])
         return replace(described, parts=parts), tuple(f"{topic}: {why}" for topic, why in refused.items())
 
     def _find_reason(self, topic: str, convention: str) -> str:

@@ -16,7 +16,7 @@ from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
-from homebot.isolation import run_as
+from homebot.isolation import isolated, run_as
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
@@ -92,29 +92,31 @@ class Subscriber:
     async def run(self, connection: MqttConnection) -> None:
         """Subscribe, unsubscribe and ask until cancelled."""
         async with anyio.create_task_group() as tasks:
-            for work in (self._subscribe, self._send_state_requests, self._on_connected):
+            tasks.start_soon(self._subscribe, connection)
+            for work in (self._send_state_requests, self._on_connected):
                 tasks.start_soon(run_as, "the gateway", partial(work, connection))
 
     async def _subscribe(self, connection: MqttConnection) -> None:
-        while True:
-            await self._needed.wait()
-            self._needed = anyio.Event()
-            while wanted := self._topics.take_wanted(BATCH):
-                await self._subscribe_to(connection, wanted)
-            while unwanted := self._topics.take_unwanted(BATCH):
-                await connection.unsubscribe(*unwanted)
-            self._asks.update(self._asks_later)
-            self._asks_later.clear()
-            if self._asks:
-                self._asked.set()
+        with isolated("the gateway"):
+            while True:
+                await self._needed.wait()
+                self._needed = anyio.Event()
+                while wanted := self._topics.take_wanted(BATCH):
+                    await self._subscribe_to(connection, wanted)
+                while unwanted := self._topics.take_unwanted(BATCH):
+                    await connection.unsubscribe(*unwanted)
+                self._asks.update(self._asks_later)
+                self._asks_later.clear()
+                if self._asks:
+                    self._asked.set()
 
     async def _subscribe_to(self, connection: MqttConnection, filters: tuple[str, ...]) -> None:
         try:
-            await connection.subscribe(*(MqttSubscription(one, no_local=True) for one in filters), every_link=True)
+            await connection.subscribe(*[MqttSubscription(one, no_local=True) for one in filters], every_link=True)
         except RefusedError as exc:
             self._counters.topics_refused += sum(one in connection.refused for one in filters)
             self._quarantine.log_limited(NOT_HEARD, f"some devices are not read: {exc}", source=filters[0])
-        if covered := tuple(one for one in filters if self._topics.is_covered(one)):
+        if covered := [one for one in filters if self._topics.is_covered(one)]:
             await connection.unsubscribe(*covered)
 
     async def _send_state_requests(self, connection: MqttConnection) -> None:

@@ -237,8 +237,12 @@ def answer_in(frame: Frame, *, is_v5: bool) -> tuple[int, Answer]:
     packet_id = body[0] << 8 | body[1]
     if kind < PacketType.SUBACK:
         return packet_id, (body[2] if len(body) > 2 else 0,)
-    cursor = Cursor(body)
-    cursor.position = 2
-    if is_v5:
+    start = 2
+    if is_v5 and len(body) > start and body[start] == 0:  # no properties
+        start += 1
+    elif is_v5:
+        cursor = Cursor(body)
+        cursor.position = start
         decode_properties(cursor, PacketType(kind))
-    return packet_id, tuple(body[cursor.position :])
+        start = cursor.position
+    return packet_id, tuple(body[start:])

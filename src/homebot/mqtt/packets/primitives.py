@@ -147,4 +147,4 @@ def encode_text(text: str) -> bytes:
         raw = text.encode()
     except UnicodeEncodeError:
         raise UsageError(f"text cannot be written in UTF-8: {text[:40]!r}") from None
-    return encode_binary(raw)
+    return len(raw).to_bytes(2, "big") + raw if len(raw) <= MAX_UINT16 else encode_binary(raw)  # which says why
