@@ -197,6 +197,4 @@ def _size(change: DeviceChange) -> int:
     facts = [text for fact in device.metadata for text in (fact.key, fact.value)]
     parts = [one.part for one in device.parts]
     texts = (device.name, device.area, change.why, *device.identifiers, *device.evidence, *device.conflicts, *facts)
-    return (
-        _CHANGE + size_of_texts(texts) + size_of_parts(parts) + _PART * len(parts)
-    )
+    return _CHANGE + size_of_texts(texts) + size_of_parts(parts) + _PART * len(parts)
