@@ -5,12 +5,18 @@ import math
 import pytest
 
 from homebot.conventions.command_values import (
+    Writer,
+    bool_writer,
+    number_writer,
+    option_writer,
+    push_writer,
     require_bool,
     require_color,
     require_number,
     require_option,
     require_transition,
 )
+from homebot.conventions.description import Publication, Publications
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
@@ -56,3 +62,27 @@ def test_a_transition_has_an_end_and_perhaps_a_longest() -> None:
             require_transition(seconds)
     with pytest.raises(RefusedError, match=r"a transition of 11 s.*it takes 0 to 10 s"):
         require_transition(11.0, most=10.0)
+
+
+def test_a_writer_publishes_what_its_check_let_pass() -> None:
+    def publish(value: object) -> Publications:
+        return (Publication("t", str(value).encode()),)
+
+    assert bool_writer("on_off", publish)(True, 0.0)[0].payload == b"True"
+    assert number_writer("level", (0, 100), "%", publish)(40, 0.0)[0].payload == b"40.0"
+    assert option_writer("movement", ("open", "closed"), publish)("open", 0.0)[0].payload == b"open"
+    assert push_writer("push", lambda: publish("pushed"))(True, 0.0)[0].payload == b"pushed"
+
+
+@pytest.mark.parametrize(
+    ("writer", "value"),
+    [
+        (bool_writer("on_off", lambda _on: ()), 1.0),
+        (number_writer("level", (0, 100), "%", lambda _number: ()), 101.0),
+        (option_writer("movement", ("open",), lambda _option: ()), "ajar"),
+        (push_writer("push", lambda: ()), False),
+    ],
+)
+def test_a_writer_refuses_what_its_check_refuses(writer: Writer, value: PlainValue) -> None:
+    with pytest.raises(RefusedError, match="it takes"):
+        writer(value, 0.0)

@@ -4,7 +4,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.conventions.payload import clean_text, noting_duplicates, parse_json, parse_object, shown
+from homebot.conventions.payload import (
+    as_fields,
+    clean_text,
+    compact_json,
+    meaning_reader,
+    noting_duplicates,
+    parse_json,
+    parse_object,
+    percent_of,
+    read_number,
+    shown,
+    to_json,
+    to_text,
+)
 from homebot.errors import WireError
 
 json_values = st.recursive(
@@ -112,3 +125,41 @@ def test_a_clean_text_is_short_and_cleaning_it_again_changes_nothing(text: str, 
 def test_an_error_shows_any_value_on_one_short_line(value: object) -> None:
     assert len(shown(value)) <= 61
     assert "\n" not in shown(value)
+
+
+def test_what_is_no_text_or_json_is_none() -> None:
+    assert to_text(b"\xff") is None
+    assert to_text(b"x" * 300_000) is None
+    assert to_json(b"NaN") is None
+    assert to_json(b'{"a":1}') == {"a": 1}
+
+
+def test_a_table_of_meanings_reads_what_it_has_and_nothing_else() -> None:
+    read = meaning_reader("on_off", {"ON": True, "OFF": False, "unknown": None})
+    assert [read(text) for text in ("ON", "OFF", "unknown", "on")] == [
+        {"on_off": True},
+        {"on_off": False},
+        {"on_off": None},
+        {},
+    ]
+
+
+@pytest.mark.parametrize(
+    ("value", "percent"), [(0, 0.0), ("55.5", 55.5), (100, 100.0), (-1, None), (101, None), ("x", None)]
+)
+def test_a_percentage_outside_of_the_whole_is_unknown(value: object, percent: float | None) -> None:
+    assert percent_of(value) == percent
+
+
+def test_what_is_no_object_has_no_fields() -> None:
+    assert as_fields({"a": 1}) == {"a": 1}
+    assert [dict(as_fields(value)) for value in (None, [1], "a", 1)] == [{}, {}, {}, {}]
+
+
+def test_json_is_written_without_spaces_and_in_unicode() -> None:
+    assert compact_json({"a": [1, 2], "b": "ü"}) == '{"a":[1,2],"b":"ü"}'
+
+
+def test_a_word_of_the_device_for_unknown_counts_beside_the_usual_ones() -> None:
+    assert read_number("level", "n/a here", unknown="n/a here") == {"level": None}
+    assert read_number("level", "n/a here") == {}

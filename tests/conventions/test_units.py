@@ -2,7 +2,7 @@
 
 import pytest
 
-from homebot.conventions.units import SENSOR_TYPES, Quantity, conversion_of
+from homebot.conventions.units import SENSOR_TYPES, Quantity, conversion_of, quantity, sensor_type
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 
@@ -41,3 +41,18 @@ def test_a_plain_number_stays_as_it_is() -> None:
 def test_every_sensor_is_in_the_vocabulary() -> None:
     assert SENSOR_TYPES.keys() <= CAPABILITIES.keys()
     assert set(SENSOR_TYPES.values()) <= DEVICE_TYPES.keys()
+
+
+def test_a_sensor_is_of_the_type_that_its_capability_says_or_of_its_kind() -> None:
+    assert sensor_type("temperature") == "temperature_sensor"
+    assert [sensor_type(name) for name in ("tamper", "signal_strength", "value")] == [
+        "x_binary_sensor",
+        "x_sensor",
+        "x_sensor",
+    ]
+    assert {sensor_type(name) for name in CAPABILITIES} <= DEVICE_TYPES.keys()
+
+
+def test_a_quantity_converts_into_the_vocabularys_unit() -> None:
+    assert quantity("temperature", "°F").value(212.0) == pytest.approx(100.0)
+    assert quantity("energy") == Quantity("electrical_meter", "energy")
