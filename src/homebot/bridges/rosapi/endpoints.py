@@ -6,10 +6,7 @@ from homebot.errors import RefusedError
 from homebot.graph import EndpointInfo, EntityKind, Graph
 from homebot.messages.message import Message, ServiceType
 
-__all__ = [
-    "FindEndpoints",
-    "find_endpoints",
-]
+__all__ = ["FindEndpoints", "find_endpoints"]
 
 
 class EndpointDetails(Message):
@@ -64,9 +61,6 @@ class FindEndpointsResponse(Message):
     endpoints: tuple[EndpointDetails, ...]
 
 
-FindEndpoints = ServiceType("homebot/srv/FindEndpoints", FindEndpointsRequest, FindEndpointsResponse)
-
-
 def find_endpoints(graph: Graph, request: FindEndpointsRequest) -> FindEndpointsResponse:
     """Return every entity that matches *request*.
 
@@ -100,3 +94,6 @@ def _details(info: EndpointInfo) -> EndpointDetails:
         liveliness=info.qos.liveliness.name.lower(),
         liveliness_lease_duration=float(info.qos.liveliness_lease_duration),
     )
+
+
+FindEndpoints = ServiceType("homebot/srv/FindEndpoints", FindEndpointsRequest, FindEndpointsResponse)

@@ -5,20 +5,16 @@ Source: RobotWebTools rosbridge_suite, branch ros2, ``rosapi_msgs/srv`` and ``ro
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from typing import Any
+
 from homebot.bridges.rosapi.typedefs import absolute, unique
 from homebot.graph import EntityKind, Graph
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.message import Int32, Message, ServiceType, UInt8, UInt32
+from homebot.messages.message import Int32, Message, UInt8, UInt32
 from homebot.names import is_hidden
 
-__all__ = [
-    "GetActionServers",
-    "GetROSVersion",
-    "GetTime",
-    "NodeDetails",
-    "NodeDirectory",
-    "Nodes",
-]
+__all__ = ["SERVICES"]
 
 
 class TimeOfBothKinds(Message):
@@ -85,49 +81,46 @@ class GetROSVersionResponse(Message, ros_type="rosapi_msgs/srv/GetROSVersion_Res
     distro: str
 
 
-Nodes = ServiceType("rosapi_msgs/srv/Nodes", NodesRequest, NodesResponse)
-NodeDetails = ServiceType("rosapi_msgs/srv/NodeDetails", NodeDetailsRequest, NodeDetailsResponse)
-GetActionServers = ServiceType("rosapi_msgs/srv/GetActionServers", GetActionServersRequest, GetActionServersResponse)
-GetTime = ServiceType("rosapi_msgs/srv/GetTime", GetTimeRequest, GetTimeResponse)
-GetROSVersion = ServiceType("rosapi_msgs/srv/GetROSVersion", GetROSVersionRequest, GetROSVersionResponse)
+def list_nodes(graph: Graph, _request: NodesRequest) -> NodesResponse:
+    """Return every visible node."""
+    return NodesResponse(nodes=tuple(name for name in graph.get_node_names() if not is_hidden(name)))
 
 
-class NodeDirectory:
-    """Answers questions about nodes, and what else is asked of the system.
+def node_details(graph: Graph, request: NodeDetailsRequest) -> NodeDetailsResponse:
+    """Return what a node reads, publishes and serves; an unknown one does nothing."""
+    ends = graph.get_endpoints(node=absolute(request.node))
+    return NodeDetailsResponse(
+        subscribing=unique(info.name for info in ends if info.kind is EntityKind.SUBSCRIPTION),
+        publishing=unique(info.name for info in ends if info.kind is EntityKind.PUBLISHER),
+        services=unique(info.name for info in ends if info.kind is EntityKind.SERVICE),
+    )
 
-    Args:
-        graph: The graph.
-    """
 
-    def __init__(self, graph: Graph) -> None:
-        self._graph = graph
+def list_action_servers(graph: Graph, _request: GetActionServersRequest) -> GetActionServersResponse:
+    """Return every action."""
+    topics = graph.get_topic_names_and_types()
+    suffix = "/_action/status"  # every action server publishes this
+    return GetActionServersResponse(
+        action_servers=tuple(name.removesuffix(suffix) for name in topics if name.endswith(suffix))
+    )
 
-    def all(self, _request: NodesRequest) -> NodesResponse:
-        """Return every visible node."""
-        return NodesResponse(nodes=tuple(name for name in self._graph.get_node_names() if not is_hidden(name)))
 
-    def details(self, request: NodeDetailsRequest) -> NodeDetailsResponse:
-        """Return what a node reads, publishes and serves; an unknown one does nothing."""
-        ends = self._graph.get_endpoints(node=absolute(request.node))
-        return NodeDetailsResponse(
-            subscribing=unique(info.name for info in ends if info.kind is EntityKind.SUBSCRIPTION),
-            publishing=unique(info.name for info in ends if info.kind is EntityKind.PUBLISHER),
-            services=unique(info.name for info in ends if info.kind is EntityKind.SERVICE),
-        )
+def get_time(graph: Graph, _request: GetTimeRequest) -> GetTimeResponse:
+    """Return the graph's time."""
+    now = Time.from_seconds(graph.clock.now())
+    return GetTimeResponse(time=TimeOfBothKinds(sec=now.sec, nanosec=now.nanosec, secs=now.sec, nsecs=now.nanosec))
 
-    def action_servers(self, _request: GetActionServersRequest) -> GetActionServersResponse:
-        """Return every action."""
-        topics = self._graph.get_topic_names_and_types()
-        suffix = "/_action/status"  # every action server publishes this
-        return GetActionServersResponse(
-            action_servers=tuple(name.removesuffix(suffix) for name in topics if name.endswith(suffix))
-        )
 
-    def time(self, _request: GetTimeRequest) -> GetTimeResponse:
-        """Return the graph's time."""
-        now = Time.from_seconds(self._graph.clock.now())
-        return GetTimeResponse(time=TimeOfBothKinds(sec=now.sec, nanosec=now.nanosec, secs=now.sec, nsecs=now.nanosec))
+def get_ros_version(_graph: Graph, _request: GetROSVersionRequest) -> GetROSVersionResponse:
+    """Return that this behaves like ROS 2."""
+    return GetROSVersionResponse(version=2, distro="homebot")
 
-    def ros_version(self, _request: GetROSVersionRequest) -> GetROSVersionResponse:
-        """Return that this behaves like ROS 2."""
-        return GetROSVersionResponse(version=2, distro="homebot")
+
+SERVICES: Mapping[str, tuple[type[Message], type[Message], Callable[[Graph, Any], Message]]] = {
+    "nodes": (NodesRequest, NodesResponse, list_nodes),
+    "node_details": (NodeDetailsRequest, NodeDetailsResponse, node_details),
+    "action_servers": (GetActionServersRequest, GetActionServersResponse, list_action_servers),
+    "get_time": (GetTimeRequest, GetTimeResponse, get_time),
+    "get_ros_version": (GetROSVersionRequest, GetROSVersionResponse, get_ros_version),
+}
+"""Request, response and function of each service, by its name below ``/rosapi``."""

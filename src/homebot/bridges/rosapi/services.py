@@ -5,24 +5,16 @@ Source: RobotWebTools rosbridge_suite, branch ros2, ``rosapi_msgs/srv`` and ``ro
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
 from homebot.bridges.rosapi.typedefs import TypeDef, absolute, typedefs_of, unique
 from homebot.bridges.rosbridge.types import find_service_type, same_type
 from homebot.graph import EndpointInfo, EntityKind, Graph
-from homebot.messages.message import Message, ServiceType
+from homebot.messages.message import Message
 from homebot.names import is_hidden
 
-__all__ = [
-    "ServiceDirectory",
-    "ServiceNode",
-    "ServiceProviders",
-    "ServiceRequestDetails",
-    "ServiceResponseDetails",
-    "ServiceTypeOf",
-    "Services",
-    "ServicesForType",
-]
+__all__ = ["SERVICES"]
 
 
 class ServicesRequest(Message, ros_type="rosapi_msgs/srv/Services_Request"):
@@ -107,67 +99,64 @@ class ServiceProvidersResponse(Message, ros_type="rosapi_msgs/srv/ServiceProvide
     providers: tuple[str, ...]
 
 
-Services = ServiceType("rosapi_msgs/srv/Services", ServicesRequest, ServicesResponse)
-ServicesForType = ServiceType("rosapi_msgs/srv/ServicesForType", ServicesForTypeRequest, ServicesForTypeResponse)
-ServiceTypeOf = ServiceType("rosapi_msgs/srv/ServiceType", ServiceTypeRequest, ServiceTypeResponse)
-ServiceRequestDetails = ServiceType(
-    "rosapi_msgs/srv/ServiceRequestDetails", ServiceRequestDetailsRequest, ServiceRequestDetailsResponse
-)
-ServiceResponseDetails = ServiceType(
-    "rosapi_msgs/srv/ServiceResponseDetails", ServiceResponseDetailsRequest, ServiceResponseDetailsResponse
-)
-ServiceNode = ServiceType("rosapi_msgs/srv/ServiceNode", ServiceNodeRequest, ServiceNodeResponse)
-ServiceProviders = ServiceType("rosapi_msgs/srv/ServiceProviders", ServiceProvidersRequest, ServiceProvidersResponse)
+def list_services(graph: Graph, _request: ServicesRequest) -> ServicesResponse:
+    """Return every visible service."""
+    return ServicesResponse(services=tuple(_visible(graph)))
 
 
-class ServiceDirectory:
-    """Answers questions about services.
+def services_for_type(graph: Graph, request: ServicesForTypeRequest) -> ServicesForTypeResponse:
+    """Return the visible services of a type."""
+    found = (info.name for info in _served(graph, request.type) if not is_hidden(info.name))
+    return ServicesForTypeResponse(services=unique(found))
 
-    Args:
-        graph: The graph.
-    """
 
-    def __init__(self, graph: Graph) -> None:
-        self._graph = graph
+def type_of_service(graph: Graph, request: ServiceTypeRequest) -> ServiceTypeResponse:
+    """Return the type of a service."""
+    found = graph.get_endpoints(kind=EntityKind.SERVICE, name=absolute(request.service))
+    return ServiceTypeResponse(type=found[0].ros_type if found else "")
 
-    def all(self, _request: ServicesRequest) -> ServicesResponse:
-        """Return every visible service."""
-        return ServicesResponse(services=tuple(self._visible()))
 
-    def for_type(self, request: ServicesForTypeRequest) -> ServicesForTypeResponse:
-        """Return the visible services of a type."""
-        found = (info.name for info in self._served(request.type) if not is_hidden(info.name))
-        return ServicesForTypeResponse(services=unique(found))
+def request_details(graph: Graph, request: ServiceRequestDetailsRequest) -> ServiceRequestDetailsResponse:
+    """Return what the request of a service type looks like; an unknown one is a PeerError."""
+    found = find_service_type(graph, request.type)
+    return ServiceRequestDetailsResponse(typedefs=typedefs_of(found.Request))
 
-    def type_of(self, request: ServiceTypeRequest) -> ServiceTypeResponse:
-        """Return the type of a service."""
-        found = self._graph.get_endpoints(kind=EntityKind.SERVICE, name=absolute(request.service))
-        return ServiceTypeResponse(type=found[0].ros_type if found else "")
 
-    def request_details(self, request: ServiceRequestDetailsRequest) -> ServiceRequestDetailsResponse:
-        """Return what the request of a service type looks like; an unknown one is a PeerError."""
-        found = find_service_type(self._graph, request.type)
-        return ServiceRequestDetailsResponse(typedefs=typedefs_of(found.Request))
+def response_details(graph: Graph, request: ServiceResponseDetailsRequest) -> ServiceResponseDetailsResponse:
+    """Return what the response of a service type looks like; an unknown one is a PeerError."""
+    found = find_service_type(graph, request.type)
+    return ServiceResponseDetailsResponse(typedefs=typedefs_of(found.Response))
 
-    def response_details(self, request: ServiceResponseDetailsRequest) -> ServiceResponseDetailsResponse:
-        """Return what the response of a service type looks like; an unknown one is a PeerError."""
-        found = find_service_type(self._graph, request.type)
-        return ServiceResponseDetailsResponse(typedefs=typedefs_of(found.Response))
 
-    def node_of(self, request: ServiceNodeRequest) -> ServiceNodeResponse:
-        """Return the node that serves a service."""
-        found = self._graph.get_endpoints(kind=EntityKind.SERVICE, name=absolute(request.service))
-        return ServiceNodeResponse(node=found[0].node if found else "")
+def node_of_service(graph: Graph, request: ServiceNodeRequest) -> ServiceNodeResponse:
+    """Return the node that serves a service."""
+    found = graph.get_endpoints(kind=EntityKind.SERVICE, name=absolute(request.service))
+    return ServiceNodeResponse(node=found[0].node if found else "")
 
-    def providers(self, request: ServiceProvidersRequest) -> ServiceProvidersResponse:
-        """Return the nodes that serve services of a type."""
-        return ServiceProvidersResponse(providers=unique(info.node for info in self._served(request.service)))
 
-    def _served(self, ros_type: str) -> Iterator[EndpointInfo]:
-        for known in self._graph.get_service_types():
-            if same_type(known.ros_type, ros_type):
-                yield from self._graph.get_services_of_type(known.ros_type)
+def providers_of(graph: Graph, request: ServiceProvidersRequest) -> ServiceProvidersResponse:
+    """Return the nodes that serve services of a type."""
+    return ServiceProvidersResponse(providers=unique(info.node for info in _served(graph, request.service)))
 
-    def _visible(self) -> dict[str, str]:
-        services = self._graph.get_service_names_and_types().items()
-        return {name: ros_type for name, ros_type in services if not is_hidden(name)}
+
+def _served(graph: Graph, ros_type: str) -> Iterator[EndpointInfo]:
+    for known in graph.get_service_types():
+        if same_type(known.ros_type, ros_type):
+            yield from graph.get_services_of_type(known.ros_type)
+
+
+def _visible(graph: Graph) -> dict[str, str]:
+    services = graph.get_service_names_and_types().items()
+    return {name: ros_type for name, ros_type in services if not is_hidden(name)}
+
+
+SERVICES: Mapping[str, tuple[type[Message], type[Message], Callable[[Graph, Any], Message]]] = {
+    "services": (ServicesRequest, ServicesResponse, list_services),
+    "services_for_type": (ServicesForTypeRequest, ServicesForTypeResponse, services_for_type),
+    "service_type": (ServiceTypeRequest, ServiceTypeResponse, type_of_service),
+    "service_request_details": (ServiceRequestDetailsRequest, ServiceRequestDetailsResponse, request_details),
+    "service_response_details": (ServiceResponseDetailsRequest, ServiceResponseDetailsResponse, response_details),
+    "service_node": (ServiceNodeRequest, ServiceNodeResponse, node_of_service),
+    "service_providers": (ServiceProvidersRequest, ServiceProvidersResponse, providers_of),
+}
+"""Request, response and function of each service, by its name below ``/rosapi``."""

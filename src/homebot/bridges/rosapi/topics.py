@@ -5,23 +5,17 @@ Source: RobotWebTools rosbridge_suite, branch ros2, ``rosapi_msgs/srv`` and ``ro
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from typing import Any
+
 from homebot.bridges.rosapi.typedefs import TypeDef, absolute, typedefs_of, unique
 from homebot.bridges.rosbridge.types import find_message_type, same_type
 from homebot.graph import EntityKind, Graph
 from homebot.messages.definition import definition_text
-from homebot.messages.message import Message, ServiceType
+from homebot.messages.message import Message
 from homebot.names import is_hidden
 
-__all__ = [
-    "MessageDetails",
-    "Publishers",
-    "Subscribers",
-    "TopicDirectory",
-    "TopicType",
-    "Topics",
-    "TopicsAndRawTypes",
-    "TopicsForType",
-]
+__all__ = ["SERVICES"]
 
 
 class TopicsRequest(Message, ros_type="rosapi_msgs/srv/Topics_Request"):
@@ -107,71 +101,70 @@ class SubscribersResponse(Message, ros_type="rosapi_msgs/srv/Subscribers_Respons
     subscribers: tuple[str, ...]
 
 
-Topics = ServiceType("rosapi_msgs/srv/Topics", TopicsRequest, TopicsResponse)
-TopicsForType = ServiceType("rosapi_msgs/srv/TopicsForType", TopicsForTypeRequest, TopicsForTypeResponse)
-TopicType = ServiceType("rosapi_msgs/srv/TopicType", TopicTypeRequest, TopicTypeResponse)
-TopicsAndRawTypes = ServiceType(
-    "rosapi_msgs/srv/TopicsAndRawTypes", TopicsAndRawTypesRequest, TopicsAndRawTypesResponse
-)
-MessageDetails = ServiceType("rosapi_msgs/srv/MessageDetails", MessageDetailsRequest, MessageDetailsResponse)
-Publishers = ServiceType("rosapi_msgs/srv/Publishers", PublishersRequest, PublishersResponse)
-Subscribers = ServiceType("rosapi_msgs/srv/Subscribers", SubscribersRequest, SubscribersResponse)
+def list_topics(graph: Graph, _request: TopicsRequest) -> TopicsResponse:
+    """Return every visible topic."""
+    topics = _visible(graph)
+    return TopicsResponse(topics=tuple(topics), types=tuple(topics.values()))
 
 
-class TopicDirectory:
-    """Answers questions about topics and message types.
+def topics_for_type(graph: Graph, request: TopicsForTypeRequest) -> TopicsForTypeResponse:
+    """Return the visible topics of a type."""
+    found = (
+        name
+        for known in graph.get_message_types()
+        if same_type(known.ros_type, request.type)
+        for name in graph.get_topics_of_type(known.ros_type)
+        if not is_hidden(name)
+    )
+    return TopicsForTypeResponse(topics=unique(found))
 
-    Args:
-        graph: The graph.
-    """
 
-    def __init__(self, graph: Graph) -> None:
-        self._graph = graph
+def type_of_topic(graph: Graph, request: TopicTypeRequest) -> TopicTypeResponse:
+    """Return what a topic carries."""
+    found = graph.get_message_type(absolute(request.topic))
+    return TopicTypeResponse(type=found.ros_type if found else "")
 
-    def all(self, _request: TopicsRequest) -> TopicsResponse:
-        """Return every visible topic."""
-        topics = self._visible()
-        return TopicsResponse(topics=tuple(topics), types=tuple(topics.values()))
 
-    def for_type(self, request: TopicsForTypeRequest) -> TopicsForTypeResponse:
-        """Return the visible topics of a type."""
-        found = (
-            name
-            for known in self._graph.get_message_types()
-            if same_type(known.ros_type, request.type)
-            for name in self._graph.get_topics_of_type(known.ros_type)
-            if not is_hidden(name)
-        )
-        return TopicsForTypeResponse(topics=unique(found))
+def topics_with_text(graph: Graph, _request: TopicsAndRawTypesRequest) -> TopicsAndRawTypesResponse:
+    """Return every visible topic with the text of its type."""
+    topics = _visible(graph)
+    texts = [definition_text(found) for name in topics if (found := graph.get_message_type(name))]
+    return TopicsAndRawTypesResponse(
+        topics=tuple(topics), types=tuple(topics.values()), typedefs_full_text=tuple(texts)
+    )
 
-    def type_of(self, request: TopicTypeRequest) -> TopicTypeResponse:
-        """Return what a topic carries."""
-        found = self._graph.get_message_type(absolute(request.topic))
-        return TopicTypeResponse(type=found.ros_type if found else "")
 
-    def all_with_text(self, _request: TopicsAndRawTypesRequest) -> TopicsAndRawTypesResponse:
-        """Return every visible topic with the text of its type."""
-        topics = self._visible()
-        texts = [definition_text(found) for name in topics if (found := self._graph.get_message_type(name))]
-        return TopicsAndRawTypesResponse(
-            topics=tuple(topics), types=tuple(topics.values()), typedefs_full_text=tuple(texts)
-        )
+def message_details(graph: Graph, request: MessageDetailsRequest) -> MessageDetailsResponse:
+    """Return what a message type looks like; an unknown one is a PeerError."""
+    return MessageDetailsResponse(typedefs=typedefs_of(find_message_type(graph, request.type)))
 
-    def details(self, request: MessageDetailsRequest) -> MessageDetailsResponse:
-        """Return what a message type looks like; an unknown one is a PeerError."""
-        return MessageDetailsResponse(typedefs=typedefs_of(find_message_type(self._graph, request.type)))
 
-    def publishers(self, request: PublishersRequest) -> PublishersResponse:
-        """Return the nodes that publish on a topic."""
-        return PublishersResponse(publishers=self._users(EntityKind.PUBLISHER, request.topic))
+def publishers_of(graph: Graph, request: PublishersRequest) -> PublishersResponse:
+    """Return the nodes that publish on a topic."""
+    return PublishersResponse(publishers=_users(graph, EntityKind.PUBLISHER, request.topic))
 
-    def subscribers(self, request: SubscribersRequest) -> SubscribersResponse:
-        """Return the nodes that subscribe to a topic."""
-        return SubscribersResponse(subscribers=self._users(EntityKind.SUBSCRIPTION, request.topic))
 
-    def _users(self, kind: EntityKind, topic: str) -> tuple[str, ...]:
-        return unique(info.node for info in self._graph.get_endpoints(kind=kind, name=absolute(topic)))
+def subscribers_of(graph: Graph, request: SubscribersRequest) -> SubscribersResponse:
+    """Return the nodes that subscribe to a topic."""
+    return SubscribersResponse(subscribers=_users(graph, EntityKind.SUBSCRIPTION, request.topic))
 
-    def _visible(self) -> dict[str, str]:
-        topics = self._graph.get_topic_names_and_types().items()
-        return {name: ros_type for name, ros_type in topics if not is_hidden(name)}
+
+def _users(graph: Graph, kind: EntityKind, topic: str) -> tuple[str, ...]:
+    return unique(info.node for info in graph.get_endpoints(kind=kind, name=absolute(topic)))
+
+
+def _visible(graph: Graph) -> dict[str, str]:
+    topics = graph.get_topic_names_and_types().items()
+    return {name: ros_type for name, ros_type in topics if not is_hidden(name)}
+
+
+SERVICES: Mapping[str, tuple[type[Message], type[Message], Callable[[Graph, Any], Message]]] = {
+    "topics": (TopicsRequest, TopicsResponse, list_topics),
+    "topics_for_type": (TopicsForTypeRequest, TopicsForTypeResponse, topics_for_type),
+    "topic_type": (TopicTypeRequest, TopicTypeResponse, type_of_topic),
+    "topics_and_raw_types": (TopicsAndRawTypesRequest, TopicsAndRawTypesResponse, topics_with_text),
+    "message_details": (MessageDetailsRequest, MessageDetailsResponse, message_details),
+    "publishers": (PublishersRequest, PublishersResponse, publishers_of),
+    "subscribers": (SubscribersRequest, SubscribersResponse, subscribers_of),
+}
+"""Request, response and function of each service, by its name below ``/rosapi``."""
