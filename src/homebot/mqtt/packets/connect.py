@@ -11,9 +11,11 @@ from homebot.mqtt.packets.properties import (
     PacketType,
     Properties,
     decode_properties,
+    decode_reason,
     encode_properties,
+    encode_reason,
 )
-from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode
+from homebot.mqtt.packets.reason import FAILURES, PacketError, ProtocolVersion, ReasonCode, by_number
 
 __all__ = [
     "Auth",
@@ -188,7 +190,7 @@ _TO_V3 = {code: number for number, code in _FROM_V3.items()} | {
     ReasonCode.BANNED: 5,
     ReasonCode.BAD_AUTHENTICATION_METHOD: 5,
 }
-_V5_REASONS = {int(code): code for code in ReasonCode if code.failed or code is ReasonCode.SUCCESS}
+_V5_REASONS = by_number(ReasonCode.SUCCESS, *FAILURES)
 
 
 def _decode_protocol(cursor: Cursor) -> ProtocolVersion:
@@ -257,14 +259,15 @@ def decode_disconnect(body: bytes, version: ProtocolVersion) -> Disconnect:
     """
     if version != ProtocolVersion.V5 and body:
         raise PacketError("DISCONNECT has a body", body)
-    return Disconnect(*_decode(body, PacketType.DISCONNECT, _DISCONNECT_REASONS))
+    return Disconnect(*decode_reason(body, 0, PacketType.DISCONNECT, _DISCONNECT_REASONS))
 
 
 def encode_disconnect(packet: Disconnect, version: ProtocolVersion) -> bytes:
     """Encode the whole packet; before MQTT 5 reason and properties are left out."""
     if version != ProtocolVersion.V5:
         return b"\xe0\x00"
-    return _encode(b"\xe0", packet.reason, packet.properties, PacketType.DISCONNECT)
+    body = encode_reason(packet.reason, packet.properties, PacketType.DISCONNECT)
+    return b"\xe0" + encode_varint(len(body)) + body
 
 
 def decode_auth(body: bytes, version: ProtocolVersion) -> Auth:
@@ -275,7 +278,7 @@ def decode_auth(body: bytes, version: ProtocolVersion) -> Auth:
     """
     if version != ProtocolVersion.V5:
         raise PacketError("AUTH came on a connection older than MQTT 5", body)
-    return Auth(*_decode(body, PacketType.AUTH, _AUTH_REASONS))
+    return Auth(*decode_reason(body, 0, PacketType.AUTH, _AUTH_REASONS))
 
 
 def encode_auth(packet: Auth, version: ProtocolVersion) -> bytes:
@@ -286,36 +289,9 @@ def encode_auth(packet: Auth, version: ProtocolVersion) -> bytes:
     """
     if version != ProtocolVersion.V5:
         raise UsageError("AUTH needs MQTT 5")
-    return _encode(b"\xf0", packet.reason, packet.properties, PacketType.AUTH)
+    body = encode_reason(packet.reason, packet.properties, PacketType.AUTH)
+    return b"\xf0" + encode_varint(len(body)) + body
 
 
-_DISCONNECT_REASONS = {
-    int(code): code
-    for code in ReasonCode
-    if code in (ReasonCode.SUCCESS, ReasonCode.DISCONNECT_WITH_WILL) or code.failed
-}
-_AUTH_REASONS = {
-    int(code): code for code in (ReasonCode.SUCCESS, ReasonCode.CONTINUE_AUTHENTICATION, ReasonCode.REAUTHENTICATE)
-}
-
-
-def _decode(body: bytes, packet: PacketType, known: dict[int, ReasonCode]) -> tuple[ReasonCode, Properties]:
-    if not body:
-        return ReasonCode.SUCCESS, NO_PROPERTIES
-    reason = known.get(body[0])
-    if reason is None:
-        raise PacketError(f"{packet.name} has reason 0x{body[0]:02x}", body, ReasonCode.PROTOCOL_ERROR)
-    if len(body) == 1:
-        return reason, NO_PROPERTIES
-    cursor = Cursor(body)
-    cursor.position = 1
-    properties = decode_properties(cursor, packet)
-    cursor.finish()
-    return reason, properties
-
-
-def _encode(first: bytes, reason: ReasonCode, properties: Properties, packet: PacketType) -> bytes:
-    if properties is NO_PROPERTIES:
-        return first + (b"\x00" if reason is ReasonCode.SUCCESS else bytes((1, reason)))
-    body = reason.to_bytes(1, "big") + encode_properties(properties, packet)
-    return first + encode_varint(len(body)) + body
+_DISCONNECT_REASONS = by_number(ReasonCode.SUCCESS, ReasonCode.DISCONNECT_WITH_WILL, *FAILURES)
+_AUTH_REASONS = by_number(ReasonCode.SUCCESS, ReasonCode.CONTINUE_AUTHENTICATION, ReasonCode.REAUTHENTICATE)

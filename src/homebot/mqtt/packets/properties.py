@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple
@@ -11,7 +11,15 @@ from homebot.errors import UsageError
 from homebot.mqtt.packets.primitives import Cursor, encode_binary, encode_text, encode_uint16, encode_varint
 from homebot.mqtt.packets.reason import PacketError, ReasonCode
 
-__all__ = ["NO_PROPERTIES", "PacketType", "Properties", "decode_properties", "encode_properties"]
+__all__ = [
+    "NO_PROPERTIES",
+    "PacketType",
+    "Properties",
+    "decode_properties",
+    "decode_reason",
+    "encode_properties",
+    "encode_reason",
+]
 
 
 class PacketType(IntEnum):
@@ -141,6 +149,35 @@ def encode_properties(properties: Properties, packet: PacketType) -> bytes:
             out.append(row.number)
             out += row.kind.write(item)
     return encode_varint(len(out)) + out
+
+
+def decode_reason(
+    body: bytes, start: int, packet: PacketType, known: Mapping[int, ReasonCode]
+) -> tuple[ReasonCode, Properties]:
+    """Decode the end of a packet from *start* on: a reason and properties, each of which may be missing.
+
+    Raises:
+        PacketError: 0x81 malformed, 0x82 a reason that is not *known*.
+    """
+    if len(body) == start:
+        return ReasonCode.SUCCESS, NO_PROPERTIES
+    reason = known.get(body[start])
+    if reason is None:
+        raise PacketError(f"{packet.name} has reason 0x{body[start]:02x}", body, ReasonCode.PROTOCOL_ERROR)
+    if len(body) == start + 1:
+        return reason, NO_PROPERTIES
+    cursor = Cursor(body)
+    cursor.position = start + 1
+    properties = decode_properties(cursor, packet)
+    cursor.finish()
+    return reason, properties
+
+
+def encode_reason(reason: ReasonCode, properties: Properties, packet: PacketType) -> bytes:
+    """Encode the end of a packet, without what may be missing."""
+    if properties is NO_PROPERTIES:
+        return b"" if reason is ReasonCode.SUCCESS else reason.to_bytes(1, "big")
+    return reason.to_bytes(1, "big") + encode_properties(properties, packet)
 
 
 class _PropertyKind(NamedTuple):

@@ -12,9 +12,11 @@ from homebot.mqtt.packets.properties import (
     PacketType,
     Properties,
     decode_properties,
+    decode_reason,
     encode_properties,
+    encode_reason,
 )
-from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode
+from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode, by_number
 
 __all__ = [
     "Acknowledgement",
@@ -202,45 +204,30 @@ def decode_acknowledgement(packet_type: PacketType, body: bytes, version: Protoc
         return kind(packet_id)
     if version != ProtocolVersion.V5:
         raise PacketError(f"{packet_type.name} is longer than two bytes", body)
-    reason = reasons.get(body[2])
-    if reason is None:
-        raise PacketError(f"{packet_type.name} has reason 0x{body[2]:02x}", body, ReasonCode.PROTOCOL_ERROR)
-    if len(body) == 3:
-        return kind(packet_id, reason)
-    cursor = Cursor(body)
-    cursor.position = 3
-    properties = decode_properties(cursor, packet_type)
-    cursor.finish()
-    return kind(packet_id, reason, properties)
+    return kind(packet_id, *decode_reason(body, 2, packet_type, reasons))
 
 
 def encode_acknowledgement(packet: Acknowledgement, version: ProtocolVersion) -> bytes:
     """Encode the whole packet; before MQTT 5 reason and properties are left out."""
     first, packet_type = _FIRST_BYTES[type(packet)]
-    short = version != ProtocolVersion.V5 or packet.properties is NO_PROPERTIES
-    if short and (packet.reason is ReasonCode.SUCCESS or version != ProtocolVersion.V5):
+    if version != ProtocolVersion.V5 or (packet.properties is NO_PROPERTIES and packet.reason is ReasonCode.SUCCESS):
         return first + b"\x02" + packet.packet_id.to_bytes(2, "big")
-    body = encode_uint16(packet.packet_id) + packet.reason.to_bytes(1, "big")
-    if not short:
-        body += encode_properties(packet.properties, packet_type)
+    body = encode_uint16(packet.packet_id) + encode_reason(packet.reason, packet.properties, packet_type)
     return first + encode_varint(len(body)) + body
 
 
-_PUBLISH_REASONS = {
-    int(code): code
-    for code in (
-        ReasonCode.SUCCESS,
-        ReasonCode.NO_MATCHING_SUBSCRIBERS,
-        ReasonCode.UNSPECIFIED_ERROR,
-        ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR,
-        ReasonCode.NOT_AUTHORIZED,
-        ReasonCode.TOPIC_NAME_INVALID,
-        ReasonCode.PACKET_IDENTIFIER_IN_USE,
-        ReasonCode.QUOTA_EXCEEDED,
-        ReasonCode.PAYLOAD_FORMAT_INVALID,
-    )
-}
-_RELEASE_REASONS = {int(code): code for code in (ReasonCode.SUCCESS, ReasonCode.PACKET_IDENTIFIER_NOT_FOUND)}
+_PUBLISH_REASONS = by_number(
+    ReasonCode.SUCCESS,
+    ReasonCode.NO_MATCHING_SUBSCRIBERS,
+    ReasonCode.UNSPECIFIED_ERROR,
+    ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR,
+    ReasonCode.NOT_AUTHORIZED,
+    ReasonCode.TOPIC_NAME_INVALID,
+    ReasonCode.PACKET_IDENTIFIER_IN_USE,
+    ReasonCode.QUOTA_EXCEEDED,
+    ReasonCode.PAYLOAD_FORMAT_INVALID,
+)
+_RELEASE_REASONS = by_number(ReasonCode.SUCCESS, ReasonCode.PACKET_IDENTIFIER_NOT_FOUND)
 
 _KINDS: dict[PacketType, tuple[type[Acknowledgement], dict[int, ReasonCode]]] = {
     PacketType.PUBACK: (Puback, _PUBLISH_REASONS),

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from enum import IntEnum, unique
+from typing import Final
 
 from homebot.errors import WireError
 
-__all__ = ["PacketError", "ProtocolVersion", "ReasonCode"]
+__all__ = ["FAILURES", "PacketError", "ProtocolVersion", "ReasonCode", "by_number"]
 
 
 @unique
@@ -79,6 +80,15 @@ class ReasonCode(IntEnum):
     def text(self) -> str:
         """The code for people, such as ``not authorized``."""
         return self.name.lower().replace("_", " ")
+
+
+FAILURES: Final = tuple(code for code in ReasonCode if code.failed)
+"""All codes of refusals and errors."""
+
+
+def by_number(*codes: ReasonCode) -> dict[int, ReasonCode]:
+    """Return *codes* by their numbers, to look up what came."""
+    return {int(code): code for code in codes}
 
 
 class PacketError(WireError):

@@ -15,7 +15,7 @@ from homebot.mqtt.packets.properties import (
     decode_properties,
     encode_properties,
 )
-from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode
+from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode, by_number
 from homebot.mqtt.topics import validate_filter
 
 __all__ = [
@@ -178,29 +178,23 @@ def encode_unsuback(packet: Unsuback, version: ProtocolVersion) -> bytes:
 
 _MOST_FILTERS: Final = 5000  # of one packet, which is read in one piece
 
-_COMMON_REASONS = {
-    int(code): code
-    for code in (
-        ReasonCode.SUCCESS,
-        ReasonCode.UNSPECIFIED_ERROR,
-        ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR,
-        ReasonCode.NOT_AUTHORIZED,
-        ReasonCode.TOPIC_FILTER_INVALID,
-        ReasonCode.PACKET_IDENTIFIER_IN_USE,
-    )
-}
-_UNSUBACK_REASONS = _COMMON_REASONS | {0x11: ReasonCode.NO_SUBSCRIPTION_EXISTED}
-_SUBACK_REASONS = _COMMON_REASONS | {
-    int(code): code
-    for code in (
-        ReasonCode.GRANTED_QOS_1,
-        ReasonCode.GRANTED_QOS_2,
-        ReasonCode.QUOTA_EXCEEDED,
-        ReasonCode.SHARED_SUBSCRIPTIONS_NOT_SUPPORTED,
-        ReasonCode.SUBSCRIPTION_IDENTIFIERS_NOT_SUPPORTED,
-        ReasonCode.WILDCARD_SUBSCRIPTIONS_NOT_SUPPORTED,
-    )
-}
+_COMMON_REASONS = by_number(
+    ReasonCode.SUCCESS,
+    ReasonCode.UNSPECIFIED_ERROR,
+    ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR,
+    ReasonCode.NOT_AUTHORIZED,
+    ReasonCode.TOPIC_FILTER_INVALID,
+    ReasonCode.PACKET_IDENTIFIER_IN_USE,
+)
+_UNSUBACK_REASONS = _COMMON_REASONS | by_number(ReasonCode.NO_SUBSCRIPTION_EXISTED)
+_SUBACK_REASONS = _COMMON_REASONS | by_number(
+    ReasonCode.GRANTED_QOS_1,
+    ReasonCode.GRANTED_QOS_2,
+    ReasonCode.QUOTA_EXCEEDED,
+    ReasonCode.SHARED_SUBSCRIPTIONS_NOT_SUPPORTED,
+    ReasonCode.SUBSCRIPTION_IDENTIFIERS_NOT_SUPPORTED,
+    ReasonCode.WILDCARD_SUBSCRIPTIONS_NOT_SUPPORTED,
+)
 
 
 def _open(body: bytes, packet: PacketType, version: ProtocolVersion) -> tuple[Cursor, int, Properties]:
