@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from typing import final
 
 import anyio
@@ -134,23 +134,25 @@ class SubscriptionSet:
         self._bursts_end = False
 
 
-def batches(subscriptions: Iterable[MqttSubscription]) -> Iterator[tuple[MqttSubscription, ...]]:
-    """Yield *subscriptions* in their order, those together that one request may make.
+def batches(subscriptions: Iterable[MqttSubscription]) -> list[tuple[MqttSubscription, ...]]:
+    """Return *subscriptions* in their order, those together that one request may make.
 
     A filter with a wildcard stands alone, because a broker sends all the messages that it keeps for it at once, and
     so does one of QoS 1 or 2. Of the others, with at most one kept message each, up to 100 are one batch.
     """
+    found: list[tuple[MqttSubscription, ...]] = []
     batch: list[MqttSubscription] = []
     size = 0
     for one in subscriptions:
         is_single = one.qos > 0 or "+" in one.filter or "#" in one.filter
         size += len(one.filter)
         if batch and (is_single or len(batch) >= MOST or size > MOST_CHARACTERS):
-            yield tuple(batch)
+            found.append(tuple(batch))
             batch, size = [], len(one.filter)
         if is_single:
-            yield (one,)
+            found.append((one,))
         else:
             batch.append(one)
     if batch:
-        yield tuple(batch)
+        found.append(tuple(batch))
+    return found

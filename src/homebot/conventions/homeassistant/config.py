@@ -72,8 +72,10 @@ class DiscoveryConfig:
 
     def clean_text(self, key: str, limit: int = 120) -> str:
         """Return a text fit to be shown; empty where there is none."""
-        text = self.text(key)
-        return clean_text(text, limit) if text else ""
+        value = self.values.get(key)
+        if value is None:
+            return ""
+        return clean_text(value if type(value) is str and len(value) <= _MAX_TEXT else self._as_text(key, value), limit)
 
     def payload(self, key: str, default: str) -> str | None:
         """Return the payload of a command; None where the config says null: there is no such command."""

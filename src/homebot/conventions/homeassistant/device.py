@@ -68,7 +68,8 @@ def read_device(device: Mapping[str, object], origin: Mapping[str, object]) -> D
     declared = _declared(device)
     if device and not declared:
         raise WireError("a device has neither identifiers nor connections")
-    facts.update(_facts(origin, _ORIGIN_FACTS))
+    if origin:
+        facts.update(_facts(origin, _ORIGIN_FACTS))
     return DeviceInfo(
         identifiers(declared),
         _as_text(device.get("name"), _MAX_NAME),

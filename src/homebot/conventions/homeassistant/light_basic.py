@@ -165,7 +165,7 @@ def build_basic_light(config: DiscoveryConfig) -> DescribedPart:
     has_effect = commands.effect is not None and not effects
     lamp = LightFeatures(commands.modes(), read_white_range(config), commands.publish, effects, any_effect=has_effect)
     entity = Entity(config, "light")
-    lamp.add_to(entity, BasicState(lamp, commands.remembered).add_readers(config, entity).__contains__)
+    lamp.add_to(entity, BasicState(lamp, commands.remembered).add_readers(config, entity))
     entity.remembers()
     entity.add_commands(
         commands.command, commands.brightness, commands.white, commands.effect, *commands.colors.values()

@@ -5,8 +5,8 @@ Source: Home Assistant core 2025.4, ``components/light/__init__.py``, the servic
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Container
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 from homebot.conventions.command_values import (
@@ -83,6 +83,9 @@ class LightFeatures:
         publish: Encodes a command.
         effects: What it can play.
         any_effect: Whether it plays what is not listed, too.
+        has_level: Whether its brightness can be set.
+        has_white: Whether it has whites from warm to cold.
+        color_mode: The channels in which a colour is sent; empty where it has no colours.
     """
 
     modes: frozenset[str]
@@ -90,38 +93,32 @@ class LightFeatures:
     publish: Publish
     effects: tuple[str, ...] = ()
     any_effect: bool = False
+    has_level: bool = field(init=False)
+    has_white: bool = field(init=False)
+    color_mode: str = field(init=False)
 
-    @property
-    def has_level(self) -> bool:
-        """True if its brightness can be set."""
-        return bool(self.modes - {"onoff"})
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "has_level", bool(self.modes - {"onoff"}))
+        object.__setattr__(self, "has_white", "color_temp" in self.modes)
+        colors = [mode for mode in _PREFERRED if mode in self.modes]
+        object.__setattr__(self, "color_mode", colors[0] if colors else "")
 
-    @property
-    def has_white(self) -> bool:
-        """True if it has whites from warm to cold."""
-        return "color_temp" in self.modes
-
-    @property
-    def color_mode(self) -> str:
-        """The channels in which a colour is sent; empty where it has no colours."""
-        return next((mode for mode in _PREFERRED if mode in self.modes), "")
-
-    def add_to(self, entity: Entity, readable: Callable[[str], bool]) -> None:
+    def add_to(self, entity: Entity, readable: Container[str]) -> None:
         """Give *entity* its capabilities, of which those that *readable* names are reported."""
-        entity.add_capability("on_off", readable=readable("on_off"), writer=self._on_off)
+        entity.add_capability("on_off", readable="on_off" in readable, writer=self._on_off)
         if self.has_level:
-            entity.add_capability("level", readable=readable("level"), writer=self._level)
+            entity.add_capability("level", readable="level" in readable, writer=self._level)
         if self.has_white:
             entity.add_capability(
                 "color_temperature",
-                readable=readable("color_temperature"),
+                readable="color_temperature" in readable,
                 writer=self._white,
                 bounds=self.white.bounds,
             )
         if self.color_mode:
-            entity.add_capability("color", readable=readable("color"), writer=self._color)
+            entity.add_capability("color", readable="color" in readable, writer=self._color)
         if self.effects or self.any_effect:
-            entity.add_capability("effect", readable=readable("effect"), writer=self._effect, options=self.effects)
+            entity.add_capability("effect", readable="effect" in readable, writer=self._effect, options=self.effects)
 
     def _publish(self, command: LightCommand, transition: float) -> Publications:
         seconds = require_transition(transition, _MOST_SECONDS)
@@ -155,10 +152,12 @@ class LightFeatures:
 
 def read_white_range(config: DiscoveryConfig) -> WhiteRange:
     """Return warmest and coldest white, whichever way the config states them."""
+    if _WHITE_FIELDS.isdisjoint(config.values):
+        return _USUAL_WHITE
     most = config.integer("max_mireds", 0, least=0, most=_MOST_MIRED)
     least = config.integer("min_mireds", 0, least=0, most=_MOST_MIRED)
-    low = config.integer("min_kelvin", 2_000, least=1, most=_MOST_KELVIN)
-    high = config.integer("max_kelvin", 6_535, least=1, most=_MOST_KELVIN)
+    low = config.integer("min_kelvin", _USUAL_WHITE.kelvins[0], least=1, most=_MOST_KELVIN)
+    high = config.integer("max_kelvin", _USUAL_WHITE.kelvins[1], least=1, most=_MOST_KELVIN)
     return WhiteRange(
         kelvins=(kelvin_mired(most) if most else low, kelvin_mired(least) if least else high),
         bounds=(
@@ -168,6 +167,8 @@ def read_white_range(config: DiscoveryConfig) -> WhiteRange:
     )
 
 
+_WHITE_FIELDS = frozenset({"max_mireds", "min_mireds", "min_kelvin", "max_kelvin"})
+_USUAL_WHITE = WhiteRange((2_000, 6_535), (2_000.0, 6_535.0))
 _PREFERRED = ("hs", "rgb", "rgbw", "rgbww", "xy")
 _MOST_MIRED = 1_000_000
 _MOST_KELVIN = 1_000_000

@@ -42,7 +42,7 @@ def build_json_light(config: DiscoveryConfig) -> DescribedPart:
     )
     entity = Entity(config, "light")
     state_topic = config.state_topic()
-    lamp.add_to(entity, lambda _capability: bool(state_topic))
+    lamp.add_to(entity, _REPORTED if state_topic else ())
     if state_topic:
         entity.read_from(state_topic, _State(lamp, scale, in_kelvin, config.encoding).read)
     entity.add_commands(command)
@@ -126,6 +126,7 @@ class _State:
         return {"color": color} | ({"color_temperature": None} if self.lamp.has_white else {})
 
 
+_REPORTED = frozenset({"on_off", "level", "color_temperature", "color", "effect"})
 _MODES = frozenset({"onoff", "brightness", "color_temp", "white", *CHANNELS})
 _STATES: Mapping[str | None, bool | None] = {"ON": True, "OFF": False, None: None}
 _HUGE = 10**9

@@ -50,7 +50,7 @@ def build_template_light(config: DiscoveryConfig) -> DescribedPart:
         )
         if entity.read_message_from(sources.get(key), read)
     }
-    lamp.add_to(entity, readable.__contains__)
+    lamp.add_to(entity, readable)
     entity.add_commands(on)
     return entity.build()
 

@@ -93,7 +93,7 @@ def _described(
 ) -> DeviceAnnounced:
     whole = read_availability(DiscoveryConfig(where.component, where.object_id, announced.common))
     described = tuple([part for part, _ in parts.values()])
-    if whole is None and described and all(one.availability == described[0].availability for one in described):
+    if whole is None and described and (len(described) == 1 or _have_one_availability(described)):
         whole = described[0].availability
     if whole is not None:
         described = tuple([replace(one, availability=None) if one.availability == whole else one for one in described])
@@ -108,6 +108,10 @@ def _described(
         facts={**device.facts, **_facts(parts)},
         availability=whole,
     )
+
+
+def _have_one_availability(parts: tuple[DescribedPart, ...]) -> bool:
+    return all(one.availability == parts[0].availability for one in parts)
 
 
 def _facts(parts: _Parts) -> dict[str, str]:

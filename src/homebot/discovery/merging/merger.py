@@ -311,5 +311,6 @@ def regroup(
 
 
 def _first_seen(sources: Mapping[SourceKey, SourceRecord]) -> Time:
-    times = [source.first_seen for source in sources.values()]
-    return times[0] if len(times) == 1 else min(times, key=lambda time: (time.sec, time.nanosec))
+    if len(sources) == 1:
+        return next(iter(sources.values())).first_seen
+    return min([source.first_seen for source in sources.values()], key=lambda time: (time.sec, time.nanosec))

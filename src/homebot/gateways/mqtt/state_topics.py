@@ -76,11 +76,11 @@ class StateTopics:
 
         One of an announcement is among them, for the kept message, but never among those to unsubscribe from.
         """
-        return _take(self._wanted, at_most)
+        return _take(self._wanted, at_most) if self._wanted else ()
 
     def take_unwanted(self, at_most: int) -> tuple[str, ...]:
         """Return filters to unsubscribe from."""
-        return _take(self._unwanted, at_most)
+        return _take(self._unwanted, at_most) if self._unwanted else ()
 
     def __len__(self) -> int:
         return len(self._users)

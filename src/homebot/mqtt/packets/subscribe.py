@@ -218,7 +218,7 @@ def _close(
 ) -> bytes:
     head = encode_uint16(packet_id)
     if version == ProtocolVersion.V5:
-        head += encode_properties(properties, packet)
+        head += b"\0" if properties is NO_PROPERTIES else encode_properties(properties, packet)
     return first + encode_varint(len(head) + len(body)) + head + body
 
 
