@@ -326,8 +326,7 @@ def read_number(
 
 def meaning_reader(capability: str, meanings: Mapping[TextT, PlainValue]) -> Callable[[TextT], Readings]:
     """Return a reader of *capability* by a table of the texts, or payloads, that mean something."""
-    readings: Mapping[TextT, Readings] = {text: {capability: value} for text, value in meanings.items()}
-    return lambda text: readings.get(text, NO_READINGS)
+    return lambda text: {capability: meanings[text]} if text in meanings else NO_READINGS
 
 
 def percent_of(value: object) -> float | None:

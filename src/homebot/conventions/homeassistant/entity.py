@@ -87,9 +87,8 @@ class Entity(PartBuilder[StateMessage]):
         bounds: tuple[float, ...] = (),
         options: tuple[str, ...] = (),
     ) -> None:
-        """Have the capability *name*: readable where it has a *source*, settable where it has a *command*."""
+        """Have the capability *name*: readable where it has a *source*, settable where it has a *writer*."""
         readable = self.read_text_from(source, read)
-        writer = writer if command else None
         self.add_capability(name, readable=readable, writer=writer, unit=unit, bounds=bounds, options=options)
         self.add_commands(command)
 
@@ -121,7 +120,8 @@ class Entity(PartBuilder[StateMessage]):
             return publications
 
         read = meaning_reader(name, _not_empty({**{option: option for option in options}, **meanings}))
-        self.add_value(name, source, read, command, option_writer(name, options, write), options=options)
+        writer = option_writer(name, options, write) if command else None
+        self.add_value(name, source, read, command, writer, options=options)
 
     def add_flag(
         self,
@@ -134,7 +134,7 @@ class Entity(PartBuilder[StateMessage]):
         """Take true and false as *payloads*, and report them by *states*, or else by the same payloads."""
         if states is None:
             states = _not_empty({"None": None, payloads[False]: False, payloads[True]: True})
-        writer = bool_writer(name, lambda on: command.publish(payloads[on]) if command else ())
+        writer = bool_writer(name, lambda on: command.publish(payloads[on])) if command else None
         self.add_value(name, source, meaning_reader(name, states), command, writer)
 
     def add_number(
@@ -162,7 +162,9 @@ class Entity(PartBuilder[StateMessage]):
             to_device: Converts a number for the device.
         """
         read = partial(read_number, name, unknown=unknown, convert=from_device)
-        writer = number_writer(name, bounds, unit, lambda number: command.publish(to_device(number)) if command else ())
+        writer = None
+        if command is not None:
+            writer = number_writer(name, bounds, unit, lambda number: command.publish(to_device(number)))
         self.add_value(name, source, read, command, writer, unit=unit, bounds=bounds if command else ())
 
     def add_push(self, name: str, command: CommandTopic, payload: str) -> None:
@@ -217,7 +219,7 @@ _WIDE = (-1e15, 1e15)
 
 
 def _not_empty(meanings: Mapping[str, ValueT]) -> Mapping[str, ValueT]:
-    return {text: meaning for text, meaning in meanings.items() if text}
+    return {text: meaning for text, meaning in meanings.items() if text} if "" in meanings else meanings
 
 
 @dataclass(frozen=True, slots=True)

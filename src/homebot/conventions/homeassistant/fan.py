@@ -75,7 +75,8 @@ def _add_speed(entity: Entity, config: DiscoveryConfig) -> None:
         return command.publish(math.ceil(scale.value(round(percent)))) if command else ()
 
     source = config.source("percentage_state_topic", "percentage_value_template")
-    entity.add_value("fan_speed", source, read, command, number_writer("fan_speed", (0, 100), "%", publish))
+    writer = number_writer("fan_speed", (0, 100), "%", publish) if command else None
+    entity.add_value("fan_speed", source, read, command, writer)
 
 
 def _add_preset(entity: Entity, config: DiscoveryConfig) -> None:

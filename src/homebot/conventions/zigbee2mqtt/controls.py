@@ -169,7 +169,8 @@ def _add_speed_steps(part: Zigbee2MqttPart, mode: Expose, speeds: Sequence[str])
     def publish(percent: float) -> Publications:
         return part.topics.publish({mode.key: speeds[math.ceil(percent * steps / 100)]})
 
-    part.add_feature(mode, "fan_speed", percent_of, number_writer("fan_speed", _PERCENT, "%", publish))
+    writer = number_writer("fan_speed", _PERCENT, "%", publish) if mode.is_settable else None
+    part.add_feature(mode, "fan_speed", percent_of, writer)
 
 
 def _add_speed_range(part: Zigbee2MqttPart, speed: Expose) -> None:
@@ -185,7 +186,8 @@ def _add_speed_range(part: Zigbee2MqttPart, speed: Expose) -> None:
     def publish(percent: float) -> Publications:
         return part.topics.publish({speed.key: math.ceil(percent * steps / 100 + least - 1) if percent else 0})
 
-    part.add_feature(speed, "fan_speed", percent_of, number_writer("fan_speed", _PERCENT, "%", publish))
+    writer = number_writer("fan_speed", _PERCENT, "%", publish) if speed.is_settable else None
+    part.add_feature(speed, "fan_speed", percent_of, writer)
 
 
 def build_siren(part: Zigbee2MqttPart, warning: Expose) -> DescribedPart:

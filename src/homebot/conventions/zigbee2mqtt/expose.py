@@ -107,13 +107,13 @@ _CATEGORIES: Mapping[object, Category] = {"config": "config", "diagnostic": "dia
 def _read_all(entries: object, depth: int) -> tuple[Expose, ...]:
     if not isinstance(entries, list) or depth > _MAX_DEPTH:
         return ()
-    return tuple(one for entry in entries[:_MOST] if (one := _read(entry, depth)) is not None)
+    return tuple([one for entry in entries[:_MOST] if (one := _read(entry, depth)) is not None])
 
 
 def _read(entry: object, depth: int) -> Expose | None:
     if not isinstance(entry, dict):
         return None
-    kind, name, key = (_text(entry.get(field)) for field in ("type", "name", "property"))
+    kind, name, key = _text(entry.get("type")), _text(entry.get("name")), _text(entry.get("property"))
     is_specific = kind in SPECIFIC_TYPES
     if not is_specific and (kind not in _GENERIC_TYPES or not key):
         return None
@@ -123,13 +123,13 @@ def _read(entry: object, depth: int) -> Expose | None:
         type=kind,
         name=clean_text(name or key),
         key="" if is_specific else key,
-        endpoint=clean_text(_text(entry.get("endpoint"))),
+        endpoint=clean_text(_text(entry["endpoint"])) if "endpoint" in entry else "",
         label=clean_text(_text(entry.get("label")) or name or key, _MAX_TEXT),
         category=_category(entry),
         access=access & 7 if isinstance(access, int) else 0,
-        unit=clean_text(_text(entry.get("unit")), 20),
-        value_on=_scalar(entry.get("value_on")),
-        value_off=_scalar(entry.get("value_off")),
+        unit=clean_text(_text(entry["unit"]), 20) if "unit" in entry else "",
+        value_on=_scalar(entry["value_on"]) if "value_on" in entry else None,
+        value_off=_scalar(entry["value_off"]) if "value_off" in entry else None,
         least=finite_number(entry.get("value_min")),
         most=finite_number(entry.get("value_max")),
         values=_values(values) if isinstance(values, list) else (),
@@ -147,7 +147,7 @@ def _category(entry: Mapping[str, object]) -> Category:
 
 
 def _values(values: list[object]) -> tuple[Scalar, ...]:
-    return tuple(one for value in values[:_MOST_VALUES] if (one := _scalar(value)) is not None)
+    return tuple([one for value in values[:_MOST_VALUES] if (one := _scalar(value)) is not None])
 
 
 def _scalar(value: object) -> Scalar | None:

@@ -149,24 +149,25 @@ class Zigbee2MqttPart(JsonPart):
         feature: Expose,
         capability: str,
         meaning: Callable[[object], PlainValue],
-        writer: Writer,
+        writer: Writer | None,
         *,
         unit: str = "",
         bounds: tuple[float, ...] = (),
         options: tuple[str, ...] = (),
     ) -> None:
-        """Have *feature* as *capability*: readable where it is published, settable where it can be set."""
-        if feature.is_published:
+        """Have *feature* as *capability*: readable where it is published, settable where there is a *writer*."""
+        readable = feature.is_published
+        if readable:
             self.read_feature(feature, capability, meaning)
         self.add_capability(
             capability,
-            readable=feature.is_published,
-            writer=writer if feature.is_settable else None,
+            readable=readable,
+            writer=writer,
             unit=unit,
             bounds=bounds,
             options=options,
         )
-        if feature.is_settable:
+        if writer is not None:
             self.add_command_topics(self.topics.command)
 
     def add_flag(self, feature: Expose | None, capability: str) -> None:
@@ -174,7 +175,9 @@ class Zigbee2MqttPart(JsonPart):
         if feature is None or feature.value_on is None or feature.value_off is None:
             return
         payloads = {True: feature.value_on, False: feature.value_off}
-        writer = bool_writer(capability, lambda on: self.topics.publish({feature.key: payloads[on]}))
+        writer = None
+        if feature.is_settable:
+            writer = bool_writer(capability, lambda on: self.topics.publish({feature.key: payloads[on]}))
         self.add_feature(feature, capability, partial(flag_of, feature), writer)
 
     def add_number(self, feature: Expose | None, capability: str, *, unit: str = "") -> None:
@@ -183,12 +186,14 @@ class Zigbee2MqttPart(JsonPart):
             return
         least = -_NO_BOUND if feature.least is None else feature.least
         most = _NO_BOUND if feature.most is None else feature.most
-        writer = number_writer(
-            capability,
-            (least, most),
-            feature.unit,
-            lambda number: self.topics.publish({feature.key: whole_or_not(number)}),
-        )
+        writer = None
+        if feature.is_settable:
+            writer = number_writer(
+                capability,
+                (least, most),
+                feature.unit,
+                lambda number: self.topics.publish({feature.key: whole_or_not(number)}),
+            )
         bounds = () if feature.least is None or feature.most is None else (least, most)
         self.add_feature(feature, capability, finite_number, writer, unit=unit, bounds=bounds)
 
@@ -196,11 +201,13 @@ class Zigbee2MqttPart(JsonPart):
         """Have an enum *feature* as *capability*, by the vocabulary's *names* of its values, or as they are."""
         if feature is None:
             return
-        writer = option_writer(
-            capability,
-            feature.options,
-            lambda option: self.topics.publish({feature.key: feature.options[option]}),
-        )
+        writer = None
+        if feature.is_settable:
+            writer = option_writer(
+                capability,
+                feature.options,
+                lambda option: self.topics.publish({feature.key: feature.options[option]}),
+            )
         meaning = text_of if names is None else partial(_name_of, names)
         options = tuple(feature.options if names is None else names.values())
         self.add_feature(feature, capability, meaning, writer, options=options)
