@@ -20,12 +20,13 @@ from rounds import Measure, measure_interleaved
 
 __all__ = ["run"]
 
-CORE = """import sys
-sys.modules.update(rich=None, twisted=None)  # structlog loads both where they are; homebot keeps it from that
-import aiomqtt, pydantic, anyio, structlog"""
+CORE = "import aiomqtt, pydantic, anyio, structlog"
 PEER = "imports of the four core packages"
 IN_USE = "the same in use: one model, one loop"
 IMPORT = "import homebot.runtime"
+
+# structlog loads both where they are installed; the command line keeps it from that, so the others go without as well.
+ALONE = "import sys; sys.modules.update(rich=None, twisted=None)"
 
 # pydantic imports most of itself when its first model is made, anyio when its first loop runs.
 USE = f"""{CORE}
@@ -67,7 +68,7 @@ def run(plan: Plan) -> Report:
 
 
 def _importing(statement: str) -> list[str]:
-    return [sys.executable, "-c", f"{statement}\nprint({READY!r}, flush=True)\ninput()"]
+    return [sys.executable, "-c", f"{ALONE}\n{statement}\nprint({READY!r}, flush=True)\ninput()"]
 
 
 def _start(command: list[str], environment: dict[str, str], memory: list[float]) -> float:
