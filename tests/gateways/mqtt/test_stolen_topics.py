@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from homebot.conventions.convention import Convention
-from homebot.conventions.description import DescribedPart, DeviceAnnounced
+from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
 from homebot.devices.value import PlainValue
 from homebot.discovery import DeviceIndex
 from homebot.errors import RefusedError
@@ -198,6 +198,19 @@ def test_a_reserved_topic_is_for_no_device(topic: str, number: int, is_first: bo
     house = House.of([hostile, *product] if is_first else [*product, hostile])
     assert understood().why(topic)
     assert topic not in {where for _, where, _ in house.commands()}
+
+
+@pytest.mark.parametrize("topic", RESERVED)
+def test_a_device_that_takes_no_commands_is_not_asked_for_its_state_on_a_reserved_topic(topic: str) -> None:
+    product = next(one for one in products() if any(part.state_requests for part in one[0].parts))[0]
+    asked = next(part for part in product.parts if part.state_requests)
+    sensor = replace(
+        asked,
+        part=asked.part.model_copy(update={"writes": ()}),
+        state_requests=(Publication("own/get", b""), Publication(topic, b"")),
+    )
+    described, _ = understood().without(replace(product, convention="other", parts=(sensor,)))
+    assert [one.topic for one in described.parts[0].state_requests] == ["own/get"]
 
 
 @pytest.mark.parametrize("product", range(0, 500, 5))

@@ -5,9 +5,10 @@ An app may publish there by itself, where it has reason to; a command to a devic
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from operator import attrgetter
 
 from homebot.conventions.convention import Convention, ReservingConvention, TextConvention
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
@@ -20,6 +21,7 @@ __all__ = ["ReservedTopics"]
 OWN = "homebot"
 _BRIDGE_REQUEST = "/bridge/request/"
 
+_TOPIC = attrgetter("topic")
 _CACHED = 1024
 """Topics whose reason is kept: devices get commands on the same ones again and again."""
 
@@ -33,14 +35,17 @@ class _Rule:
 
 
 class ReservedTopics:
-    """Knows the topics that are reserved at one gateway.
+    """Reserved topics of one gateway.
 
     Args:
-        conventions: Its conventions: where devices announce themselves, or say text, nobody is told anything.
+        conventions: Its conventions: no device takes commands where devices announce themselves or publish text.
+
+    Attributes:
+        why: Returns why no device of a convention may take commands on a topic; empty where that is not reserved.
     """
 
     def __init__(self, conventions: Iterable[Convention]) -> None:
-        self._reason: Callable[[str, str], str] = lru_cache(_CACHED)(self._find_reason)
+        self.why = lru_cache(_CACHED)(self._why)
         self._texts: list[TextConvention] = []
         self._rules: FilterIndex[_Rule] = FilterIndex()
         for one in conventions:
@@ -55,23 +60,23 @@ class ReservedTopics:
                 for topic_filter in one.reserved():
                     self._rules.add(topic_filter, _Rule(f"it is {one.name}'s own"))
 
-    def why(self, topic: str, convention: str = "") -> str:
-        """Return why no device of *convention* may be told anything on *topic*; empty where that is not reserved."""
-        return self._reason(topic, convention)
-
     def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:
         """Return *described* without what is to be told on reserved topics, and these topics with the reasons.
 
         Such a part stays, and can be read; it cannot be told anything.
         """
-        reason, convention = self._reason, described.convention
-        if not any(reason(topic, convention) for part in described.parts for topic in part.part.writes):
+        reason, convention = self.why, described.convention
+        if not any(
+            reason(topic, convention)
+            for one in described.parts
+            for topic in (*one.part.writes, *map(_TOPIC, one.state_requests))
+        ):
             return described, ()
         refused: dict[str, str] = {}
         parts = tuple([self._part(convention, part, refused) for part in described.parts])
         return replace(described, parts=parts), tuple(f"{topic}: {why}" for topic, why in refused.items())
 
-    def _find_reason(self, topic: str, convention: str) -> str:
+    def _why(self, topic: str, convention: str = "") -> str:
         if topic.startswith("$"):
             return "it is the broker's own"
         if topic == OWN or topic.startswith(f"{OWN}/"):
