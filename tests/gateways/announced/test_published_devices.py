@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
+from dataclasses import replace
 
 import anyio
 import pytest
 from tests.gateways.contract import KEPT, kept, listen, running
 
-from homebot.devices import RawMessage, Sighting, SubscribeToTopic
+from homebot.conventions.description import AutoExpiry
+from homebot.devices import GatewayState, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.names import text_address
 from homebot.devices.part import Capability, Part
 from homebot.devices.services import SubscribeToTopicRequest
 from homebot.errors import UsageError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+from homebot.gateways.announced.work_budget import MESSAGE_WORK, SHARED_BURST
 from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
 from homebot.graph import Graph, Node
+from homebot.messages import Time
 
 pytestmark = pytest.mark.virtual_time
 
@@ -36,8 +40,14 @@ async def house(**settings: object) -> AsyncIterator[tuple[MemoryGateway, Node]]
 
 async def text_of(gateway: MemoryGateway, watcher: Node, key: str) -> tuple[RawMessage, ...]:
     """What the watcher missed, when it begins to listen to the only part of a device."""
+    return await missed_on(gateway, watcher, text_address(key, ""))
+
+
+async def missed_on(gateway: MemoryGateway, watcher: Node, address: str) -> tuple[RawMessage, ...]:
+    """What the watcher missed, when it begins to listen to *address*."""
     client = watcher.create_client(SubscribeToTopic, gateway.names.subscribe)
-    request = SubscribeToTopicRequest(topic=text_address(key, ""), listener=watcher.full_name)
+    since = Time.from_seconds(gateway.node.graph.clock.now() - 1)
+    request = SubscribeToTopicRequest(topic=address, listener=watcher.full_name, since=since)
     return (await client.call(request)).missed
 
 
@@ -137,3 +147,128 @@ def test_a_part_of_no_type_or_capability_of_the_vocabulary_is_refused(
 ) -> None:
     with pytest.raises(UsageError, match=named):
         simple_part(service_type, settable=(capability,))
+
+
+async def test_a_value_ends_by_itself_after_its_time_and_is_told_as_text_too() -> None:
+    """A motion sensor that never says that all is quiet again."""
+    part = Part(id="", service_type="occupancy_sensor", capabilities=(Capability(name="occupancy"),))
+    ends = {"": (AutoExpiry("occupancy", after=90.0, value=False),)}
+    async with house() as (gateway, watcher):
+        gateway.devices.put(GatewayDevice("pir", "Stairs", (part,), expiries=ends), "new")
+        reports = watcher.create_subscription(Report, gateway.names.readings, qos_profile=KEPT)
+        await gateway.devices.report("pir", {"occupancy": True})
+        await anyio.sleep(60)
+        await gateway.devices.report("pir", {"occupancy": True})
+        await anyio.sleep(89)
+        assert [one.readings[0].value.plain() for one in kept(reports)] == [True, True]
+        await anyio.sleep(2)
+        assert [one.readings[0].value.plain() for one in kept(reports)] == [False]
+        (text,) = await text_of(gateway, watcher, "pir")
+        assert text.text() == "clear"
+
+
+async def test_a_device_counts_as_stale_after_a_time_of_its_own_or_that_of_the_gateway() -> None:
+    """An advertising interval, or the lifetime of a registration."""
+    async with house(stale_after=600.0) as (gateway, watcher):
+        sightings = listen(watcher, Sighting, gateway.names.received_topics)
+        gateway.devices.put(LAMP, "new")
+        gateway.devices.put(GatewayDevice("tag", "Tag", stale_after=30.0), "new")
+        silences = {one.key: one.expires_at.to_seconds() - one.seen_at.to_seconds() for one in kept(sightings)}
+        assert silences == {"hall": pytest.approx(600.0), "tag": pytest.approx(30.0)}
+
+
+async def test_a_device_described_anew_keeps_what_is_known_of_it() -> None:
+    """Whether it can be reached, its last texts, and its last raw messages."""
+    renamed = replace(LAMP, name="Corridor", raw_address="radio/hall")
+    async with house() as (gateway, watcher):
+        reports = watcher.create_subscription(Report, gateway.names.readings, qos_profile=KEPT)
+        gateway.devices.put(replace(LAMP, raw_address="radio/hall"), "new")
+        gateway.devices.report_reachable("hall", reachable=False)
+        await gateway.devices.report("hall", {"on_off": True})
+        await gateway.devices.deliver_raw("hall", b"\x01")
+        gateway.devices.put(renamed, "renamed")
+        kept(reports)
+        gateway.devices.report_reachable("hall", reachable=False)
+        assert kept(reports) == []
+        assert [one.text() for one in await text_of(gateway, watcher, "hall")] == ["on"]
+        assert [one.payload for one in await missed_on(gateway, watcher, "radio/hall")] == [b"\x01"]
+
+
+async def test_a_raw_address_of_before_or_of_a_device_that_is_gone_keeps_nothing() -> None:
+    async with house() as (gateway, watcher):
+        gateway.devices.put(replace(LAMP, raw_address="radio/1"), "new")
+        await gateway.devices.deliver_raw("hall", b"\x01")
+        gateway.devices.put(replace(LAMP, raw_address="radio/2"), "moved")
+        await gateway.devices.deliver_raw("hall", b"\x02")
+        assert await missed_on(gateway, watcher, "radio/1") == ()
+        gateway.devices.remove("hall", "sold")
+        assert await missed_on(gateway, watcher, "radio/2") == ()
+
+
+async def test_a_raw_address_is_no_place_for_texts() -> None:
+    """An app that reads text would take a raw message for one."""
+    async with house() as (gateway, watcher):
+        gateway.devices.put(replace(LAMP, raw_address="radio/hall"), "new")
+        (sighting,) = kept(listen(watcher, Sighting, gateway.names.received_topics))
+        assert sighting.address == text_address("hall", "")
+
+
+async def test_an_unknown_sender_that_breaks_rules_is_dropped_whatever_it_calls_itself_and_a_device_is_not() -> None:
+    async with house() as (gateway, _):
+        gateway.devices.put(LAMP, "new")
+        number = 0
+        while gateway.devices.admits(f"stranger {number}"):
+            gateway.devices.reject(f"stranger {number}", b"?" * 100_000, "noise")
+            number += 1
+        assert number == -(-SHARED_BURST // (MESSAGE_WORK + 100_000))
+        assert not gateway.devices.admits("another one")
+        assert gateway.devices.admits("hall")
+        assert gateway.devices.counters.rejected == number
+        await anyio.sleep(1.0)
+        assert gateway.devices.admits("another one")
+
+
+async def test_messages_that_are_sent_once_wait_in_order_and_are_read_when_there_is_work_to_spare() -> None:
+    """For a gateway that asks the quarantine itself."""
+    read: list[bytes] = []
+
+    async def read_next(messages: Iterator[bytes]) -> bool:
+        message = next(messages, None)
+        if message is not None:
+            read.append(message)
+        return message is not None
+
+    async with house() as (gateway, _), anyio.create_task_group() as tasks:
+        quarantine = gateway.devices.engine.quarantine
+        tasks.start_soon(quarantine.serve, read_next)
+        gateway.devices.put(LAMP, "new")
+        while gateway.devices.admits("hall"):
+            gateway.devices.reject("hall", b"?" * 100_000, "noise")
+        assert quarantine.must_wait(b"1", "hall", b"1")
+        assert quarantine.must_wait(b"2", "hall", b"2")
+        assert not quarantine.must_wait(b"3", "stranger", b"3")
+        await anyio.sleep(0.01)
+        assert read == []
+        await anyio.sleep(5.0)
+        assert read == [b"1", b"2"]
+        tasks.cancel_scope.cancel()
+
+
+async def test_a_state_that_was_published_already_is_nothing_new() -> None:
+    """A gateway that looks in turns says each time how its link is."""
+    async with house() as (gateway, watcher):
+        states = watcher.create_subscription(GatewayState, gateway.names.state)
+        for _ in range(3):
+            gateway.set_unavailable("the radio is unplugged")
+        for _ in range(3):
+            gateway.set_available()
+        assert [one.state for one in kept(states)] == ["unavailable", "active"]
+
+
+async def test_raw_messages_that_are_no_values_are_counted_and_not_delivered() -> None:
+    async with house() as (gateway, watcher):
+        gateway.devices.put(replace(LAMP, raw_address="radio/hall"), "new")
+        for payload in (b"", b"[]", b'{"on_off": [1]}', b"\xff"):
+            await gateway.receive("hall", payload)
+        assert gateway.devices.counters.rejected == 4
+        assert await missed_on(gateway, watcher, "radio/hall") == ()
