@@ -1,7 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.mqtt.client.read_ahead import ReadAhead
+from homebot.mqtt.client.tcp_transport import ReadAhead
 
 
 @given(st.lists(st.binary(max_size=50)), st.integers(1, 20))

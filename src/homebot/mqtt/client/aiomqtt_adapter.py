@@ -35,9 +35,9 @@ from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.client import paho_values as values
 from homebot.mqtt.client.base import UNREADABLE, BaseClient, ClientLink
 from homebot.mqtt.client.incoming import Frame
+from homebot.mqtt.client.native import answer_in
 from homebot.mqtt.client.paho_socket import PahoSocket
 from homebot.mqtt.client.port import MqttSubscription
-from homebot.mqtt.client.protocol import answer_in
 from homebot.mqtt.client.receiver import Receiver
 from homebot.mqtt.client.refusals import disconnect_error, login_error
 from homebot.mqtt.client.requests import Requests

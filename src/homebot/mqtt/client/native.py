@@ -5,20 +5,60 @@ It keeps every promise of the port.
 
 from __future__ import annotations
 
+import asyncio
 from random import Random
-from typing import final
+from typing import Final, final
+
+import anyio
 
 from homebot.clock import Clock
+from homebot.errors import LinkError, RefusedError, WireError
 from homebot.mqtt.client.base import BaseClient, ClientLink
-from homebot.mqtt.client.protocol import ClientProtocol
+from homebot.mqtt.client.incoming import Frame
+from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
+from homebot.mqtt.client.packet_values import (
+    connect_packet,
+    disconnect_packet,
+    filter_request,
+    publish_properties,
+    session_of,
+)
+from homebot.mqtt.client.port import MqttSubscription
 from homebot.mqtt.client.receiver import Receiver
-from homebot.mqtt.client.requests import Requests
+from homebot.mqtt.client.refusals import disconnect_error, login_error
+from homebot.mqtt.client.requests import Answer, Requests
 from homebot.mqtt.client.tcp_transport import dial_tcp
 from homebot.mqtt.client.transport import Dial
-from homebot.mqtt.client.version_choice import MqttVersion
+from homebot.mqtt.client.version_choice import ClosedEarlyError, MqttVersion
+from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
 from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets import NO_PROPERTIES as NOTHING
+from homebot.mqtt.packets import (
+    Connack,
+    Disconnect,
+    Packet,
+    PacketType,
+    Pingreq,
+    ProtocolVersion,
+    Publish,
+    Subscribe,
+    Unsubscribe,
+    decode,
+    encode,
+)
+from homebot.mqtt.packets.primitives import Cursor
+from homebot.mqtt.packets.properties import decode_properties, encode_properties
+from homebot.mqtt.packets.publish import encode_publish
+from homebot.mqtt.packets.reason import PacketError
 
-__all__ = ["NativeClient"]
+__all__ = ["ClientProtocol", "NativeClient", "answer_in"]
+
+_PUBLISH: Final = PacketType.PUBLISH
+_PUBREC: Final = PacketType.PUBREC
+_PINGRESP: Final = PacketType.PINGRESP
+_ANSWERS: Final = frozenset({PacketType.PUBACK, _PUBREC, PacketType.PUBCOMP, PacketType.SUBACK, PacketType.UNSUBACK})
+_FAILED: Final = 0x80  # reason codes from here on say no
+_V3_CONNACK: Final = 2  # bytes of its body
 
 
 @final
@@ -48,3 +88,196 @@ class NativeClient(BaseClient):
         protocol = ClientProtocol(options, version, receiver, self._requests)
         await protocol.open(self._dial)
         return protocol
+
+
+@final
+class ClientProtocol(ClientLink):
+    """A link that speaks by our own codec.
+
+    Args:
+        options: Login and limits.
+        version: What to speak.
+        receiver: Where messages go.
+        requests: The client's open requests.
+    """
+
+    def __init__(self, options: MqttOptions, version: MqttVersion, receiver: Receiver, requests: Requests) -> None:
+        super().__init__(options, version, receiver, requests)
+        self._version: Final = ProtocolVersion.V5 if self._is_v5 else ProtocolVersion.V311
+        self._greeting: asyncio.Future[None] = self._loop.create_future()
+        self._unfinished: set[int] = set()  # hand-shakes of an earlier link that take up a place each
+        self._keep_alive: KeepAlive | None = None
+        self._check: asyncio.TimerHandle | None = None
+
+    async def open(self, dial: Dial) -> None:
+        """Open a link that brings its bytes here, say CONNECT, and wait for the answer.
+
+        Raises:
+            LinkError: The broker cannot be reached, or did not answer.
+            RefusedError: It said no.
+            UsageError: A certificate file cannot be used.
+        """
+        self.transport = await dial(self._options, self)
+        self._send(connect_packet(self._options, self._version))
+        words = f"no answer to CONNECT within {self._options.timeout:g} s"
+        try:
+            with anyio.fail_after(self._options.timeout):
+                await self._greeting
+        except TimeoutError:
+            self.cut(LinkError(words))
+            raise LinkError(words) from None
+        except BaseException:
+            self.cut(LinkError("the connection attempt was cancelled"))
+            raise
+
+    async def publish(
+        self, topic: str, payload: bytes, qos: int, properties: MessageProperties, *, retain: bool
+    ) -> int:
+        """Publish; see `ClientLink.publish`."""
+        self._check_alive()
+        extra, size = NOTHING, len(payload)
+        if properties is not NO_PROPERTIES and self._is_v5:
+            extra = publish_properties(properties)
+            size += len(encode_properties(extra, _PUBLISH))
+        self._check_granted(topic, size, qos, retain=retain)
+        if not qos:
+            self._put(encode_publish(Publish(topic, payload, 0, retain, properties=extra), self._version))
+            await self._wait_until_taken()
+            return 0
+        window = self._window
+        await window.acquire()
+        try:
+            self._check_alive()
+            packet_id = self._requests.new_id()
+            packet = Publish(topic, payload, qos, retain, packet_id=packet_id, properties=extra)
+            data = encode_publish(packet, self._version)
+            if qos == 2:
+                self._requests.hold(packet)
+            (reason,) = await self._answer_to(data, packet_id, "publish")
+        finally:
+            window.release()
+        return reason
+
+    async def subscribe(self, subscriptions: tuple[MqttSubscription, ...]) -> tuple[int, ...]:
+        """Subscribe, and return the reason codes of the answer."""
+        self._check_alive()
+        packet_id = self._requests.new_id()
+        request = Subscribe(packet_id, tuple([filter_request(each) for each in subscriptions]))
+        return await self._answer_to(encode(request, self._version), packet_id, "subscribe")
+
+    async def unsubscribe(self, filters: tuple[str, ...]) -> None:
+        """Take back subscriptions."""
+        self._check_alive()
+        packet_id = self._requests.new_id()
+        await self._answer_to(encode(Unsubscribe(packet_id, filters), self._version), packet_id, "unsubscribe")
+
+    async def close(self, *, ends_session: bool) -> None:
+        """Send DISCONNECT, if there is still a link, and drop it; MQTT 5 has a field for *ends_session*."""
+        transport = self.transport
+        if self._lost is None and transport is not None:
+            self._send(disconnect_packet(ends_session=ends_session and self._is_v5))
+            transport.close()
+            self._lose(LinkError("closed"))
+            await transport.wait_closed()
+        self._lose(LinkError("closed"))
+
+    def _handle(self, frame: Frame) -> None:
+        kind = frame.first >> 4
+        if kind in _ANSWERS:
+            packet_id, reasons = answer_in(frame, is_v5=self._is_v5)
+            if kind == _PUBREC and reasons[0] < _FAILED:
+                self._send(self._requests.taken(packet_id))
+                return
+            self._requests.answered(packet_id, reasons)
+            if packet_id in self._unfinished:
+                self._unfinished.discard(packet_id)
+                self._window.release()
+        elif kind != _PINGRESP:  # that one was heard
+            self._on_rare_packet(frame)
+
+    def _on_rare_packet(self, frame: Frame) -> None:
+        # A broker that does not speak 5 answers as 3.1.1 has it.
+        old = frame.first >> 4 == PacketType.CONNACK and len(frame.body) == _V3_CONNACK
+        packet = decode(frame.first, frame.body, ProtocolVersion.V311 if old else self._version)
+        match packet:
+            case Connack():
+                self._on_connack(packet)
+            case Disconnect():
+                self.cut(disconnect_error(packet.reason))
+            case _:
+                raise WireError(f"a broker must not send {type(packet).__name__}")
+
+    def _on_connack(self, packet: Connack) -> None:
+        if self._greeting.done():
+            raise WireError("CONNACK came twice")
+        if packet.reason.failed:
+            reason = login_error(packet.reason)
+            self._greeting.set_exception(reason)
+            self.cut(reason)
+            return
+        session = session_of(packet, self._version)
+        seconds = packet.properties.server_keep_alive or self._options.keep_alive
+        self._keep_alive = KeepAlive(seconds, self._options.timeout, self._loop.time())
+        again = self._requests.begin_link(resumed=session.resumed)
+        self._unfinished = {each.packet_id for each in again if each.packet_id is not None}
+        self._begin(session, open_publishes=len(again))
+        self._greeting.set_result(None)
+        for each in again:
+            self._send(each)
+        self._check = self._loop.call_at(self._keep_alive.due, self._check_signs_of_life, self._keep_alive)
+
+    def _check_signs_of_life(self, keep_alive: KeepAlive) -> None:
+        keep_alive.heard_at = self._heard_at
+        match keep_alive.check(self._loop.time()):
+            case LifeSign.LOST:
+                self.cut(LinkError("the broker does not answer any more"))
+                return
+            case LifeSign.PING:
+                self._send(Pingreq())
+            case LifeSign.WAIT:
+                pass
+        self._check = self._loop.call_at(keep_alive.due, self._check_signs_of_life, keep_alive)
+
+    def _lose(self, reason: LinkError | RefusedError) -> None:
+        if self._check is not None:
+            self._check.cancel()
+        if not self._greeting.done():
+            early = isinstance(reason, LinkError)
+            self._greeting.set_exception(ClosedEarlyError(str(reason)) if early else reason)
+        super()._lose(reason)
+
+    def _send(self, packet: Packet) -> None:
+        self._put(encode(packet, self._version))
+
+    async def _answer_to(self, request: bytes, packet_id: int, what: str) -> Answer:
+        """Send a whole packet and wait for its last answer.
+
+        Raises:
+            LinkError: No answer came.
+        """
+        answer = self._requests.expect(packet_id)
+        self._put(request)
+        return await self._wait_for(answer, packet_id, what)
+
+
+def answer_in(frame: Frame, *, is_v5: bool) -> tuple[int, Answer]:
+    """Return packet identifier and reason codes of PUBACK, PUBREC, PUBCOMP, SUBACK or UNSUBACK.
+
+    Raises:
+        PacketError: The packet ends too early.
+    """
+    kind, body = frame.first >> 4, frame.body
+    if len(body) < 2:
+        raise PacketError("an answer ends before its packet id", body)
+    packet_id = body[0] << 8 | body[1]
+    if kind < PacketType.SUBACK:
+        return packet_id, (body[2] if len(body) > 2 else 0,)
+    start = 2
+    if is_v5 and len(body) > start and body[start] == 0:  # no properties
+        start += 1
+    elif is_v5:
+        cursor = Cursor(body)
+        cursor.position = start
+        decode_properties(cursor, PacketType(kind))
+        start = cursor.position
+    return packet_id, tuple(body[start:])

@@ -11,6 +11,7 @@ import errno
 import os
 import socket
 import ssl
+from collections import deque
 from typing import Final, cast, final
 
 import anyio
@@ -19,11 +20,10 @@ import anyio.to_thread
 from homebot.addresses import ip_version
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.certificate import load_certificate
-from homebot.mqtt.client.read_ahead import ReadAhead
 from homebot.mqtt.client.transport import SEND_BUFFER, TransportUser
 from homebot.mqtt.options import MqttOptions
 
-__all__ = ["TcpTransport", "dial_error", "dial_tcp", "make_tls_context", "socket_error"]
+__all__ = ["ReadAhead", "TcpTransport", "dial_error", "dial_tcp", "make_tls_context", "socket_error"]
 
 _PORTION: Final = 32 * 1024
 """Bytes understood in one turn of the loop: enough for a few hundred messages, a few milliseconds of work."""
@@ -223,6 +223,49 @@ class TcpTransport(asyncio.BufferedProtocol):
         # to 40 ms for it. Linux forgets this wish after a while, so it is repeated.
         if _TCP_QUICKACK is not None and self.socket is not None and self.socket.fileno() >= 0:
             self.socket.setsockopt(socket.IPPROTO_TCP, _TCP_QUICKACK, 1)
+
+
+@final
+class ReadAhead:
+    """Bytes that were read before there was time to understand them, in order.
+
+    A broker sends all the messages it keeps at once, and some drop what the socket does not take in time. So bytes are
+    taken from the socket as fast as they come, and understood in portions. Who fills it bounds it: see `is_full`.
+
+    Args:
+        portion: How many bytes to hand out at once, at most.
+        most: How many bytes make it full.
+
+    Attributes:
+        size: How many bytes wait.
+    """
+
+    def __init__(self, portion: int, most: int) -> None:
+        self._portion = portion
+        self._most = most
+        self._chunks: deque[memoryview] = deque()
+        self.size = 0
+
+    @property
+    def is_full(self) -> bool:
+        """True if nothing more should be read for now."""
+        return self.size >= self._most
+
+    def put(self, data: bytes) -> None:
+        """Add *data* at the end."""
+        self._chunks.append(memoryview(data))
+        self.size += len(data)
+
+    def take(self) -> bytes:
+        """Remove and return the next portion; empty when nothing waits."""
+        if not self._chunks:
+            return b""
+        chunk = self._chunks.popleft()
+        portion = bytes(chunk[: self._portion])
+        if len(chunk) > self._portion:
+            self._chunks.appendleft(chunk[self._portion :])
+        self.size -= len(portion)
+        return portion
 
 
 async def make_tls_context(options: MqttOptions) -> ssl.SSLContext:
