@@ -165,7 +165,7 @@ class Availability:
 
     Attributes:
         sources: The topics; at least one.
-        mode: Whether ``all`` must say yes, or ``any``, or the ``latest`` word counts.
+        mode: Whether ``all`` must say yes, or ``any``, or the ``latest`` payload counts.
     """
 
     sources: tuple[AvailabilitySource, ...]
@@ -177,7 +177,7 @@ class TextEndpoint:
     """The topics on which a device publishes and takes text by itself.
 
     Attributes:
-        service_type: What it offers, in its own word.
+        service_type: What it offers, as it is called in its topic.
         address: The topic that it publishes on, and nothing else does.
         command_address: The topic on which it takes commands.
     """

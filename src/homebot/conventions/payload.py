@@ -313,7 +313,7 @@ def read_number(
         capability: What the number is.
         value: What the message has in its place.
         convert: Makes the value of the number; None where that cannot be.
-        unknown: The device's own word for a number that it does not know, beside those of :func:`is_unknown`.
+        unknown: The device's own text for a number that it does not know, beside those of :func:`is_unknown`.
     """
     if value == unknown:
         return {capability: None}

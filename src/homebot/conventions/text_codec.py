@@ -13,7 +13,7 @@ from homebot.errors import RefusedError
 __all__ = ["TextCodec"]
 
 _LONGEST = 1000
-"""Bytes of a payload that may be a word."""
+"""Bytes of a payload that is decoded."""
 
 
 class TextCodec:

@@ -1,4 +1,4 @@
-"""A config message in full words: what it announces, before anybody looks at the components' fields. Pure.
+"""A config message in full keys: what it announces, before the components' fields are read. Pure.
 
 Source: Home Assistant core 2025.4, ``components/mqtt/discovery.py``; ``child_devices`` and the shared ``encoding``,
 ``qos`` and ``message_expiry_interval`` are from 2026.11.

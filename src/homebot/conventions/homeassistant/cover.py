@@ -53,7 +53,7 @@ def build_cover(config: DiscoveryConfig) -> DescribedPart:
 
 _CLOSURES = frozenset({"damper", "door", "garage", "gate", "window"})
 _STATES = ("closed", "open", "closing", "opening", "stopped")
-"""The later of two states with the same word counts."""
+"""The later of two states with the same payload counts."""
 
 _COMMANDS = {
     "open": ("payload_open", "OPEN"),

@@ -165,8 +165,8 @@ class PayloadAvailability:
     Attributes:
         topic: The topic.
         source: Where it is found in the message.
-        available: The word for yes.
-        unavailable: The word for no.
+        available: The text of a device that can be reached.
+        unavailable: The text of one that cannot.
     """
 
     topic: str

@@ -16,7 +16,7 @@ from homebot.errors import WrongCodeError
 __all__ = ["build_lock"]
 
 _STATES = ("unlocked", "locked", "unlocking", "open", "locking", "opening", "jammed")
-"""The later of two states with the same word counts."""
+"""The later of two states with the same payload counts."""
 
 
 def build_lock(config: DiscoveryConfig) -> DescribedPart:

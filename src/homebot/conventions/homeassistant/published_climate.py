@@ -27,7 +27,7 @@ def publish_climate(part: Part, available: Available, topics: EntityTopics) -> E
     """Take what a thermostat or an air conditioner reaches, measures and does.
 
     A target that Home Assistant would take for another one by its modes stays a number of its own, and so does a mode
-    with words that are none of Home Assistant's.
+    with options that are none of Home Assistant's.
     """
     if part.service_type not in _CLIMATES:
         return ()

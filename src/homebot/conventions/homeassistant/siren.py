@@ -78,7 +78,7 @@ class _SirenCommands:
 
 @dataclass(frozen=True, slots=True)
 class _SirenStateDecoder:
-    """Reads what the siren reports: a plain word, or an object with ``state`` and more."""
+    """Reads what the siren reports: a plain text, or an object with ``state`` and more."""
 
     states: Mapping[str, bool | None]
     tones: tuple[str, ...]

@@ -53,7 +53,7 @@ def build_valve(config: DiscoveryConfig) -> DescribedPart:
 
 
 _STATES = ("closed", "open", "closing", "opening")
-"""The later of two states with the same word counts."""
+"""The later of two states with the same payload counts."""
 
 _COMMANDS = {"open": ("payload_open", "OPEN"), "closed": ("payload_close", "CLOSE"), "stopped": ("payload_stop", "")}
 _NO_POSITION = ("payload_open", "payload_close", "state_open", "state_closed")
@@ -63,7 +63,7 @@ _ENDS = (0.0, 100.0)
 
 @dataclass(frozen=True, slots=True)
 class _ValveStateDecoder:
-    """Reads what the valve reports: plain words and numbers, or an object with ``state`` and ``position``."""
+    """Reads what the valve reports: plain texts and numbers, or an object with ``state`` and ``position``."""
 
     states: Mapping[str, str]
     scale: Scale

@@ -45,7 +45,7 @@ _VALVES = {True: "open", False: "closed"}
 
 
 def add_cover(part: BytesPart, props: Props) -> None:
-    """Let *part* be a cover. One without commands in words is moved by its position."""
+    """Let *part* be a cover. One without an enum of commands is moved by its position."""
     position, state, command = props.get("position"), props.get("movement"), props.get("move")
     for capability in ("position", "tilt"):
         if capability in props:

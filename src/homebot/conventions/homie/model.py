@@ -99,7 +99,7 @@ def parse_range(text: str) -> Range:
 
 
 def parse_options(text: str) -> tuple[str, ...]:
-    """Return the words of an enum; blanks count.
+    """Return the options of an enum; blanks count.
 
     Raises:
         WireError: There is none, an empty one, one twice, too many, or one too long.

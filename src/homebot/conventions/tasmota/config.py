@@ -42,8 +42,8 @@ class TasmotaConfig:
         commands: Where it takes commands: a topic's beginning, to which a command is appended.
         results: Where it answers: likewise.
         telemetry: Where it reports by itself: likewise.
-        state_texts: Its words for off, on, toggle and hold.
-        online: Its word for being there.
+        state_texts: Its texts for off, on, toggle and hold.
+        online: Its payload while it can be reached.
         offline: Its last will.
         outputs: What each output is; see :data:`RELAY`.
         switch_modes: How each input works; -1 for none.

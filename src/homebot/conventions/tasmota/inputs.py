@@ -31,7 +31,7 @@ def describe_inputs(topics: TasmotaTopics) -> Iterable[DescribedPart]:
 
 
 _TOGGLE, _HOLD = 2, 3
-"""Places in a device's words."""
+"""Places in a device's texts of states."""
 
 _PULSES = frozenset({13, 14})
 """Modes of what says that it is on, and never that it is off."""
@@ -53,7 +53,7 @@ _PRESSED: Mapping[int, Mapping[int, str]] = {
     11: _SINGLE,
     12: _SINGLE,
 }
-"""Modes in which presses are reported, and the meaning of each word then."""
+"""Modes in which presses are reported, and the meaning of each text then."""
 
 _BUTTONS_OPTION, _SWAP_OPTION, _SINGLE_ONLY_OPTION = 73, 11, 13
 _BUTTON_ACTIONS: Mapping[str, str] = {

@@ -27,7 +27,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class StateAvailability:
-    """One topic with ``{"state":"online"}`` or ``{"state":"offline"}``; old bridges publish the plain word.
+    """One topic with ``{"state":"online"}`` or ``{"state":"offline"}``; old bridges publish the plain text.
 
     Attributes:
         topic: The topic.
