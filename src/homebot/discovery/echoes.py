@@ -17,11 +17,11 @@ WINDOW = 2.0
 _MOST = 64
 """Events of one device that are remembered; the oldest is forgotten."""
 
-_What: TypeAlias = tuple[int, str, PlainValue]
+_Event: TypeAlias = tuple[int, str, PlainValue]
 
 
 @dataclass(slots=True)
-class _Lately:
+class _RecentEvent:
     at: float
     count: int = 0
     by_route: dict[SourceKey, int] = field(default_factory=dict)
@@ -37,7 +37,7 @@ class Echoes:
     __slots__ = ("_lately",)
 
     def __init__(self) -> None:
-        self._lately: OrderedDict[_What, _Lately] | None = None  # most devices have no events
+        self._lately: OrderedDict[_Event, _RecentEvent] | None = None  # most devices have no events
 
     def is_new(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
         """Return whether an event was not reported by another route already.
@@ -54,7 +54,7 @@ class Echoes:
             self._lately = OrderedDict()
         lately = self._lately.get(what)
         if lately is None or now - lately.at > WINDOW:
-            lately = self._lately[what] = _Lately(now)
+            lately = self._lately[what] = _RecentEvent(now)
             if len(self._lately) > _MOST:
                 self._lately.popitem(last=False)
         lately.at = now

@@ -40,17 +40,17 @@ _ONLINE_FOR = 86_400.0
 
 @final
 class ReportInterval:
-    """The gaps between the last few times that a device spoke: at most eight, so that old habits are forgotten.
+    """The gaps between the last few times that a device reported: at most eight, so that old habits are forgotten.
 
     The longest gap does not count once there are three: it may have been a power cut.
     """
 
-    __slots__ = ("_gaps", "_last", "_patience")
+    __slots__ = ("_expected_silence", "_gaps", "_last")
 
     def __init__(self, gaps: Iterable[float] = ()) -> None:
         self._last: float | None = None
         self._gaps: tuple[float, ...] = ()
-        self._patience = 0.0
+        self._expected_silence = 0.0
         if gaps:
             self._learn(tuple(gaps)[-_KEPT:])
 
@@ -60,18 +60,18 @@ class ReportInterval:
         return self._gaps
 
     def record(self, now: float) -> float:
-        """Note that it spoke at *now*, in seconds; return :meth:`expected_silence`."""
+        """Note a report at *now*, in seconds; return :meth:`expected_silence`."""
         last = self._last
         if last is None:
             self._last = now
         elif (gap := now - last) >= _BURST:
             self._last = now
             self._learn((*self._gaps, gap)[-_KEPT:])
-        return self._patience
+        return self._expected_silence
 
     def expected_silence(self) -> float:
-        """Return for how many seconds after its last word its silence is usual; 0 where nothing is known yet."""
-        return self._patience
+        """Return for how many seconds after its last report silence is usual; 0 where nothing is known yet."""
+        return self._expected_silence
 
     def join(self, other: ReportInterval) -> None:
         """Take over what *other* learnt of the same device, where that is more."""
@@ -82,12 +82,12 @@ class ReportInterval:
 
     def _learn(self, gaps: tuple[float, ...]) -> None:
         self._gaps = gaps
-        self._patience = _patience(gaps)
+        self._expected_silence = _usual_silence(gaps)
 
 
 @final
 class Liveness:
-    """Keeps the deadline of each device: after it the device is stale, and after *forget_after* more it is overdue.
+    """Deadlines of the devices: after its own a device is stale, and after *forget_after* more it is overdue.
 
     Args:
         table: The devices.
@@ -195,7 +195,7 @@ class Liveness:
         return entry.expires + self._forget_after
 
 
-def _patience(gaps: tuple[float, ...]) -> float:
+def _usual_silence(gaps: tuple[float, ...]) -> float:
     if not gaps:
         return 0.0
     if len(gaps) < _FEW:

@@ -77,13 +77,13 @@ def _state(capability: CapabilityType, operator: Operator, value: Token) -> Stat
             f"{capability.name} is an event, which no device has as a state; ask for `with {capability.name}`, and "
             f"follow the devices for what happens"
         )
-    wanted = _wanted(capability, value)
+    wanted = _value(capability, value)
     if operator not in {"=", "!="} and not isinstance(wanted, float):
         raise UsageError(f"{capability.name} is no number; only = and != compare it")
     return StateIs(capability.name, operator, wanted)
 
 
-def _wanted(capability: CapabilityType, value: Token) -> PlainValue:
+def _value(capability: CapabilityType, value: Token) -> PlainValue:
     word = fold(value.text)
     match capability.kind:
         case "bool":

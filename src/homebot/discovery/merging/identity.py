@@ -230,7 +230,7 @@ def _is_specific(identifier: str, holders: dict[Identity, None]) -> bool:
         return True
     if identifier.startswith("mac:"):
         return not any(_share_a_host(one, other) for one, other in combinations(holders, 2))
-    if not _names_somebody(identifier) or len(identifier) < len("id:") + _SHORTEST:
+    if not _is_specific_word(identifier) or len(identifier) < len("id:") + _SHORTEST:
         return False
     known = [hardware for identity in holders if (hardware := identity.hardware)]
     return not any(one.isdisjoint(other) for one, other in combinations(known, 2))
@@ -252,7 +252,7 @@ def _own_topic(sighting: Sighting) -> str:
         return sighting.owns[0] if sighting.owns else ""
     topics: list[str] = []
     for identifier in sighting.identifiers:
-        if not identifier.startswith("id:") or not _names_somebody(identifier):
+        if not identifier.startswith("id:") or not _is_specific_word(identifier):
             continue
         topics = topics or [topic for part in sighting.parts for topic in (*part.reads, *part.writes)]
         if not topics:
@@ -265,8 +265,8 @@ def _own_topic(sighting: Sighting) -> str:
 
 
 def _are_specific(identifiers: tuple[str, ...]) -> bool:
-    return bool(identifiers) and (_names_somebody(identifiers[0]) or any(map(_names_somebody, identifiers)))
+    return bool(identifiers) and (_is_specific_word(identifiers[0]) or any(map(_is_specific_word, identifiers)))
 
 
-def _names_somebody(identifier: str) -> bool:
+def _is_specific_word(identifier: str) -> bool:
     return not identifier.startswith("id:") or identifier[3:].casefold() not in _GENERIC

@@ -62,7 +62,7 @@ def place_of(topic: str) -> Place:
     for level in topic.casefold().split("/"):
         if _is_name(level):
             levels.add(level)
-        found = [word for word in _WORD.findall(level) if _names_somebody(word)]
+        found = [word for word in _WORD.findall(level) if _is_specific_word(word)]
         for word in found:
             words |= _spellings(word)
         if found:
@@ -96,7 +96,7 @@ def aliases_of(owns: tuple[str, ...], identifiers: tuple[str, ...]) -> frozenset
         kind, _, address = identifier.partition(":")
         if kind != "id":
             found |= _spellings(address.casefold())
-    return frozenset(one for one in found if _names_somebody(one))
+    return frozenset(one for one in found if _is_specific_word(one))
 
 
 @lru_cache(maxsize=4096)
@@ -105,7 +105,7 @@ def _words_of(topic: str) -> tuple[frozenset[str], frozenset[str]]:
     folded = topic.casefold()
     found: set[str] = set()
     for word in _WORD.findall(folded):
-        if _names_somebody(word):
+        if _is_specific_word(word):
             found |= _spellings(word)
     return frozenset(found), frozenset(level for level in folded.split("/") if _is_name(level))
 
@@ -125,7 +125,7 @@ def _spellings(word: str) -> set[str]:
     return {digits, *tail}
 
 
-def _names_somebody(word: str) -> bool:
+def _is_specific_word(word: str) -> bool:
     return len(word) >= _SHORTEST and word not in _COMMON and not is_generic(word)
 
 
