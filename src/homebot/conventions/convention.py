@@ -1,26 +1,45 @@
-"""Port of a convention: the way in which one family of devices uses MQTT. Pure: topics and payloads in, values out."""
+"""Port of a convention: the way in which one family of devices uses MQTT. Pure: topics and payloads in, values out.
+
+At its end is the base of homebot's own, which load what reads their messages with the first one.
+"""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterator, Mapping
-from typing import ClassVar, Protocol, runtime_checkable
+from functools import cached_property
+from typing import Annotated, ClassVar, Generic, Protocol, TypeAlias, TypeVar, runtime_checkable
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, Publications
 from homebot.devices.exposure import ExposedDevice
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
+from homebot.errors import WireError
 
 __all__ = [
     "Convention",
+    "ConventionSettings",
+    "LazyConvention",
+    "MessageReader",
     "OfferPublisher",
     "ProblemReportingConvention",
     "PublishingConvention",
     "ReservingConvention",
     "SlicedConvention",
     "TextConvention",
+    "TopicPrefix",
 ]
+
+TopicPrefix: TypeAlias = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^+#\x00]*[^+#\x00/]$")]
+"""The first levels of topics, without wildcards."""
+
+
+class ConventionSettings(BaseModel):
+    """The table of a convention; a key that it does not know is an error."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class Convention(Protocol):
@@ -149,3 +168,65 @@ class PublishingConvention(Protocol):
             status_topic: Where that homebot publishes ``online`` and ``offline``.
         """
         ...
+
+
+class MessageReader(Protocol):
+    """The part of a convention that needs loading: it understands messages, and keeps what they report.
+
+    Attributes:
+        rejected: Announcements that broke the rules, so far.
+    """
+
+    rejected: int
+
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+        """Do what :meth:`Convention.take` does."""
+        ...
+
+
+SettingsT = TypeVar("SettingsT", bound=BaseModel)
+ReaderT = TypeVar("ReaderT", bound=MessageReader)
+
+
+class LazyConvention(ABC, Generic[SettingsT, ReaderT]):
+    """A convention that knows where devices announce themselves, and loads the rest when one does.
+
+    A house uses one or two of the conventions that are subscribed to.
+    """
+
+    Settings: ClassVar[type[BaseModel]]
+    name: ClassVar[str]
+
+    def __init__(self, settings: SettingsT) -> None:
+        self.settings = settings
+
+    @abstractmethod
+    def load_reader(self) -> ReaderT:
+        """Import the reader's module and return a reader."""
+
+    @cached_property
+    def reader(self) -> ReaderT:
+        """Return the reader of the messages; it is loaded when it is first asked for."""
+        return self.load_reader()
+
+    @property
+    def is_loaded(self) -> bool:
+        """True once there is a reader, as a message came."""
+        return "reader" in self.__dict__
+
+    @property
+    def rejected(self) -> int:
+        """Announcements that broke the rules, so far."""
+        return self.reader.rejected if self.is_loaded else 0
+
+    def birth_messages(self) -> Publications:
+        """Return nothing: announcements are retained."""
+        return ()
+
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+        """Take a message and return what it describes of devices."""
+        try:
+            return self.reader.take(topic, payload, retained=retained)
+        except WireError:
+            self.reader.rejected += 1
+            raise

@@ -5,12 +5,12 @@ Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel
 
+from homebot.conventions.convention import ConventionSettings, LazyConvention, TopicPrefix
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.lazy_convention import LazyConvention
 
 if TYPE_CHECKING:
     from homebot.conventions.homeassistant.publisher import HomeAssistantPublisher
@@ -26,10 +26,8 @@ COMPONENTS = (
 )
 """What configs may be of: one of the components that have a builder, or a whole device."""
 
-_Prefix = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^+#\x00]*[^+#\x00/]$")]
 
-
-class HomeAssistantSettings(BaseModel):
+class HomeAssistantSettings(ConventionSettings):
     """The table of this convention.
 
     Attributes:
@@ -39,9 +37,7 @@ class HomeAssistantSettings(BaseModel):
         publish: Whether what homebot offers is published below the first prefix, for a Home Assistant to see.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    prefixes: tuple[_Prefix, ...] = ("homeassistant",)
+    prefixes: tuple[TopicPrefix, ...] = ("homeassistant",)
     announce_please: bool = False
     publish: bool = False
 

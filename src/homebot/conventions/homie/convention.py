@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
-from homebot.conventions.lazy_convention import LazyConvention
+from homebot.conventions.convention import ConventionSettings, LazyConvention
 
 if TYPE_CHECKING:
     from homebot.conventions.homie.reader import HomieReader
@@ -23,14 +23,12 @@ DEVICE_ATTRIBUTES = ("$name", "$mac", "$fw/name", "$fw/version", "$implementatio
 _Domain = Annotated[str, Field(min_length=1, max_length=100, pattern=r"^(?:\+|[^+#\x00/$]+)$")]
 
 
-class HomieSettings(BaseModel):
+class HomieSettings(ConventionSettings):
     """The table of this convention.
 
     Attributes:
         domains: The first level of the topics; ``+`` for any, as the convention asks of what looks for devices.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     domains: tuple[_Domain, ...] = ("homie",)
 

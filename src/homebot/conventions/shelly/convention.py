@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
+from homebot.conventions.convention import ConventionSettings, LazyConvention
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.lazy_convention import LazyConvention
 
 if TYPE_CHECKING:
     from homebot.conventions.shelly.reader import ShellyReader
@@ -21,7 +21,7 @@ _Client = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[A-Za-z0-
 _Prefix = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^#\x00$]*[^#\x00$/]$")]
 
 
-class ShellySettings(BaseModel):
+class ShellySettings(ConventionSettings):
     """The table of this convention.
 
     Attributes:
@@ -29,8 +29,6 @@ class ShellySettings(BaseModel):
         prefixes: Filters of topic prefixes of several levels that devices of the second generation were given, for
             example ``home/shellies/+``.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     client: _Client = "homebot"
     prefixes: tuple[_Prefix, ...] = ()

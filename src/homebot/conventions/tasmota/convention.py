@@ -5,30 +5,26 @@ Source: Tasmota 14.4 firmware, ``xdrv_12_discovery.ino``; hatasmota 0.10.2.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel
 
-from homebot.conventions.lazy_convention import LazyConvention
+from homebot.conventions.convention import ConventionSettings, LazyConvention, TopicPrefix
 
 if TYPE_CHECKING:
     from homebot.conventions.tasmota.reader import TasmotaReader
 
 __all__ = ["TasmotaDiscovery", "TasmotaSettings"]
 
-_Prefix = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^+#\x00]*[^+#\x00/]$")]
 
-
-class TasmotaSettings(BaseModel):
+class TasmotaSettings(ConventionSettings):
     """The table of this convention.
 
     Attributes:
         prefix: Where devices announce themselves; it is built into the firmware.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    prefix: _Prefix = "tasmota/discovery"
+    prefix: TopicPrefix = "tasmota/discovery"
 
 
 class TasmotaDiscovery(LazyConvention[TasmotaSettings, "TasmotaReader"]):

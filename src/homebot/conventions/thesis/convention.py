@@ -15,8 +15,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import ClassVar
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel
 
+from homebot.conventions.convention import ConventionSettings
 from homebot.conventions.description import (
     AnnouncementEvent,
     DescribedPart,
@@ -122,15 +123,13 @@ def _found(service_type: str) -> tuple[str, str, tuple[Capability, ...]]:
 LEVELS = ("SERVICE_TYPE", "DEVICE_ID", "CHANNEL")
 
 
-class ThesisSettings(BaseModel):
+class ThesisSettings(ConventionSettings):
     """The table of this convention.
 
     Attributes:
         root: The home: the first level or levels. Empty for every home; a device's key then begins with its home, and
             topics of another shape are not looked at, because they may be anybody's.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     root: str = ""
 

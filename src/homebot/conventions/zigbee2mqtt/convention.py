@@ -6,12 +6,12 @@ Source: zigbee2mqtt.io, Usage > MQTT topics and messages; Zigbee2MQTT 2.14.1.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel
 
+from homebot.conventions.convention import ConventionSettings, LazyConvention, TopicPrefix
 from homebot.conventions.description import AnnouncementEvent
-from homebot.conventions.lazy_convention import LazyConvention
 from homebot.errors import WireError
 
 if TYPE_CHECKING:
@@ -19,19 +19,15 @@ if TYPE_CHECKING:
 
 __all__ = ["Zigbee2Mqtt", "Zigbee2MqttSettings"]
 
-_Base = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^+#\x00]*[^+#\x00/]$")]
 
-
-class Zigbee2MqttSettings(BaseModel):
+class Zigbee2MqttSettings(ConventionSettings):
     """The table of this convention.
 
     Attributes:
         bases: Base topics; a house with two bridges has two.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    bases: tuple[_Base, ...] = ("zigbee2mqtt",)
+    bases: tuple[TopicPrefix, ...] = ("zigbee2mqtt",)
 
 
 class Zigbee2Mqtt(LazyConvention[Zigbee2MqttSettings, "Zigbee2MqttReader"]):

@@ -6,30 +6,26 @@ puts there is read as well. The empty payload takes it back.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel
 
-from homebot.conventions.lazy_convention import LazyConvention
+from homebot.conventions.convention import ConventionSettings, LazyConvention, TopicPrefix
 
 if TYPE_CHECKING:
     from homebot.wot.mqtt.reader import ThingReader
 
 __all__ = ["ThingDescriptions", "ThingSettings"]
 
-_Prefix = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^+#\x00]*[^+#\x00/]$")]
 
-
-class ThingSettings(BaseModel):
+class ThingSettings(ConventionSettings):
     """The table of this convention.
 
     Attributes:
         prefixes: Descriptions are looked for on ``PREFIX/NAME/td``.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    prefixes: tuple[_Prefix, ...] = ("homebot/things",)
+    prefixes: tuple[TopicPrefix, ...] = ("homebot/things",)
 
 
 class ThingDescriptions(LazyConvention[ThingSettings, "ThingReader"]):
