@@ -17,15 +17,7 @@ from homebot.conventions.payload import clean_text, shown
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
 
-__all__ = [
-    "MAX_IDENTIFIERS",
-    "MAX_SOURCES",
-    "DeviceInfo",
-    "DeviceReader",
-    "PayloadAvailability",
-    "read_availability",
-    "read_device",
-]
+__all__ = ["MAX_IDENTIFIERS", "MAX_SOURCES", "DeviceInfo", "DeviceReader", "read_availability", "read_device"]
 
 
 MAX_IDENTIFIERS = 64
@@ -159,7 +151,7 @@ MAX_SOURCES = 16
 
 
 @dataclass(frozen=True, slots=True)
-class PayloadAvailability:
+class _PayloadAvailability:
     """One topic with two payloads; see :class:`AvailabilitySource`.
 
     Attributes:
@@ -201,7 +193,7 @@ def read_availability(config: DiscoveryConfig) -> Availability | None:
     return Availability(sources, _mode(config.text("availability_mode", "latest"))) if sources else None
 
 
-def _entry(config: DiscoveryConfig, entry: object) -> PayloadAvailability:
+def _entry(config: DiscoveryConfig, entry: object) -> _PayloadAvailability:
     if not isinstance(entry, dict):
         raise WireError(f"availability has {shown(entry)}, not an object")
     if all(type(value) is str for value in entry.values()):
@@ -209,7 +201,7 @@ def _entry(config: DiscoveryConfig, entry: object) -> PayloadAvailability:
     return _new_entry(entry, config.encoding)
 
 
-def _new_entry(entry: Mapping[str, object], encoding: str) -> PayloadAvailability:
+def _new_entry(entry: Mapping[str, object], encoding: str) -> _PayloadAvailability:
     config = DiscoveryConfig("availability", "", {**entry, "encoding": encoding} if "encoding" in entry else entry)
     config.encoding = encoding
     topic = config.state_topic("topic")
@@ -219,13 +211,13 @@ def _new_entry(entry: Mapping[str, object], encoding: str) -> PayloadAvailabilit
 
 
 @lru_cache(maxsize=128)
-def _known_entry(fields: tuple[tuple[str, str], ...], encoding: str) -> PayloadAvailability:
+def _known_entry(fields: tuple[tuple[str, str], ...], encoding: str) -> _PayloadAvailability:
     """Return the entry that all devices of a bridge share, as all parts of a device share the device's."""
     return _new_entry(dict(fields), encoding)
 
 
-def _source(config: DiscoveryConfig, topic: str, template_key: str) -> PayloadAvailability:
-    return PayloadAvailability(
+def _source(config: DiscoveryConfig, topic: str, template_key: str) -> _PayloadAvailability:
+    return _PayloadAvailability(
         topic,
         ValueSource(topic, config.template(template_key), config.encoding),
         config.text("payload_available", "online"),

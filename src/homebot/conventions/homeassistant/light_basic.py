@@ -19,14 +19,14 @@ from homebot.conventions.payload import NO_READINGS, Readings, clean_text, numbe
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
-__all__ = ["BasicState", "Remembered", "build_basic_light"]
+__all__ = ["build_basic_light"]
 
 
 _BYTE = 255
 
 
 @dataclass(slots=True)
-class Remembered:
+class _Remembered:
     """The last state of a lamp, for commands that need it: some are made of brightness and colour together.
 
     Attributes:
@@ -45,7 +45,7 @@ class Remembered:
 
 
 @dataclass(frozen=True, slots=True)
-class BasicState:
+class _BasicState:
     """Reads what the lamp reports.
 
     Attributes:
@@ -54,7 +54,7 @@ class BasicState:
     """
 
     lamp: LightFeatures
-    remembered: Remembered
+    remembered: _Remembered
 
     def add_readers(self, config: DiscoveryConfig, entity: Entity) -> frozenset[str]:
         """Have *entity* read all topics of the lamp's config; return the capabilities that can be read."""
@@ -158,14 +158,14 @@ def build_basic_light(config: DiscoveryConfig) -> DescribedPart:
             for mode in CHANNELS
             if (command := config.command(f"{mode}_command_topic", f"{mode}_command_template"))
         },
-        remembered=Remembered(),
+        remembered=_Remembered(),
         assumes=_assumed(config),
     )
     effects = config.options("effect_list") if commands.effect else ()
     has_effect = commands.effect is not None and not effects
     lamp = LightFeatures(commands.modes(), read_white_range(config), commands.publish, effects, any_effect=has_effect)
     entity = Entity(config, "light")
-    lamp.add_to(entity, BasicState(lamp, commands.remembered).add_readers(config, entity))
+    lamp.add_to(entity, _BasicState(lamp, commands.remembered).add_readers(config, entity))
     entity.remembers()
     entity.add_commands(
         commands.command, commands.brightness, commands.white, commands.effect, *commands.colors.values()
@@ -219,7 +219,7 @@ class _BasicLightCommands:
     in_kelvin: bool
     effect: CommandTopic | None
     colors: Mapping[str, CommandTopic]
-    remembered: Remembered
+    remembered: _Remembered
     assumes: frozenset[str]
 
     def modes(self) -> frozenset[str]:

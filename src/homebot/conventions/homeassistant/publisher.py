@@ -36,10 +36,10 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue, Value
 
-__all__ = ["HomeAssistantPublisher", "publish_part"]
+__all__ = ["HomeAssistantPublisher"]
 
 
-def publish_part(part: Part, topics: EntityTopics) -> tuple[PublishedEntity, ...]:
+def _publish_part(part: Part, topics: EntityTopics) -> tuple[PublishedEntity, ...]:
     """Return the entities of *part*: first what it is there for, then what is left, one by one."""
     available: Available = {one.name: one for one in part.capabilities}
     found: list[PublishedEntity] = []
@@ -148,7 +148,7 @@ class HomeAssistantPublisher:
         )
 
     def _entities(self, offer: ExposedDevice, part: Part) -> tuple[PublishedEntity, ...]:
-        return publish_part(part, EntityTopics(f"{self._base}/{_slug(offer.id)}/{_slug(part.id) or '_'}"))
+        return _publish_part(part, EntityTopics(f"{self._base}/{_slug(offer.id)}/{_slug(part.id) or '_'}"))
 
     def _config(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> Publications:
         for topic, read in entity.commands.items():

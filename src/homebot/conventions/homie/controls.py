@@ -30,7 +30,7 @@ from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.devices.value import PlainValue
 
-__all__ = ["Vacuum", "add_cover", "add_fan", "add_lock", "add_thermostat", "add_valve", "build_vacuum", "find_vacuum"]
+__all__ = ["add_cover", "add_fan", "add_lock", "add_thermostat", "add_valve", "build_vacuum", "find_vacuum"]
 
 
 Props = Mapping[str, HomieProperty]
@@ -161,7 +161,7 @@ def _options_by_command(prop: HomieProperty | None, spellings: Mapping[str, tupl
 
 
 @dataclass(frozen=True, slots=True)
-class Vacuum:
+class _Vacuum:
     """A robot that cleans.
 
     Attributes:
@@ -182,7 +182,7 @@ class Vacuum:
         return tuple(prop for prop in (self.command, self.state, self.power) if prop is not None)
 
 
-def find_vacuum(nodes: tuple[NodeRoles, ...]) -> Vacuum | None:
+def find_vacuum(nodes: tuple[NodeRoles, ...]) -> _Vacuum | None:
     """Return the robot, by the words of its commands and its state; None where the device is none.
 
     Its state may come later than its commands, which are as clear where they are these four.
@@ -194,10 +194,10 @@ def find_vacuum(nodes: tuple[NodeRoles, ...]) -> Vacuum | None:
         return None
     node, command = commands[0]
     power = next((prop for one, prop in props if prop.is_settable and "fan" in _spelled(one)), None)
-    return Vacuum(node, command, states[0] if states else None, power)
+    return _Vacuum(node, command, states[0] if states else None, power)
 
 
-def build_vacuum(vacuum: Vacuum) -> BytesPart:
+def build_vacuum(vacuum: _Vacuum) -> BytesPart:
     """Describe the robot."""
     part = node_part(vacuum.node, "robotic_vacuum_cleaner", guessed=True)
     command, state = vacuum.command, vacuum.state

@@ -17,14 +17,12 @@ from homebot.numbers import to_number
 __all__ = [
     "COLOR_FORMS",
     "DATATYPES",
-    "MAX_OPTIONS",
     "MAX_PROPERTIES",
     "STATES",
     "HomieDevice",
     "HomieNode",
     "HomieProperty",
     "Range",
-    "StateTopic",
     "availability_of",
     "parse_options",
     "parse_range",
@@ -37,7 +35,7 @@ DATATYPES = frozenset({"integer", "float", "boolean", "string", "enum", "color",
 COLOR_FORMS = ("hsv", "rgb", "xyz")
 """The forms of a colour, the one that loses least first."""
 
-MAX_OPTIONS = 200
+_MAX_OPTIONS = 200
 """Words that an enum may have."""
 
 _LONGEST_OPTION = 255
@@ -104,8 +102,8 @@ def parse_options(text: str) -> tuple[str, ...]:
     Raises:
         WireError: There is none, an empty one, one twice, too many, or one too long.
     """
-    options = tuple(text.split(",", MAX_OPTIONS + 1))
-    if len(options) > MAX_OPTIONS or not all(0 < len(one) <= _LONGEST_OPTION for one in options):
+    options = tuple(text.split(",", _MAX_OPTIONS + 1))
+    if len(options) > _MAX_OPTIONS or not all(0 < len(one) <= _LONGEST_OPTION for one in options):
         raise WireError(f"format {shown(text)} is no list of words")
     if len(set(options)) != len(options):
         raise WireError(f"format {shown(text)} has a word twice")
@@ -203,7 +201,7 @@ STATES: Mapping[str, bool | None] = {
 
 
 @dataclass(frozen=True, slots=True)
-class StateTopic:
+class _StateTopic:
     """See :class:`homebot.conventions.description.AvailabilitySource`.
 
     Attributes:
@@ -227,4 +225,4 @@ def availability_of(topic: str, root: str) -> Availability:
         topic: What its topics begin with.
         root: What those of its root begin with; empty where it has none.
     """
-    return Availability(tuple(StateTopic(f"{one}/$state") for one in (topic, root) if one), "all")
+    return Availability(tuple(_StateTopic(f"{one}/$state") for one in (topic, root) if one), "all")

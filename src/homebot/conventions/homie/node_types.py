@@ -16,7 +16,6 @@ from dataclasses import dataclass, field
 from homebot.conventions.homie.model import HomieNode
 
 __all__ = [
-    "CONDITIONS",
     "KINDS",
     "Kind",
     "condition_of",
@@ -24,7 +23,6 @@ __all__ = [
     "declared_kind",
     "guessed_kinds",
     "is_beside",
-    "is_object",
     "is_setting",
     "quantity_of",
     "tokens_in",
@@ -155,7 +153,7 @@ def is_beside(tokens: frozenset[str]) -> bool:
     return not tokens.isdisjoint(_BESIDE)
 
 
-def is_object(tokens: frozenset[str]) -> bool:
+def _is_object(tokens: frozenset[str]) -> bool:
     """Return whether *tokens* of a property name a thing, so that a condition among them is only part of its name."""
     return not tokens.isdisjoint(_OBJECTS)
 
@@ -214,7 +212,7 @@ _CONDITION_TOKENS: Mapping[str, tuple[str, ...]] = {
     "tamper": ("tamper", "sabotage"),
     "rain": ("rain",),
 }
-CONDITIONS: Mapping[str, str] = {one: capability for capability, names in _CONDITION_TOKENS.items() for one in names}
+_CONDITIONS: Mapping[str, str] = {one: capability for capability, names in _CONDITION_TOKENS.items() for one in names}
 """Capabilities of boolean properties, by a token of their name."""
 
 
@@ -238,12 +236,12 @@ def condition_of(tokens: frozenset[str], around: frozenset[str]) -> str:
         tokens: Of the property. One of a thing, such as a water tank, is no condition.
         around: Of its node; they count where the property's own say nothing.
     """
-    if is_object(tokens):
+    if _is_object(tokens):
         return "state"
-    counted = tokens if tokens & CONDITIONS.keys() or not tokens <= _NEUTRAL else around
-    if counted is around and is_object(around):
+    counted = tokens if tokens & _CONDITIONS.keys() or not tokens <= _NEUTRAL else around
+    if counted is around and _is_object(around):
         return "state"
-    return next((capability for token, capability in CONDITIONS.items() if token in counted), "state")
+    return next((capability for token, capability in _CONDITIONS.items() if token in counted), "state")
 
 
 _NEUTRAL = frozenset(

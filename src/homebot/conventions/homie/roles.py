@@ -20,21 +20,10 @@ from homebot.conventions.homie.node_types import (
     tokens_in,
 )
 
-__all__ = [
-    "CONTROLS",
-    "THERMOSTAT_ROLES",
-    "NodeRoles",
-    "Role",
-    "as_settings",
-    "find_roles",
-    "guess_role",
-    "is_moving",
-    "is_opening",
-    "is_speed",
-]
+__all__ = ["CONTROLS", "THERMOSTAT_ROLES", "NodeRoles", "Role", "as_settings", "find_roles"]
 
 
-def guess_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
+def _guess_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
     """Return the role of a property, one of :data:`homebot.conventions.homie.roles.CONTROLS` or ``press``.
 
     Args:
@@ -49,21 +38,21 @@ def guess_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozense
     return _settable_role(node, prop, kind, tokens) if prop.is_settable else _reported_role(node, prop, kind, tokens)
 
 
-def is_opening(prop: HomieProperty) -> bool:
+def _is_opening(prop: HomieProperty) -> bool:
     """Return whether it reports how something opens and closes."""
     return prop.datatype == "enum" and {one.casefold() for one in prop.options} <= _OPENINGS
 
 
-def is_moving(prop: HomieProperty) -> bool:
+def _is_moving(prop: HomieProperty) -> bool:
     """Return whether it takes commands to open and to close."""
     options = {one.casefold() for one in prop.options}
     return prop.datatype == "enum" and bool(options & {"open", "up"}) and bool(options & {"close", "closed", "down"})
 
 
-def is_speed(prop: HomieProperty) -> bool:
+def _is_speed(prop: HomieProperty) -> bool:
     """Return whether its words are speeds of something that can stand still."""
     options = {one.casefold() for one in prop.options}
-    return prop.datatype == "enum" and not _STANDING.isdisjoint(options) and not is_moving(prop)
+    return prop.datatype == "enum" and not _STANDING.isdisjoint(options) and not _is_moving(prop)
 
 
 _SWITCHING = frozenset({"power", "on", "onoff", "state", "switch", "relay", "value"})
@@ -154,7 +143,7 @@ def _settable_enum_role(prop: HomieProperty, kind: str, tokens: frozenset[str], 
         return "fan_mode"
     if kind == "thermostat" and prop.id in _MODES and options & _THERMAL:
         return "thermostat_mode"
-    if kind in {"shutter", "garage-door"} and is_moving(prop):
+    if kind in {"shutter", "garage-door"} and _is_moving(prop):
         return "move"
     return "lock_action" if kind == "lock" and {"lock", "unlock"} <= options else ""
 
@@ -162,7 +151,7 @@ def _settable_enum_role(prop: HomieProperty, kind: str, tokens: frozenset[str], 
 def _reported_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
     if kind == "thermostat" and prop.is_number and "temperature" in tokens and not is_beside(tokens):
         return "local_temperature"
-    if kind in {"shutter", "garage-door"} and is_opening(prop) and is_moving(prop):
+    if kind in {"shutter", "garage-door"} and _is_opening(prop) and _is_moving(prop):
         return "movement"
     if kind == "lock" and prop.datatype == "boolean" and not is_beside(tokens):
         return "lock" if tokens & _LOCKING or prop.id == node.id else ""
@@ -259,7 +248,7 @@ def _is_borne_out(kind: str, props: Mapping[str, HomieProperty]) -> bool:
     """Return whether the forms of *props*, by role, bear out the *kind* that words suggested."""
     if kind == "fan":
         speed = props.get("fan_mode")
-        return not props.keys().isdisjoint({"on_off", "fan_speed"}) or (speed is not None and is_speed(speed))
+        return not props.keys().isdisjoint({"on_off", "fan_speed"}) or (speed is not None and _is_speed(speed))
     return not props.keys().isdisjoint(_EVIDENCE[kind])
 
 
@@ -300,7 +289,7 @@ _FITS: Mapping[str, _Fit] = {
     **dict.fromkeys(("move", "lock_action"), _is_command),
     **dict.fromkeys(("thermostat_mode", "fan_mode"), _is_choice),
     "color": lambda prop: prop.datatype == "color",
-    "movement": is_opening,
+    "movement": _is_opening,
     "local_temperature": lambda prop: prop.is_number and not prop.is_settable,
     "press": lambda prop: prop.datatype in {"enum", "string"},
 }
@@ -321,7 +310,7 @@ def _declared_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
 
 def _guessed_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
     tokens = tokens_in(prop.id, prop.name)
-    name = guess_role(node, prop, kind, tokens)
+    name = _guess_role(node, prop, kind, tokens)
     return Role(name, prop, is_guess=True) if name else _read_only_role(node, prop, kind)
 
 

@@ -31,7 +31,7 @@ from homebot.conventions.homie.parts import describe
 from homebot.conventions.payload import clean_text, shown, to_text
 from homebot.errors import WireError
 
-__all__ = ["AttributeCollector", "Version4"]
+__all__ = ["Version4"]
 
 
 _MAX_ARRAY = 100
@@ -39,7 +39,7 @@ _LISTED = re.compile(r"[A-Za-z0-9_-]{1,100}(?:\[\])?")
 _ARRAY = re.compile(r"([0-9]{1,5})-([0-9]{1,5})")
 
 
-class AttributeCollector:
+class _AttributeCollector:
     """The nodes of one device, as its attributes have them.
 
     Args:
@@ -212,7 +212,7 @@ class Version4:
         state = device.attributes.get("$state", "")
         if not device.is_changed or state in {"", "init"} or "$homie" not in device.attributes:
             return ()
-        collector = AttributeCollector(f"{domain}/{device_id}", device.attributes)
+        collector = _AttributeCollector(f"{domain}/{device_id}", device.attributes)
         nodes = collector.nodes()
         if nodes is None:
             return ()

@@ -32,7 +32,7 @@ from homebot.conventions.homie.parts import describe
 from homebot.conventions.payload import clean_text, parse_object, shown
 from homebot.errors import WireError
 
-__all__ = ["Document", "Version5", "is_id", "parse_document"]
+__all__ = ["Document", "Version5", "parse_document"]
 
 
 T = TypeVar("T")
@@ -56,7 +56,7 @@ class Document:
     ignored: int
 
 
-def is_id(text: str) -> bool:
+def _is_id(text: str) -> bool:
     """Return whether *text* is an id: small letters, digits and hyphens."""
     return _ID.fullmatch(text) is not None
 
@@ -76,7 +76,7 @@ def parse_document(domain: str, device_id: str, payload: bytes) -> Document:
         _optional(fields, name, list)
     root = _optional(fields, "root", str) or ""
     parent = _optional(fields, "parent", str) or root
-    if not all(is_id(one) for one in (root, parent) if one):
+    if not all(_is_id(one) for one in (root, parent) if one):
         raise WireError(f"root is {shown(root)} and parent {shown(parent)}, not ids")
     topic = f"{domain}/5/{device_id}"
     reader = _DocumentReader(topic)
@@ -181,7 +181,7 @@ def _optional(fields: Mapping[str, object], name: str, kind: type[T]) -> T | Non
 
 
 def _legal_id(value: str) -> str:
-    if is_id(value):
+    if _is_id(value):
         return value
     raise WireError(f"{shown(value)} is no id")
 
@@ -238,7 +238,7 @@ class Version5:
         Raises:
             WireError: It is illegal.
         """
-        if not is_id(device_id):
+        if not _is_id(device_id):
             raise WireError(f"{shown(device_id)} is no id of a device")
         name = f"{domain}/5/{device_id}"
         if not payload:

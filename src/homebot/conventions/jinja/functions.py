@@ -18,7 +18,7 @@ from homebot.conventions.jinja.patterns import find_all, find_all_index, matches
 from homebot.conventions.jinja.texts import TEXT_FILTERS, TEXT_FUNCTIONS
 from homebot.conventions.jinja.values import Namespace, Undefined, real, text
 
-__all__ = ["CONSTANTS", "FILTERS", "FUNCTIONS", "HOME_ASSISTANT", "TIME_FILTERS", "TIME_FUNCTIONS"]
+__all__ = ["CONSTANTS", "FILTERS", "FUNCTIONS", "HOME_ASSISTANT"]
 
 
 def _now(run: Run) -> datetime:
@@ -108,7 +108,7 @@ def _or_default(default: object, filter_: str) -> object:
     return default
 
 
-TIME_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
+_TIME_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
     "as_datetime": _as_datetime,
     "as_local": _as_local,
     "as_timestamp": _as_timestamp,
@@ -118,7 +118,7 @@ TIME_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
 }
 """By name; each takes the run first."""
 
-TIME_FILTERS: Final[dict[str, Callable[..., object]]] = {
+_TIME_FILTERS: Final[dict[str, Callable[..., object]]] = {
     "as_datetime": _as_datetime,
     "as_local": _as_local,
     "as_timestamp": _as_timestamp,
@@ -157,7 +157,7 @@ FILTERS: Final[dict[str, Callable[..., object]]] = {
     **LIST_FILTERS,
     **NUMBER_FILTERS,
     **TEXT_FILTERS,
-    **TIME_FILTERS,
+    **_TIME_FILTERS,
     "contains": _contains,
     "map": _map,
     "regex_findall": find_all,
@@ -172,7 +172,7 @@ FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
     **LIST_FUNCTIONS,
     **NUMBER_FUNCTIONS,
     **TEXT_FUNCTIONS,
-    **TIME_FUNCTIONS,
+    **_TIME_FUNCTIONS,
     "namespace": _namespace,
 }
 """By name; each takes the run first."""

@@ -10,7 +10,7 @@ from typing import Final
 
 from homebot.conventions.jinja.limits import MAX_ITEMS, MAX_TEXT, TemplateError
 
-__all__ = ["METHODS", "braces", "join", "method_of", "percent", "replace", "strftime_format"]
+__all__ = ["METHODS", "join", "method_of", "percent", "replace", "strftime_format"]
 
 
 def percent(template: str, values: object) -> str:
@@ -27,7 +27,7 @@ def percent(template: str, values: object) -> str:
     return template % values
 
 
-def braces(template: str, values: tuple[object, ...], named: dict[str, object]) -> str:
+def _braces(template: str, values: tuple[object, ...], named: dict[str, object]) -> str:
     """Return ``template.format(*values, **named)``.
 
     Raises:
@@ -129,7 +129,7 @@ _TEXT: Final[dict[str, Callable[..., object]]] = {
     "count": str.count,
     "endswith": str.endswith,
     "find": str.find,
-    "format": lambda value, *values, **named: braces(value, values, named),
+    "format": lambda value, *values, **named: _braces(value, values, named),
     "index": str.index,
     "isalnum": str.isalnum,
     "isalpha": str.isalpha,

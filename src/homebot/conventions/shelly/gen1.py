@@ -29,11 +29,11 @@ from homebot.conventions.shelly.gen1_parts import build_parts, is_known_topic
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
 
-__all__ = ["Gen1", "Gen1Device"]
+__all__ = ["Gen1"]
 
 
 @dataclass(slots=True)
-class Gen1Device:
+class _Gen1Device:
     """All that one device has published so far.
 
     Attributes:
@@ -152,7 +152,7 @@ class Gen1:
     """
 
     def __init__(self) -> None:
-        self._devices: BoundedDict[Gen1Device] = BoundedDict(_MAX_DEVICES)
+        self._devices: BoundedDict[_Gen1Device] = BoundedDict(_MAX_DEVICES)
         self._names: dict[str, str] = {}
 
     @property
@@ -217,10 +217,10 @@ class Gen1:
         is_news = device.known() != known or not device.topic
         return self._described(device, topic) if is_news else ()
 
-    def _device(self, name: str) -> Gen1Device | None:
+    def _device(self, name: str) -> _Gen1Device | None:
         device = self._devices.get(name)
         if device is None:
-            device = Gen1Device(Gen1Topics(name), find_model("", name))
+            device = _Gen1Device(Gen1Topics(name), find_model("", name))
             if not self._devices.add(name, device):
                 return None
         return device
@@ -236,7 +236,7 @@ class Gen1:
             return ()
         return (DeviceWithdrawn(f"shellies/{before}", f"it is called {name} now"),)
 
-    def _described(self, device: Gen1Device, topic: str) -> tuple[AnnouncementEvent, ...]:
+    def _described(self, device: _Gen1Device, topic: str) -> tuple[AnnouncementEvent, ...]:
         if not (device.is_announced or device.is_online):
             return ()
         described = device.describe(topic)

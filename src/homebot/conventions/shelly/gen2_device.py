@@ -35,7 +35,6 @@ from homebot.numbers import to_number
 __all__ = [
     "MAX_COMPONENTS",
     "Gen2Device",
-    "build_parts",
     "is_config_change",
     "is_prefix",
     "kind_of",
@@ -102,7 +101,7 @@ MAX_COMPONENTS = 300
 """Components of one device that are looked at; a gateway with all the sensors it takes has about 150."""
 
 
-def build_parts(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[DescribedPart, ...]:
+def _build_parts(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[DescribedPart, ...]:
     """Return the parts of the device at *topics*; first what it is there for.
 
     The *status* and the *config*, both by component, are its answers to ``Shelly.GetStatus`` and ``Shelly.GetConfig``.
@@ -230,7 +229,7 @@ class Gen2Device:
             whole_device=True,
             identifiers=identifiers((self.mac, device_id if device_id.casefold().startswith("shelly") else "")),
             name=self._name(),
-            parts=build_parts(topics, self.status, self.config),
+            parts=_build_parts(topics, self.status, self.config),
             topic=topic if self.described is None else self.described.topic,
             facts=self._facts(),
             availability=None

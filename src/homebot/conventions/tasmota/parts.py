@@ -22,10 +22,10 @@ from homebot.conventions.tasmota.sensors import Leaf, describe_sensors
 from homebot.devices.value import PlainValue
 from homebot.numbers import finite_number
 
-__all__ = ["add_fan", "add_shutter", "build_parts", "count_shutters"]
+__all__ = ["build_parts", "count_shutters"]
 
 
-def add_fan(part: JsonPart, topics: TasmotaTopics) -> None:
+def _add_fan(part: JsonPart, topics: TasmotaTopics) -> None:
     """Have *part* be the fan."""
     fan = _Fan(topics)
     for topic in topics.states:
@@ -84,7 +84,7 @@ def count_shutters(outputs: tuple[int, ...]) -> int:
     return pairs
 
 
-def add_shutter(part: JsonPart, topics: TasmotaTopics, index: int) -> None:
+def _add_shutter(part: JsonPart, topics: TasmotaTopics, index: int) -> None:
     """Have *part* be the shutter *index*."""
     config = topics.config
     options = config.shutter_options[index] if index < len(config.shutter_options) else 0
@@ -194,11 +194,11 @@ def _outputs(topics: TasmotaTopics) -> Iterable[DescribedPart]:
             yield _relay(topics, index, "light" if config.option(_LAMPS_OPTION) else "switch", name)
     for index in range(count_shutters(config.outputs)):
         part = JsonPart(f"shutter_{index + 1}", "window_covering", advertised="shutter", tag="shutter")
-        add_shutter(part, topics, index)
+        _add_shutter(part, topics, index)
         yield part.build()
     if config.is_fan:
         part = JsonPart("fan", "fan", advertised="fan")
-        add_fan(part, topics)
+        _add_fan(part, topics)
         yield part.build()
 
 

@@ -18,10 +18,10 @@ from homebot.conventions.tasmota.device_topics import TasmotaTopics, sensor_valu
 from homebot.conventions.units import Quantity, quantity
 from homebot.numbers import finite_number
 
-__all__ = ["MOST_SENSORS", "Leaf", "describe_sensors", "quantity_of", "read_leaves"]
+__all__ = ["MOST_SENSORS", "Leaf", "describe_sensors", "read_leaves"]
 
 
-def quantity_of(path: tuple[str | int, ...], sensors: Mapping[str, object]) -> Quantity:
+def _quantity_of(path: tuple[str | int, ...], sensors: Mapping[str, object]) -> Quantity:
     """Return what the value at *path* is; a plain measurement where its name is not known.
 
     Args:
@@ -129,7 +129,7 @@ def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
             break
         if any(len(step) > _MAX_KEY for step in path if isinstance(step, str)):
             continue
-        leaves.append(Leaf(path, quantity_of(path, sensors), finite_number(value) is not None))
+        leaves.append(Leaf(path, _quantity_of(path, sensors), finite_number(value) is not None))
     return tuple(leaves)
 
 

@@ -19,7 +19,7 @@ from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics
 from homebot.devices.value import PlainValue
 
-__all__ = ["FEATURES_OF_CLIMATE", "add_mode", "build_climate", "build_thermometer", "climate_type", "is_program"]
+__all__ = ["FEATURES_OF_CLIMATE", "build_climate", "build_thermometer", "climate_type", "is_program"]
 
 
 _MANUAL = "manual"
@@ -34,7 +34,7 @@ def is_program(expose: Expose) -> bool:
     return expose.name == "operating_mode" and is_whole and set(expose.options) == {_MANUAL, *_MODES}
 
 
-def add_mode(part: Zigbee2MqttPart, mode: Expose, program: Expose) -> None:
+def _add_mode(part: Zigbee2MqttPart, mode: Expose, program: Expose) -> None:
     """Have *part* offer ``thermostat_mode``, of the enums ``system_mode`` and ``operating_mode``."""
     by_hand = tuple(one for one in mode.options if one not in _OPTIONS)
     both = _Mode(part.topics, mode, program, by_hand)
@@ -86,7 +86,7 @@ def build_climate(part: Zigbee2MqttPart, climate: Expose, program: Expose | None
         part.add_number(climate.feature(*names), capability)
     mode = climate.feature("system_mode")
     if mode is not None and program is not None:
-        add_mode(part, mode, program)
+        _add_mode(part, mode, program)
     else:
         part.add_enum(mode, "thermostat_mode")
     for capability, name in _ENUMS.items():

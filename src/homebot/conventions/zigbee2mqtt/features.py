@@ -20,15 +20,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.numbers import finite_number
 
-__all__ = [
-    "MAX_VALUE",
-    "Zigbee2MqttPart",
-    "Zigbee2MqttTopics",
-    "flag_of",
-    "same_scalar",
-    "text_of",
-    "whole_or_not",
-]
+__all__ = ["MAX_VALUE", "Zigbee2MqttPart", "Zigbee2MqttTopics", "flag_of", "same_scalar", "text_of"]
 
 
 _MOST_SECONDS = 6_553.0
@@ -79,7 +71,7 @@ class Zigbee2MqttTopics:
         seconds = require_transition(transition, _MOST_SECONDS)
         fields = self._plain(message)
         if seconds and self.takes_transition:
-            fields["transition"] = whole_or_not(seconds)
+            fields["transition"] = _whole_or_not(seconds)
         try:
             payload = compact_json(fields).encode()
         except UnicodeEncodeError:
@@ -103,7 +95,7 @@ class Zigbee2MqttTopics:
         return {key.removesuffix(f"_{self.endpoint}"): value for key, value in message.items()}
 
 
-def whole_or_not(number: float) -> float | int:
+def _whole_or_not(number: float) -> float | int:
     """Return *number* as people write it: 21 rather than 21.0."""
     return int(number) if number.is_integer() else number
 
@@ -192,7 +184,7 @@ class Zigbee2MqttPart(JsonPart):
                 capability,
                 (least, most),
                 feature.unit,
-                lambda number: self.topics.publish({feature.key: whole_or_not(number)}),
+                lambda number: self.topics.publish({feature.key: _whole_or_not(number)}),
             )
         bounds = () if feature.least is None or feature.most is None else (least, most)
         self.add_feature(feature, capability, finite_number, writer, unit=unit, bounds=bounds)

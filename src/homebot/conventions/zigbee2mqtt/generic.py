@@ -22,7 +22,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.numbers import finite_number
 
-__all__ = ["CONDITIONS", "TRUE_IS_CLOSED", "build_generic", "measure"]
+__all__ = ["build_generic"]
 
 
 _CONDITION_NAMES: Mapping[str, tuple[str, ...]] = {
@@ -44,14 +44,14 @@ _CONDITION_NAMES: Mapping[str, tuple[str, ...]] = {
     "safety": ("sos",),
     "plugged_in": ("consumer_connected", "is_plug_connected"),
 }
-CONDITIONS: Mapping[str, str] = {name: capability for capability, names in _CONDITION_NAMES.items() for name in names}
+_CONDITIONS: Mapping[str, str] = {name: capability for capability, names in _CONDITION_NAMES.items() for name in names}
 """Capability of a binary that is reported and cannot be set; true is its ``value_on``."""
 
-TRUE_IS_CLOSED = frozenset({"garage_door_contact"})
+_TRUE_IS_CLOSED = frozenset({"garage_door_contact"})
 """Binaries whose ``value_on`` is true where it should be false: what they report is whether the contact is closed."""
 
 
-def measure(name: str, unit: str) -> Quantity:
+def _measure(name: str, unit: str) -> Quantity:
     """Return what the number *name* in *unit* is; a plain measurement where that is not known for sure."""
     capability = _NAMES.get(name) or _capability_of(name, unit)
     conversion = conversion_of(capability, unit) if capability else None
@@ -132,14 +132,14 @@ def _read_action(key: str, message: JsonMessage) -> Readings:
 def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
     category: Category = "diagnostic" if expose.category else ""
     if expose.type == "binary":
-        capability = CONDITIONS.get(expose.name, "state")
+        capability = _CONDITIONS.get(expose.name, "state")
         service_type = "x_battery" if capability == "battery_charging" else sensor_type(capability)
-        if expose.name in TRUE_IS_CLOSED:
+        if expose.name in _TRUE_IS_CLOSED:
             expose = replace(expose, value_on=False, value_off=True)
         part = _part(topics, expose, service_type, category)
         part.add_flag(expose, capability)
     elif expose.type == "numeric":
-        what = measure(expose.name, expose.unit)
+        what = _measure(expose.name, expose.unit)
         part = _part(topics, expose, what.service_type, category)
         part.read_feature(expose, what.capability, partial(_measured, what))
         part.add_capability(what.capability, unit=what.unit)

@@ -36,7 +36,7 @@ from homebot.wot import (
     write_form,
 )
 
-__all__ = ["decode_value", "encode_value", "is_supported", "thing_codec"]
+__all__ = ["is_supported", "thing_codec"]
 
 
 _JSON = re.compile(r"application/([a-z0-9.+-]+\+)?json")
@@ -53,7 +53,7 @@ def is_supported(content_type: str) -> bool:
     return kind == TEXT_CONTENT_TYPE or _JSON.fullmatch(kind) is not None
 
 
-def decode_value(capability: Capability, affordance: Affordance, payload: bytes) -> tuple[PlainValue] | None:
+def _decode_value(capability: Capability, affordance: Affordance, payload: bytes) -> tuple[PlainValue] | None:
     """Return the value of *payload*, in a tuple because it may be None, unknown; None where it has none."""
     if len(payload) > MAX_STATE_BYTES:
         return None
@@ -67,7 +67,7 @@ def decode_value(capability: Capability, affordance: Affordance, payload: bytes)
     return None if found is None else (found,)
 
 
-def encode_value(capability: Capability, affordance: Affordance, value: PlainValue, content_type: str) -> bytes:
+def _encode_value(capability: Capability, affordance: Affordance, value: PlainValue, content_type: str) -> bytes:
     """Return the payload that makes *capability* become *value*.
 
     Raises:
@@ -189,7 +189,7 @@ def thing_codec(part: ClassifiedPart) -> TableCodec[bytes]:
 
 
 def _read(capability: Capability, affordance: Affordance, payload: bytes) -> Readings:
-    value = decode_value(capability, affordance, payload)
+    value = _decode_value(capability, affordance, payload)
     return NO_READINGS if value is None else {capability.name: value[0]}
 
 
@@ -201,5 +201,5 @@ def _write(
         if value is not True:
             raise RefusedError(f"{capability.name} {shown(value)}", "it takes true")
         return (Publication(form.topic, b"", form.qos, form.retain),)
-    payload = encode_value(capability, affordance, value, form.content_type)
+    payload = _encode_value(capability, affordance, value, form.content_type)
     return (Publication(form.topic, payload, form.qos, form.retain),)
