@@ -1,4 +1,4 @@
-"""Questions for devices: what they are made of, how they are spelt, and whether a device fits. Pure."""
+"""Queries for devices: their terms, their text form, and the test whether a device matches. Pure."""
 
 from homebot.lazy_names import lazy_names
 
