@@ -10,8 +10,8 @@ from homebot.conventions.description import DescribedPart, DeviceAnnounced, Text
 from homebot.devices import KeyValue, Sighting
 from homebot.devices.names import text_address
 from homebot.devices.text.commands import accepts_text, main_part
-from homebot.gateways.announced.last_messages import PartTexts
 from homebot.gateways.announced.reachability import ReachabilityReader
+from homebot.gateways.raw_delivery import PartTexts
 from homebot.messages import Time
 
 __all__ = ["AnnouncedPart", "AvailabilityReader", "SightingKind", "StoredAnnouncement"]

@@ -18,9 +18,9 @@ from homebot.gateways.announced.announcement import SightingKind, StoredAnnounce
 from homebot.gateways.announced.command_server import Perform
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.announced.last_messages import PartTexts, missed
 from homebot.gateways.announced.value_check import can_report, check_command
 from homebot.gateways.base import Gateway, GatewaySettings
+from homebot.gateways.raw_delivery import PartTexts, missed
 
 __all__ = ["FindSource", "PublishedDevices", "SendRaw"]
 
