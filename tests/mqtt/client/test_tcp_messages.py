@@ -15,6 +15,8 @@ from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.message import MessageProperties
 from homebot.mqtt.options import MqttProtocol
 from homebot.mqtt.packets import (
+    Connack,
+    Connect,
     Disconnect,
     Puback,
     Pubcomp,
@@ -26,6 +28,7 @@ from homebot.mqtt.packets import (
     Subscribe,
     Unsuback,
     Unsubscribe,
+    encode,
 )
 
 # -- receiving ------------------------------------------------------------------------------------------------
@@ -148,6 +151,16 @@ async def test_an_unreadable_packet_ends_the_link_with_its_reason(make: MakeClie
         assert "unreadable" in str(await client.wait_lost())
         with pytest.raises(LinkError):
             await client.receive()
+
+
+async def test_a_link_that_ends_as_soon_as_it_stands_was_made_and_lost(make: MakeClient) -> None:
+    async def script(peer: Peer) -> None:
+        connect = await peer.expect(Connect)
+        await peer.send_raw(encode(Connack(), connect.version) + b"\x90\x01\x00")
+        await peer.closed()
+
+    async with broker(script) as port, (client := make(port)).connected():
+        assert "unreadable" in str(await client.wait_lost())
 
 
 # -- publishing -----------------------------------------------------------------------------------------------

@@ -93,6 +93,8 @@ class _AiomqttLink(ClientLink):
         except aiomqtt.MqttError as error:
             reason = self._no_connection(error.__context__)
         except (LinkError, RefusedError) as error:
+            if self._is_granted:
+                return  # and lost in the same moment, which `wait_lost` tells
             reason = self._lost or error
         except BaseException:
             self.cut(LinkError("the connection attempt was cancelled"))
