@@ -82,7 +82,7 @@ def test_pub_publishes_with_and_without_a_type(homebot: Any, capsys: Text, argum
         (["/helo", "{data: hi}"], "homebot: there is no topic /helo; did you mean /hello?"),
         (
             ["/new", "std_msgs/Strng", "{data: hi}"],
-            "message type 'std_msgs/Strng' is not known here; similar: ",
+            "unknown message type 'std_msgs/Strng'; similar: ",
         ),
         (["/a b", "std_msgs/String", "{data: hi}"], "has a character that names may not hold"),
     ],

@@ -96,7 +96,7 @@ def add_broker_option(parser: argparse.ArgumentParser) -> None:
         metavar="URL",
         type=broker_url,
         default=DEFAULT_BROKER,
-        help=f"broker that Thing Descriptions name (default: {DEFAULT_BROKER})",
+        help=f"MQTT broker to name in Thing Descriptions (default: {DEFAULT_BROKER})",
     )
 
 
@@ -174,7 +174,7 @@ def positive(text: str) -> float:
 def whole(text: str) -> int:
     """Return the positive whole number *text*."""
     if not text.isascii() or not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"a whole number from 1 on is expected, got {text!r}")
+        raise argparse.ArgumentTypeError(f"a whole number above 0 is expected, got {text!r}")
     return int(text)
 
 
@@ -190,11 +190,11 @@ def _add_door_options(parser: argparse.ArgumentParser, address_default: str, fil
         metavar="HOST:PORT",
         type=address,
         default=address_default,
-        help=f"its rosbridge endpoint (default: HOMEBOT_DOOR, else {DEFAULT_DOOR})",
+        help=f"address of its rosbridge server (default: HOMEBOT_DOOR, else {DEFAULT_DOOR})",
     )
     door.add_argument(
         "--token-file",
         metavar="FILE",
         default=file_default,
-        help="file with the token of the endpoint (default: the token in HOMEBOT_DOOR_TOKEN, if set)",
+        help="file with its access token (default: the token in HOMEBOT_DOOR_TOKEN, if set)",
     )

@@ -323,5 +323,7 @@ def _token(file: str | None) -> str:
         return os.environ.get("HOMEBOT_DOOR_TOKEN", "")
     try:
         return Path(file).read_text(encoding="utf-8").strip()
-    except (OSError, ValueError) as exc:
-        raise ConfigError("--token-file", file, f"cannot be read: {exc}") from exc
+    except OSError as exc:
+        raise ConfigError("--token-file", file, f"cannot be read: {exc.strerror}") from exc
+    except ValueError as exc:
+        raise ConfigError("--token-file", file, "is not text in UTF-8") from exc

@@ -42,16 +42,16 @@ COMMANDS: Final = {
 
 _EPILOG = """\
 examples:
-  homebot run                                  try it: embedded broker, simulated devices, light service
-  homebot devices                              the devices in the house
+  homebot run                                    try it: embedded broker, simulated devices, light service
+  homebot devices                                the devices in the house
   homebot find 'light and dimmable in kitchen'   the devices that match
-  homebot show 'Kitchen lamp'                  everything about one device
-  homebot doctor                               what is wrong
-  homebot topic list -t                        every topic and its type
-  homebot topic echo /rosout                   watch the log live
+  homebot show 'Kitchen lamp'                    everything about one device
+  homebot doctor                                 what is wrong
+  homebot topic list -t                          every topic and its type
+  homebot topic echo /rosout                     watch the log live
   homebot topic pub --once /hello std_msgs/String '{data: hi}'
-  homebot service call /rosapi/get_time        call a service
-  homebot broker                               an MQTT broker and nothing else
+  homebot service call /rosapi/get_time          call a service
+  homebot broker                                 an MQTT broker and nothing else
 
 All commands but `run`, `broker` and `config` connect to a running homebot, by default on 127.0.0.1:9090. See
 `homebot COMMAND --help` for the options of each.

@@ -146,7 +146,7 @@ async def test_service_details_describe_request_and_response(ask: Asker) -> None
 
 
 async def test_an_unknown_type_is_an_error_that_names_similar_ones(ask: Asker) -> None:
-    problem = "message type 'std_msgs/Strin' is not known here; similar: std_msgs/msg/String"
+    problem = "unknown message type 'std_msgs/Strin'; similar: std_msgs/msg/String"
     with pytest.raises(ServiceFailedError, match=problem):
         await ask("message_details", type="std_msgs/Strin")
 

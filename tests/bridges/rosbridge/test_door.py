@@ -144,7 +144,7 @@ async def test_a_bad_frame_is_told_to_its_client_and_changes_nothing(open_house:
     [
         (
             {"op": "subscribe", "topic": "/new", "type": "std_msgs/Strng"},
-            "'std_msgs/Strng' is not known here; similar: ",
+            "unknown message type 'std_msgs/Strng'; similar: ",
         ),
         (
             {"op": "subscribe", "topic": "/chatter", "type": "std_msgs/Int32"},

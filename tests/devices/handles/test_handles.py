@@ -199,8 +199,8 @@ async def test_a_handle_tells_what_its_part_told(
 @pytest.mark.parametrize(
     ("capability", "problem"),
     [
-        ("vibratoin", "'vibratoin' is no capability; did you mean vibration?"),
-        ("xyz", "'xyz' is no capability; a tells on_off"),
+        ("vibratoin", "'vibratoin' is not a capability; did you mean vibration?"),
+        ("xyz", "'xyz' is not a capability; a tells on_off"),
         ("press", "press is an event, not a state"),
     ],
 )

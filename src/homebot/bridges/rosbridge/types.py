@@ -155,7 +155,7 @@ def _unknown(kind: str, ros_type: str, known: list[str]) -> PeerError:
 
     similar = get_close_matches(ros_type[:_LONGEST_TYPE], known, n=3, cutoff=0.5)  # it takes the square of the length
     hint = f"; similar: {', '.join(similar)}" if similar else ""
-    return PeerError(f"{kind} type {ros_type[:_LONGEST_TYPE]!r} is not known here{hint}")
+    return PeerError(f"unknown {kind} type {ros_type[:_LONGEST_TYPE]!r}{hint}")
 
 
 _ROS2_NAMES = {"secs": "sec", "nsecs": "nanosec"}

@@ -53,7 +53,7 @@ The exit status is 1 if there are problems.
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot doctor``."""
     set_client_command(parser, _doctor, _EXAMPLES)
-    parser.add_argument("--counts", action="store_true", help="show all counters, not only those of faults")
+    parser.add_argument("--counts", action="store_true", help="show all counters, not only those of problems")
 
 
 def _doctor(options: argparse.Namespace) -> int:

@@ -34,9 +34,9 @@ A query combines types (light, lamp, window, …), capabilities (dimmable, tempe
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot find``."""
     set_client_command(parser, _find, _EXAMPLES)
-    parser.add_argument("query", metavar="QUERY", nargs="+", help="words to search for")
+    parser.add_argument("query", metavar="QUERY", nargs="+", help="search terms, see below")
     parser.add_argument("--why", action="store_true", help="show why each device matches and ranks where it does")
-    parser.add_argument("--limit", metavar="N", type=whole, default=50, help="show the best N (default: 50)")
+    parser.add_argument("--limit", metavar="N", type=whole, default=50, help="show the N best matches (default: 50)")
     parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
 
 

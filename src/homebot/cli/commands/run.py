@@ -66,7 +66,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="simulated house in TOML, on the embedded broker (default: a small one, without --config and --mqtt)",
     )
     parser.add_argument("--mqtt", metavar="URL", help="broker of the gateway `mqtt`, as mqtt://[user@]host[:port]")
-    parser.add_argument("--root", metavar="NAME", help="home to listen to, which is the first level of its MQTT topics")
+    parser.add_argument(
+        "--root",
+        metavar="NAME",
+        help="first MQTT topic level of devices without announcements, such as home425 (default: any)",
+    )
     parser.add_argument(
         "--app",
         metavar="NAME",

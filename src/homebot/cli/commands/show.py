@@ -80,7 +80,7 @@ def _describe(device: DeviceRecord, reasons: Sequence[str], now: float) -> None:
     _section("facts", facts)
     _section("merged into one device, because", [(one,) for one in device["evidence"]])
     _section("disputed", [(one,) for one in device["conflicts"]])
-    _section("found by its name, because", [(one,) for one in reasons])
+    _section("why a search for its name finds it", [(one,) for one in reasons])
 
 
 def _overview(device: DeviceRecord, now: float) -> Iterator[tuple[str, ...]]:

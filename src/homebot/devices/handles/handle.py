@@ -154,7 +154,7 @@ class Handle:
         if capability not in CAPABILITIES and not any(one.name == capability for one in self.capabilities):
             known = ", ".join(one.name for one in self.capabilities) or "nothing"
             hint = did_you_mean(capability, CAPABILITIES, f"{self.id} tells {known}", cutoff=0.7)
-            raise UsageError(f"{capability!r} is no capability; {hint}")
+            raise UsageError(f"{capability!r} is not a capability; {hint}")
 
     def _settable_part(self, capability: str, value: PlainValue) -> DevicePart:
         """Return the part, if *capability* of it can be set to *value*."""

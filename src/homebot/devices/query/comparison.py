@@ -68,7 +68,7 @@ def _not_ordered(spelled: str, name: Token) -> str:
     if spelled in FIELDS:
         return f"{name.text} has no order; only = and != compare it"
     numbers = "numbers are for example level, position and temperature"
-    return f"{name.text} is no capability; {did_you_mean(spelled, CAPABILITY_WORDS, numbers, _ALIKE)}"
+    return f"{name.text} is not a capability; {did_you_mean(spelled, CAPABILITY_WORDS, numbers, _ALIKE)}"
 
 
 def _state(capability: CapabilityType, operator: Operator, value: Token) -> StateIs | And:
@@ -79,7 +79,7 @@ def _state(capability: CapabilityType, operator: Operator, value: Token) -> Stat
         )
     wanted = _value(capability, value)
     if operator not in {"=", "!="} and not isinstance(wanted, float):
-        raise UsageError(f"{capability.name} is no number; only = and != compare it")
+        raise UsageError(f"{capability.name} is not a number; compare it with = or !=")
     return StateIs(capability.name, operator, wanted)
 
 
@@ -102,7 +102,8 @@ def _value(capability: CapabilityType, value: Token) -> PlainValue:
                 raise UsageError(f"{capability.name} is one of {options}, not {value.text!r}")
             return word
         case "numbers":
-            raise UsageError(f"{capability.name} is several numbers, which cannot be compared; ask `with` it")
+            hint = f"ask for `with {capability.name}`"
+            raise UsageError(f"{capability.name} is several numbers, which cannot be compared; {hint}")
 
 
 def _in_unit(capability: CapabilityType) -> str:
@@ -120,7 +121,7 @@ def _field(field: str, name: Token, value: Token) -> Query:
             return _condition(field, name, value)
         case "can" | "has":
             if word not in CAPABILITY_WORDS:
-                raise UsageError(f"{value.text!r} is no capability")
+                raise UsageError(f"{value.text!r} is not a capability")
             return CanDo(CAPABILITY_WORDS[word], settable=field == "can")
         case "text":
             return And(tuple(HasText(one) for one in words_of(value.text)))

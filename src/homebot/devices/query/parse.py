@@ -66,7 +66,7 @@ class _Parser:
             return And(())
         found = self._any()
         if (extra := self._peek()) is not None:
-            raise UsageError(f"the query has {extra.text!r} at character {extra.at}, but nothing that it closes")
+            raise UsageError(f"{extra.text!r} at character {extra.at} closes no bracket")
         return found
 
     def _any(self) -> Query:
@@ -116,7 +116,7 @@ class _Parser:
             return _all_words(token.text)
         if token.kind == "(":
             return self._bracket(token)
-        raise UsageError(f"{token.text!r} at character {token.at} compares nothing: a name must stand before it")
+        raise UsageError(f"{token.text!r} at character {token.at} has no name before it")
 
     def _negated(self, token: Token) -> Query:
         self._place += 1
@@ -150,7 +150,7 @@ class _Parser:
         self._place += 2
         value = self._peek()
         if value is None or value.kind not in {"word", "text"}:
-            raise UsageError(f"nothing stands after {name.text} {operator.text}; a value must")
+            raise UsageError(f"'{name.text} {operator.text}' is not followed by a value")
         self._place += 1
         unit = self._peek()
         is_number = value.kind == "word" and value.text[-1:].isdigit()
@@ -178,7 +178,7 @@ class _Parser:
             if word != "the" or words:
                 words.append(word)
         if not words:
-            raise UsageError(f"no room stands after {token.text!r} at character {token.at}")
+            raise UsageError(f"{token.text!r} at character {token.at} is not followed by a room")
         return " ".join(words)
 
     def _ability(self, token: Token) -> Query:
@@ -263,7 +263,7 @@ _ADJECTIVE_TERMS = frozenset(states[0] if len(states) == 1 else Or(states) for s
 def _all_words(text: str) -> Query:
     words = [HasText(word[:MAX_WORD]) for word in words_of(text)]
     if not words:
-        raise UsageError(f"{text[:40]!r} has no word to look for")
+        raise UsageError(f"{text[:40]!r} has no word to search for")
     return words[0] if len(words) == 1 else And(tuple(words))
 
 
@@ -272,7 +272,7 @@ def _is(token: Token, keyword: str) -> bool:
 
 
 def _missing(token: Token) -> UsageError:
-    return UsageError(f"something is missing beside {token.text!r} at character {token.at} of the query")
+    return UsageError(f"a term is missing next to {token.text!r} at character {token.at}")
 
 
 def _unknown_capability(token: Token) -> UsageError:
@@ -281,4 +281,4 @@ def _unknown_capability(token: Token) -> UsageError:
     hint = did_you_mean(word, CAPABILITY_WORDS, known, cutoff=0.6)
     is_type = bool(wanted_types(re.sub(r"\s+", " ", word))) or word in DEVICE_TYPES
     hint = f"it is a type of device: leave out the word before it; {hint}" if is_type else hint
-    return UsageError(f"{token.text[:40]!r} at character {token.at} is no capability; {hint}")
+    return UsageError(f"{token.text[:40]!r} at character {token.at} is not a capability; {hint}")

@@ -104,7 +104,7 @@ def simple_part(service_type: str, *, settable: tuple[str, ...] = (), readable: 
         raise UsageError(f"{service_type!r} is no device type; known are {', '.join(sorted(DEVICE_TYPES))}")
     for name in (*settable, *readable):
         if name not in CAPABILITIES:
-            raise UsageError(f"{name!r} is no capability; known are {', '.join(sorted(CAPABILITIES))}")
+            raise UsageError(f"{name!r} is not a capability; known are {', '.join(sorted(CAPABILITIES))}")
     capabilities = (
         *(Capability(name=name, settable=True) for name in settable),
         *(Capability(name=name) for name in readable),
