@@ -28,8 +28,8 @@ __all__ = ["ReadAhead", "TcpTransport", "dial_error", "dial_tcp", "make_tls_cont
 _PORTION: Final = 32 * 1024
 """Bytes understood in one turn of the loop: enough for a few hundred messages, a few milliseconds of work."""
 
-_BUFFER: Final = 64 * 1024
-"""Bytes read from the socket at once, at most."""
+_BUFFER: Final = 256 * 1024
+"""Bytes read from the socket at once, at most; one that reads less in a turn is too slow for a broker in a flood."""
 
 _READ_AHEAD: Final = 16 * 1024 * 1024
 """Bytes waiting to be understood, at most; see `ReadAhead` for why so many."""
