@@ -21,7 +21,7 @@ from tests.system.broker_probe import Client
 from websockets.sync.client import connect
 
 from homebot.devices.names import DISCOVERY_HEALTH, GatewayNames
-from homebot.gateways.announced.announcement_limits import MAX_EXCESS
+from homebot.gateways.announced.registry import MAX_EXCESS
 from homebot.mqtt.packets import Connect, Pingreq, ProtocolVersion, Puback, Publish
 
 pytestmark = [

@@ -230,8 +230,8 @@ class DeviceAnnounced:
 
     @property
     def full_key(self) -> str:
-        """Key of the gateway for it; a text device is distinct without its convention."""
-        return self.key if self.text is not None else f"{self.convention}:{self.key}"
+        """Key of the gateway for it; a text device, and one of no convention, is distinct without."""
+        return self.key if self.text is not None or not self.convention else f"{self.convention}:{self.key}"
 
 
 @dataclass(frozen=True, slots=True)

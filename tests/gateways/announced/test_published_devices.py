@@ -272,3 +272,16 @@ async def test_raw_messages_that_are_no_values_are_counted_and_not_delivered() -
             await gateway.receive("hall", payload)
         assert gateway.devices.counters.rejected == 4
         assert await missed_on(gateway, watcher, "radio/hall") == ()
+
+
+async def test_a_device_with_too_many_parts_is_refused_and_what_was_known_stays() -> None:
+    """As of every gateway: what a network can make a house remember has limits."""
+    parts = tuple(Part(id=str(number), service_type="light") for number in range(1001))
+    async with house() as (gateway, watcher):
+        gateway.devices.put(LAMP, "new")
+        gateway.devices.put(replace(LAMP, parts=parts), "grown")
+        (sighting,) = kept(listen(watcher, Sighting, gateway.names.received_topics))
+        assert sighting.parts == LAMP.parts
+        assert gateway.devices.counters.devices_refused == 1
+        await gateway.devices.report("hall", {"on_off": True})
+        assert [one.text() for one in await text_of(gateway, watcher, "hall")] == ["on"]

@@ -15,7 +15,7 @@ from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssist
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.announced.announcement_limits import MAX_EXCESS, MAX_EXCESS_EACH, RegistryLimits, excess_of
+from homebot.gateways.announced.registry import MAX_EXCESS, MAX_EXCESS_EACH, RegistryLimits, excess_of
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
 

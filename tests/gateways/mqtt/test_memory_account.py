@@ -19,7 +19,7 @@ from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.announced.announcement_limits import MAX_MEMORY, MemoryAccount, RegistryLimits
+from homebot.gateways.announced.registry import MAX_MEMORY, MemoryAccount, RegistryLimits
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.mqtt.broker import BrokerLimits

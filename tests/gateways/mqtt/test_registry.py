@@ -14,7 +14,7 @@ from homebot.conventions.text_codec import TextCodec
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.announced.announcement_limits import RegistryLimits
+from homebot.gateways.announced.registry import RegistryLimits
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.mqtt.topics import topic_matches

@@ -57,18 +57,20 @@ class GatewayDevice:
         """The address on which its raw messages are listened to; empty for none of its own."""
         return self.raw_address or self.address
 
-    def stored(self, gateway: str) -> StoredAnnouncement:
-        """Return it as *gateway* keeps and publishes it."""
+    def described(self) -> DeviceAnnounced:
+        """Return it as an announcement of no convention."""
         parts = tuple(DescribedPart(one, _NO_CODEC, expiries=self.expiries.get(one.id, ())) for one in self.parts)
-        described = DeviceAnnounced(
+        return DeviceAnnounced(
             self.key, "", self.identifiers, self.name, parts, "", self.area, self.metadata, native=True
         )
-        stored = StoredAnnouncement(gateway, self.key, described, stale_after=self.stale_after)
+
+    def complete(self, stored: StoredAnnouncement) -> None:
+        """Add to what is *stored* of it what no announcement says: its own addresses and expiry."""
+        stored.stale_after = self.stale_after
         own = {name: getattr(self, name) for name in ("service_type", "address", "command_address")}
         given = {name: text for name, text in own.items() if text}
         if given:
             stored.template = Sighting.of_checked(**stored.template.__dict__ | given)
-        return stored
 
 
 class _NoCodec:

@@ -13,11 +13,12 @@ from homebot.devices import RawCommand, RawMessage
 from homebot.devices.gateway_messages import Command
 from homebot.devices.health import HealthResponse
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError, UnableError
+from homebot.errors import RefusedError, UnableError, WireError
 from homebot.gateways.announced.announcement import SightingKind, StoredAnnouncement
 from homebot.gateways.announced.command_server import Perform
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.announced.registry import DeviceRegistry, RegistryLimits
 from homebot.gateways.announced.value_check import can_report, check_command
 from homebot.gateways.base import Gateway, GatewaySettings
 from homebot.gateways.raw_delivery import PartTexts, missed
@@ -52,7 +53,7 @@ class PublishedDevices:
         send_raw: Sends raw commands to addresses; None for a protocol that has none.
         find_source: Says whose an address of raw messages is; by default that of the device that has it.
         settings: The settings of the gateway, for what every gateway's table has; by default their defaults.
-        max_devices: Devices that may be known at once.
+        max_devices: Devices that may be known at once; see :class:`RegistryLimits` for the other limits.
 
     Attributes:
         engine: The mechanisms that do it, for a gateway that needs more of them.
@@ -73,9 +74,9 @@ class PublishedDevices:
         settings = settings or GatewaySettings()
         self._gateway = gateway
         self._perform = perform
-        self._max_devices = max_devices
         self._given: dict[str, GatewayDevice] = {}
-        self._devices: dict[str, StoredAnnouncement] = {}
+        self._registry = DeviceRegistry(gateway.node.name, RegistryLimits(announcements=max_devices))
+        self._devices = self._registry.by_key
         self._raw = _RawMessages(send_raw, find_source)
         self.problems: tuple[str, ...] = ()
         self.engine: GatewayEngine[bytes] = GatewayEngine(
@@ -106,15 +107,15 @@ class PublishedDevices:
         """
         self._reporter.refresh_time()
         before = self._devices.get(device.key)
-        if before is None and len(self._devices) >= self._max_devices:
-            self.counters.devices_refused += 1
-            words = f"{device.key[:100]} is one too many: {self._max_devices:,} devices are known"
-            self.engine.quarantine.log_limited(TOO_MANY, words, source="")
-            return
         is_news = before is None or confirmed is not before.is_confirmed
         stored = before
         if stored is None or self._given[device.key] != device:
-            stored = self._store(device, before)
+            try:
+                stored = self._store(device)
+            except WireError as exc:
+                self.counters.devices_refused += 1
+                self.engine.quarantine.log_limited(TOO_MANY, str(exc), source="")
+                return
             is_news = is_news or before is None or not stored.publishes_the_same(before)
         self.engine.quarantine.accept(device.key, b"")
         if is_news or self._reporter.now >= stored.refresh_at:
@@ -124,7 +125,7 @@ class PublishedDevices:
     def remove(self, key: str, why: str) -> None:
         """Publish that a device was taken out of the house, and keep nothing of it; no device is nothing new."""
         self._reporter.refresh_time()
-        stored = self._devices.pop(key, None)
+        stored = self._registry.remove(key)
         if stored is None:
             return
         self._raw.leave(self._given.pop(key))
@@ -202,15 +203,15 @@ class PublishedDevices:
         self.counters.rejected += 1
         self.engine.quarantine.record_offence(source, len(payload), REJECTED, why)
 
-    def _store(self, device: GatewayDevice, before: StoredAnnouncement | None) -> StoredAnnouncement:
-        stored = device.stored(self._gateway.node.name)
-        if before is not None:
-            stored.take_over_state(before)
-            before.let_go()
+    def _store(self, device: GatewayDevice) -> StoredAnnouncement:
+        change = self._registry.put(device.described())
+        device.complete(change.stored)
+        if change.before is not None:
+            change.before.let_go()
             self._raw.leave(self._given[device.key], unless=device.raw)
-        self._given[device.key], self._devices[device.key] = device, stored
+        self._given[device.key] = device
         self._raw.enter(device)
-        return stored
+        return change.stored
 
     async def _checked(self, command: Command) -> None:
         """Carry *command* out where it fits the part.

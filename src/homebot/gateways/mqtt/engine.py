@@ -27,16 +27,16 @@ from homebot.devices import RawCommand, RawMessage
 from homebot.devices.health import Count, HealthResponse
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader
-from homebot.gateways.announced.announcement_limits import RegistryLimits
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.last_messages import CachedMessage, LastMessageCache
+from homebot.gateways.announced.registry import RegistryChange, RegistryLimits
 from homebot.gateways.announced.work_budget import WorkBudgets
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.command_publisher import CommandPublisher
 from homebot.gateways.mqtt.intake import AnnouncementHandler
 from homebot.gateways.mqtt.offers import Offers
-from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryChange, TopicReaders
+from homebot.gateways.mqtt.registry import AnnouncementRegistry, TopicReaders
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.gateways.mqtt.spare_memory import LONG, SpareMemory

@@ -14,9 +14,10 @@ from homebot.errors import WireError
 from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.quarantine import PeerQuarantine
+from homebot.gateways.announced.registry import RegistryChange
 from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
-from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryChange
+from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.mqtt.message import MqttMessage
 

@@ -1,25 +1,21 @@
-"""Every announcement that stands, and who reads which topic. Pure."""
+"""The announcements that stand at an MQTT gateway, and who reads which topic. Pure."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TypeAlias
 
 from homebot.conventions.convention import Convention, TextConvention
-from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.text_codec import TextCodec
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
-from homebot.gateways.announced.announcement_limits import Excess, MemoryAccount, RegistryLimits, excess_of
+from homebot.gateways.announced.registry import DeviceRegistry, Readers, RegistryLimits
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.mqtt.filter_tree import FilterIndex, has_wildcard
 
-__all__ = ["AnnouncementRegistry", "RegistryChange", "TopicReaders"]
+__all__ = ["AnnouncementRegistry", "TopicReaders"]
 
 _MAX_ROUTES = 50_000
-
-_Readers: TypeAlias = tuple[tuple[str, AnnouncedPart | AvailabilityReader], ...]
 
 
 _BOUNDS = RegistryLimits()
@@ -46,24 +42,7 @@ class TopicReaders:
     announced_parts: tuple[AnnouncedPart, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class RegistryChange:
-    """The changes that a new description makes.
-
-    Attributes:
-        stored: What stands now.
-        before: What it took the place of, or None.
-        refused: State topics that cannot be read, with the reasons.
-        readers: Who reads which topic now that is read by others already, and may have missed what was said there.
-    """
-
-    stored: StoredAnnouncement
-    before: StoredAnnouncement | None
-    refused: tuple[WireError, ...]
-    readers: _Readers
-
-
-class AnnouncementRegistry:
+class AnnouncementRegistry(DeviceRegistry):
     """The announcements of all conventions of one gateway.
 
     Args:
@@ -73,8 +52,6 @@ class AnnouncementRegistry:
         bounds: How much may stand at once.
 
     Attributes:
-        gateway: Its name.
-        by_key: What stands, by key, in the order of its coming.
         codecs: How parts say text, by the topics on which they are told.
         route: Returns who reads a topic; None for nobody.
     """
@@ -86,14 +63,9 @@ class AnnouncementRegistry:
         topics: StateTopics,
         bounds: RegistryLimits = _BOUNDS,
     ) -> None:
-        self.gateway = gateway
+        super().__init__(gateway, bounds)
         self.codecs: dict[str, TextCodec] = {}
         self._topics = topics
-        self._bounds = bounds
-        self.by_key: dict[str, StoredAnnouncement] = {}
-        self._parts = 0
-        self._excess = Excess(bounds.excess, bounds.excess_each)
-        self._memory = MemoryAccount(bounds.memory)
         self._announcements: FilterIndex[Convention] = FilterIndex()
         self._text_conventions = frozenset(one for one in conventions if isinstance(one, TextConvention))
         self._texts: dict[str, AnnouncedPart] = {}
@@ -105,89 +77,19 @@ class AnnouncementRegistry:
         self._routes = _Routes(self._find)
         self.route = self._routes.__getitem__
 
-    @property
-    def excess(self) -> int:
-        """Bytes by which all that stand are longer than what they offer explains."""
-        return self._excess.total
-
-    @property
-    def memory(self) -> int:
-        """Bytes that all that stand take, about."""
-        return self._memory.total
-
-    def get(self, key: str) -> StoredAnnouncement | None:
-        """Return what stands under *key*."""
-        return self.by_key.get(key)
-
-    def all(self) -> tuple[StoredAnnouncement, ...]:
-        """Return all that stand, in the order of their coming."""
-        return tuple(self.by_key.values())
-
     def is_read(self, topic: str) -> bool:
         """Return whether a part, or an availability reader, reads *topic* now."""
         return topic in self._texts or bool(self._readers.match(topic))
 
-    def put(self, described: DeviceAnnounced, length: int = 0) -> RegistryChange:
-        """Let *described* stand, in place of an earlier one of the same key.
-
-        Args:
-            described: The description.
-            length: Of the message that it alone was made of; 0 where that is unknown.
-
-        Raises:
-            WireError: It has more than 1,000 parts, is one device or part too many, too long, or there is no more
-                memory for it. What stood before stays.
-        """
-        key = described.full_key
-        before = self.by_key.get(key)
-        self._check_room(described, before)
-        excess = excess_of(described, length)
-        self._excess.check(described.key, excess, 0 if before is None else before.excess)
-        stored = StoredAnnouncement(self.gateway, key, described, excess)
-        refused, readers = self._register_readers(stored)
-        if described.text is not None:
-            self._register_text(stored)
-        if before is not None:
-            stored.take_over_state(before)
-            self._unregister_readers(before)
-            readers = _who_missed_something(stored, before, readers)
-        self.by_key[key] = stored
-        self._parts += len(described.parts)
-        self._excess.total += excess
-        self._memory.put(described)
-        return RegistryChange(stored, before, refused, readers)
-
-    def remove(self, key: str) -> StoredAnnouncement | None:
-        """Let what stands under *key* stand no more, and return it."""
-        stored = self.by_key.pop(key, None)
-        if stored is not None:
-            self._unregister_readers(stored)
-        return stored
-
-    def __len__(self) -> int:
-        return len(self.by_key)
-
-    def _check_room(self, described: DeviceAnnounced, before: StoredAnnouncement | None) -> None:
-        if before is not None and before.described.convention != described.convention:
-            raise WireError(f"{described.full_key!r} is what {before.described.convention} calls a device already")
-        count = len(described.parts)
-        if count > self._bounds.parts_each:
-            raise WireError(f"{described.key!r} has {count} parts, more than {self._bounds.parts_each:,}")
-        if before is None and len(self.by_key) >= self._bounds.announcements:
-            raise WireError(
-                f"{described.key!r} is one too many: there are {self._bounds.announcements:,} announcements already"
-            )
-        if self._parts + count - (0 if before is None else len(before.described.parts)) > self._bounds.parts:
-            raise WireError(f"{described.key!r} has too many parts: there are {self._bounds.parts:,} parts already")
-        self._memory.check(described, None if before is None else before.described)
-
-    def _register_readers(self, stored: StoredAnnouncement) -> tuple[tuple[WireError, ...], _Readers]:
+    def _enter(
+        self, stored: StoredAnnouncement, before: StoredAnnouncement | None
+    ) -> tuple[tuple[WireError, ...], Readers]:
         refused: list[WireError] = []
         readers: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
         for topic_filter, reader in tuple(_readings(stored)):  # first all, because a plug-in may fail on the way
             count = self._reader_counts.get(topic_filter, 0)
-            if count >= self._bounds.readers and isinstance(reader, AnnouncedPart):
-                refused.append(WireError(f"topic {topic_filter!r} is read by {self._bounds.readers:,} parts already"))
+            if count >= self._limits.readers and isinstance(reader, AnnouncedPart):
+                refused.append(WireError(f"topic {topic_filter!r} is read by {self._limits.readers:,} parts already"))
                 continue
             try:
                 self._topics.use(topic_filter)
@@ -200,7 +102,11 @@ class AnnouncementRegistry:
             self._forget_routes(topic_filter)
             if count and not has_wildcard(topic_filter):
                 readers.append((topic_filter, reader))
-        return tuple(refused), tuple(readers)
+        if stored.described.text is not None:
+            self._register_text(stored)
+        if before is None or not readers:
+            return tuple(refused), tuple(readers)
+        return tuple(refused), _who_missed_something(stored, before, tuple(readers))
 
     def _register_text(self, stored: StoredAnnouncement) -> None:
         """Register a text device; its convention's filters bring its messages, so it needs no subscription."""
@@ -218,11 +124,8 @@ class AnnouncementRegistry:
             self.codecs.pop(text.command_address, None)
             self._forget_routes(text.address)
 
-    def _unregister_readers(self, stored: StoredAnnouncement) -> None:
+    def _leave(self, stored: StoredAnnouncement) -> None:
         self._unregister_text(stored)
-        self._parts -= len(stored.described.parts)
-        self._excess.total -= stored.excess
-        self._memory.drop(stored.described)
         for topic_filter, reader in stored.subscriptions:
             self._topics.leave(topic_filter)
             self._readers.remove(topic_filter, reader)
@@ -273,7 +176,7 @@ class _Routes(dict[str, TopicReaders | None]):
         return self._find(topic)
 
 
-def _who_missed_something(stored: StoredAnnouncement, before: StoredAnnouncement, readers: _Readers) -> _Readers:
+def _who_missed_something(stored: StoredAnnouncement, before: StoredAnnouncement, readers: Readers) -> Readers:
     if stored.publishes_the_same(before):
         return tuple(
             (topic, reader)

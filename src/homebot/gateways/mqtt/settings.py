@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, f
 
 from homebot.config import FilePath, check_secret_file, read_secret
 from homebot.errors import HomebotError, UsageError
-from homebot.gateways.announced.announcement_limits import MAX_MEMORY
+from homebot.gateways.announced.registry import MAX_MEMORY
 from homebot.gateways.base import Delivery
 from homebot.gateways.mqtt.loaded_conventions import any_announcing, check_tables, default_conventions
 from homebot.mqtt.client.choice import MqttClientName

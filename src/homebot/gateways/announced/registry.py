@@ -1,4 +1,4 @@
-"""Limits of what announcements may take, in the gateway and in the directory, and the accounts of it. Pure.
+"""Every announcement that stands at a gateway, and the limits of what they may take, in gateway and directory. Pure.
 
 Memory, measured: a device takes 15 kB with its one announcement and part, a further announcement of it 8 kB, a further
 part of an announcement 3 kB. What announcements are longer than that explains is an account of its own, the *excess*: a
@@ -9,12 +9,25 @@ long ones, of lists and of templates. Only what an announcement is longer than a
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from homebot.conventions.description import DeviceAnnounced
 from homebot.devices.part import size_of_parts, size_of_texts
 from homebot.errors import WireError
+from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 
-__all__ = ["MAX_EXCESS", "MAX_EXCESS_EACH", "MAX_MEMORY", "Excess", "MemoryAccount", "RegistryLimits", "excess_of"]
+__all__ = [
+    "MAX_EXCESS",
+    "MAX_EXCESS_EACH",
+    "MAX_MEMORY",
+    "DeviceRegistry",
+    "Excess",
+    "MemoryAccount",
+    "Readers",
+    "RegistryChange",
+    "RegistryLimits",
+    "excess_of",
+]
 
 MAX_EXCESS = 8 * 1024 * 1024
 """Bytes of all. In memory they are two to twelve times as much: the texts of lists two, templates twelve."""
@@ -33,6 +46,9 @@ MAX_MEMORY = 512 * 1024 * 1024
 _DEVICE = 8 * 1024
 _ANNOUNCEMENT = 5 * 1024
 _PART = 3 * 1024
+
+Readers: TypeAlias = tuple[tuple[str, AnnouncedPart | AvailabilityReader], ...]
+"""Addresses, each with a part, or a source of availability, that is read there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +72,137 @@ class RegistryLimits:
     excess: int = MAX_EXCESS
     excess_each: int = MAX_EXCESS_EACH
     memory: int = MAX_MEMORY
+
+
+_LIMITS = RegistryLimits()
+
+
+@dataclass(frozen=True, slots=True)
+class RegistryChange:
+    """The changes that a new description makes.
+
+    Attributes:
+        stored: What stands now.
+        before: What it took the place of, or None.
+        refused: Addresses of states that cannot be read, with the reasons.
+        readers: Who reads which address now that is read by others already, and may have missed what was said there.
+    """
+
+    stored: StoredAnnouncement
+    before: StoredAnnouncement | None
+    refused: tuple[WireError, ...] = ()
+    readers: Readers = ()
+
+
+class DeviceRegistry:
+    """The devices of one gateway, or the announcements of them; a protocol adds who reads which address.
+
+    Args:
+        gateway: Its name.
+        limits: How much may stand at once.
+
+    Attributes:
+        gateway: Its name.
+        by_key: What stands, by key, in the order of its coming.
+    """
+
+    def __init__(self, gateway: str, limits: RegistryLimits = _LIMITS) -> None:
+        self.gateway = gateway
+        self.by_key: dict[str, StoredAnnouncement] = {}
+        self._limits = limits
+        self._parts = 0
+        self._excess = Excess(limits.excess, limits.excess_each)
+        self._memory = MemoryAccount(limits.memory)
+
+    @property
+    def excess(self) -> int:
+        """Bytes by which all that stand are longer than what they offer explains."""
+        return self._excess.total
+
+    @property
+    def memory(self) -> int:
+        """Bytes that all that stand take, about."""
+        return self._memory.total
+
+    def get(self, key: str) -> StoredAnnouncement | None:
+        """Return what stands under *key*."""
+        return self.by_key.get(key)
+
+    def all(self) -> tuple[StoredAnnouncement, ...]:
+        """Return all that stand, in the order of their coming."""
+        return tuple(self.by_key.values())
+
+    def put(self, described: DeviceAnnounced, length: int = 0) -> RegistryChange:
+        """Let *described* stand, in place of an earlier one of the same key.
+
+        Args:
+            described: The description.
+            length: Of the message that it alone was made of; 0 where that is unknown.
+
+        Raises:
+            WireError: It has more than 1,000 parts, is one device or part too many, too long, or there is no more
+                memory for it. What stood before stays.
+        """
+        key = described.full_key
+        before = self.by_key.get(key)
+        self._check_room(described, before)
+        excess = excess_of(described, length)
+        self._excess.check(described.key, excess, 0 if before is None else before.excess)
+        stored = StoredAnnouncement(self.gateway, key, described, excess)
+        if before is not None:
+            stored.take_over_state(before)
+        refused, readers = self._enter(stored, before)
+        if before is not None:
+            self._forget(before)
+        self.by_key[key] = stored
+        self._parts += len(described.parts)
+        self._excess.total += excess
+        self._memory.put(described)
+        return RegistryChange(stored, before, refused, readers)
+
+    def remove(self, key: str) -> StoredAnnouncement | None:
+        """Let what stands under *key* stand no more, and return it."""
+        stored = self.by_key.pop(key, None)
+        if stored is not None:
+            self._forget(stored)
+        return stored
+
+    def __len__(self) -> int:
+        return len(self.by_key)
+
+    def _enter(
+        self, stored: StoredAnnouncement, before: StoredAnnouncement | None
+    ) -> tuple[tuple[WireError, ...], Readers]:
+        """Have what *stored* says read, in place of what stood *before*; return what is refused, and who missed what.
+
+        It may raise, because a plug-in fails, and then nothing has changed.
+        """
+        del stored, before
+        return (), ()
+
+    def _leave(self, stored: StoredAnnouncement) -> None:
+        """Have what *stored* says read no more."""
+
+    def _forget(self, stored: StoredAnnouncement) -> None:
+        self._leave(stored)
+        self._parts -= len(stored.described.parts)
+        self._excess.total -= stored.excess
+        self._memory.drop(stored.described)
+
+    def _check_room(self, described: DeviceAnnounced, before: StoredAnnouncement | None) -> None:
+        limits = self._limits
+        if before is not None and before.described.convention != described.convention:
+            raise WireError(f"{described.full_key!r} is what {before.described.convention} calls a device already")
+        count = len(described.parts)
+        if count > limits.parts_each:
+            raise WireError(f"{described.key!r} has {count} parts, more than {limits.parts_each:,}")
+        if before is None and len(self.by_key) >= limits.announcements:
+            raise WireError(
+                f"{described.key!r} is one too many: there are {limits.announcements:,} announcements already"
+            )
+        if self._parts + count - (0 if before is None else len(before.described.parts)) > limits.parts:
+            raise WireError(f"{described.key!r} has too many parts: there are {limits.parts:,} parts already")
+        self._memory.check(described, None if before is None else before.described)
 
 
 def excess_of(described: DeviceAnnounced, length: int) -> int:
