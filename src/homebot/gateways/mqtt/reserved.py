@@ -46,11 +46,11 @@ class ReservedTopics:
 
     def __init__(self, conventions: Iterable[Convention]) -> None:
         self.why = lru_cache(_CACHED)(self._why)
-        self._texts: list[TextConvention] = []
-        self._rules: FilterIndex[_Rule] = FilterIndex()
+        self._rules: FilterIndex[_Rule | TextConvention] = FilterIndex()
         for one in conventions:
             if isinstance(one, TextConvention):
-                self._texts.append(one)
+                for topic_filter in one.filters():
+                    self._rules.add(topic_filter, one)
                 continue
             narrow = _Rule(f"it is for announcements to {one.name}")
             wide = replace(narrow, free_for=one.name)
@@ -83,13 +83,13 @@ class ReservedTopics:
             return "it is homebot's own"
         if _BRIDGE_REQUEST in topic:
             return "it is for requests to a bridge"
+        why = ""
         for rule in self._rules.match(topic):
-            if not convention or rule.free_for != convention:
+            if not isinstance(rule, _Rule):
+                why = "another device publishes there" if _speaks(rule, topic) else why
+            elif not convention or rule.free_for != convention:
                 return rule.why
-        for one in self._texts:
-            if _speaks(one, topic):
-                return "another device publishes there"
-        return ""
+        return why
 
     def _part(self, convention: str, described: DescribedPart, refused: dict[str, str]) -> DescribedPart:
         found = {one: why for one in described.part.writes if (why := self.why(one, convention))}
