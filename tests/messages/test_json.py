@@ -15,7 +15,7 @@ from pydantic import Field
 from homebot.errors import TypeMismatchError
 from homebot.messages import Bool, Empty, Float64, Int32, Log, Message, ParameterValue, String, Time
 from homebot.messages import message as fields
-from homebot.messages.json import message_from_json, message_to_json, message_to_text
+from homebot.messages.json import message_from_json, message_to_json, message_to_pieces, message_to_text
 
 
 class Mood(StrEnum):
@@ -95,6 +95,21 @@ def test_the_text_of_a_message_with_an_unchecked_value_is_as_its_json_or_none_at
         message_to_text(String.of_checked(data={1}))
     with pytest.raises(TypeMismatchError, match="is no value of a message"):
         message_to_text(ParameterValue.of_checked(**dict(ParameterValue(type=8)) | {"double_array_value": [1.0]}))
+
+
+@given(reports())
+def test_the_pieces_of_a_message_are_its_text(report: Report) -> None:
+    for message in (report, report.stamp, Empty()):
+        assert json.loads("".join(message_to_pieces(message))) == message_to_json(message)
+
+
+@pytest.mark.parametrize(("count", "pieces"), [(0, 1), (1, 2), (50, 2), (51, 3), (4478, 91)])
+def test_no_piece_holds_more_than_fifty_messages(count: int, pieces: int) -> None:
+    report = REPORT.model_copy(update={"stamps": (Time(sec=1, nanosec=2),) * count})
+    written = list(message_to_pieces(report))
+    assert len(written) == pieces
+    assert max(piece.count('"sec"') for piece in written) <= 51  # and the stamp beside them
+    assert json.loads("".join(written)) == message_to_json(report)
 
 
 def test_bytes_are_base64_text_and_times_are_objects() -> None:

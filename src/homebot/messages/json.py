@@ -10,7 +10,7 @@ from __future__ import annotations
 import base64
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import lru_cache
 from typing import TypeAlias, TypeVar
@@ -23,12 +23,23 @@ from homebot.messages.definition import FieldDefinition, fields_of, nested_types
 from homebot.messages.message import Message
 from homebot.strict_json import in_ascii
 
-__all__ = ["JsonObject", "JsonValue", "message_from_json", "message_to_json", "message_to_text", "validation_problem"]
+__all__ = [
+    "JsonObject",
+    "JsonValue",
+    "message_from_json",
+    "message_to_json",
+    "message_to_pieces",
+    "message_to_text",
+    "validation_problem",
+]
 
 JsonValue: TypeAlias = "bool | int | float | str | list[JsonValue] | dict[str, JsonValue] | None"
 JsonObject: TypeAlias = "dict[str, JsonValue]"
 
 MessageT = TypeVar("MessageT", bound=Message)
+
+_PIECE = 50
+"""Messages that are written at once: of large ones, such as devices, a millisecond."""
 
 
 def message_to_json(message: Message) -> JsonObject:
@@ -42,6 +53,24 @@ def message_to_text(message: Message) -> str:
         with suppress(PydanticSerializationError):  # an unchecked value: below it is written, or named in the error
             return in_ascii(message.model_dump_json(warnings="error"))
     return json.dumps(message_to_json(message), separators=(",", ":"), allow_nan=False)
+
+
+def message_to_pieces(message: Message) -> Iterator[str]:
+    """Yield the text of *message* in pieces: one that holds thousands of messages takes longer than others may wait."""
+    text = "{"
+    for field in fields_of(type(message)):
+        value = getattr(message, field.name)
+        text += f'{"" if text == "{" else ","}"{field.name}":'
+        if field.message is None or not field.is_array:
+            text += json.dumps(_value_to_json(value), separators=(",", ":"), allow_nan=False)
+            continue
+        text += "["
+        for start in range(0, len(value), _PIECE):
+            some = ",".join(message_to_text(one) for one in value[start : start + _PIECE])
+            yield f"{text},{some}" if start else f"{text}{some}"
+            text = ""
+        text += "]"
+    yield f"{text}}}"
 
 
 def message_from_json(message_type: type[MessageT], value: Mapping[str, object]) -> MessageT:

@@ -263,11 +263,10 @@ def publish_frame(topic: str, message: Message, lost: int = 0) -> Frame:
     return f'{{"op":"publish","topic":{json.dumps(topic)},"msg":{message_to_text(message)}{losses}}}'
 
 
-def service_success(service: str, identifier: Identifier, values: Message) -> Frame:
-    """Return the frame that carries the response of a service."""
+def service_success(service: str, identifier: Identifier, values: str) -> Frame:
+    """Return the frame that carries the response of a service, which is the JSON text *values*."""
     named = "" if identifier is None else f',"id":{json.dumps(identifier)}'
-    text = message_to_text(values)
-    return f'{{"op":"service_response","service":{json.dumps(service)},"values":{text},"result":true{named}}}'
+    return f'{{"op":"service_response","service":{json.dumps(service)},"values":{values},"result":true{named}}}'
 
 
 def service_failure(service: str, identifier: Identifier, problem: str) -> JsonObject:

@@ -17,6 +17,7 @@ from homebot.bridges.rosbridge.protocol import (
     service_request,
     service_success,
 )
+from homebot.bridges.rosbridge.turns import Turns
 from homebot.bridges.rosbridge.types import message_from_client, service_type_of
 from homebot.devices.query import Or, QueryTerm, query_terms
 from homebot.devices.services import QueryDevicesResponse
@@ -32,7 +33,7 @@ from homebot.errors import (
 from homebot.graph import EntityKind, Node, Service
 from homebot.isolation import error_text
 from homebot.messages.definition import fields_of
-from homebot.messages.json import message_to_json
+from homebot.messages.json import message_to_json, message_to_pieces
 from homebot.messages.message import Message, ServiceType
 
 __all__ = ["ProvidedServices", "call_service", "parse_queries", "refusal"]
@@ -75,10 +76,18 @@ _MAX_TIMEOUT = 3600.0
 _MOST, _LONGEST = 200, 100  # names compared, and of how many characters: a client may ask again and again
 
 
-async def call_service(node: Node, op: CallService) -> Frame:
-    """Make the call *op* on the graph of *node* and return the frame that answers it, be it a failure."""
+async def call_service(node: Node, op: CallService, turns: Turns) -> Frame:
+    """Make the call *op* on the graph of *node* and return the frame that answers it, be it a failure.
+
+    A response of many messages is written in several of the *turns*.
+    """
     try:
-        return service_success(op.service, op.id, await _call(node, op))
+        pieces = message_to_pieces(await _call(node, op))
+        written = [next(pieces)]
+        for piece in pieces:
+            written.append(piece)
+            await turns.turn()
+        return service_success(op.service, op.id, "".join(written))
     except ServiceFailedError as exc:
         return service_failure(op.service, op.id, exc.reason)
     except ServiceUnavailableError as exc:

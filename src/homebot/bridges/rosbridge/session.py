@@ -192,7 +192,7 @@ class ClientSession:
         try:
             await self._outbox.room()
             await self._turns.turn()
-            self._outbox.answer(await call_service(self._node, op))
+            self._outbox.answer(await call_service(self._node, op, self._turns))
         finally:
             self._calls -= 1
 
