@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 from homebot.errors import WireError
 from homebot.mqtt.client.incoming import Frame, FrameReader, PublishReader
 from homebot.mqtt.message import MessageProperties, MqttMessage
+from homebot.mqtt.packets.primitives import encode_varint
 
 PLAIN = bytes.fromhex("30 05 00 03") + b"a/b"
 QOS_1 = bytes.fromhex("33 08 00 03") + b"a/b" + bytes.fromhex("12 34") + b"x"
@@ -98,6 +101,19 @@ def test_of_a_huge_frame_only_a_bounded_head_is_kept() -> None:
         frames += reader.feed(bytes(100_000))
     assert [frame.oversize for frame in frames] == [size]
     assert len(frames[0].body) == 65_539
+
+
+def test_a_long_packet_is_not_copied_for_each_of_its_pieces() -> None:
+    body = bytes(16 * 1024 * 1024)
+    data = b"\x30" + encode_varint(len(body)) + body
+    reader, frames = FrameReader(2 * len(body)), []
+
+    began = time.thread_time()
+    for start in range(0, len(data), 4096):
+        frames += reader.feed(data[start : start + 4096])
+
+    assert frames == [Frame(0x30, body)]
+    assert time.thread_time() - began < 1
 
 
 def test_a_length_of_five_bytes_ends_the_stream() -> None:

@@ -53,7 +53,8 @@ class FrameReader:
 
     def __init__(self, maximum: int) -> None:
         self._maximum = maximum
-        self._rest = b""
+        self._rest = bytearray()  # grows in place: copying a long packet for each of its pieces takes seconds
+        self._needed = 0  # how long it has to be before a look at it is worth while
         self._skipping: Frame | None = None
         self._skip = 0
 
@@ -66,8 +67,13 @@ class FrameReader:
         packets: list[Frame] = []
         if self._skipping is not None:
             data = self._skip_over(data, packets)
-        buffer = self._rest + data if self._rest else data
-        position, size = 0, len(buffer)
+        buffer = data
+        if self._rest:
+            self._rest += data
+            if len(self._rest) < self._needed:
+                return packets
+            buffer = bytes(self._rest)
+        position, size, self._needed = 0, len(buffer), 0
         while size - position >= 2:
             length = buffer[position + 1]
             start = position + 2
@@ -81,10 +87,12 @@ class FrameReader:
                 position = self._start_skipping(buffer, position, start, length, packets)
                 continue
             if end > size:
+                self._needed = end - position
                 break
             packets.append(Frame(buffer[position], buffer[start:end]))
             position = end
-        self._rest = buffer[position:]
+        if self._rest or position < size:
+            self._rest = bytearray(buffer[position:])
         return packets
 
     def _start_skipping(self, buffer: bytes, position: int, start: int, length: int, done: list[Frame]) -> int:
