@@ -5,8 +5,6 @@ Each name is imported when it is first asked for: pytest loads the plug-in of th
 
 from typing import TYPE_CHECKING
 
-from homebot.lazy_names import lazy_names
-
 if TYPE_CHECKING:
     from homebot.testing.day import Day
     from homebot.testing.day_event import DayEvent
@@ -32,17 +30,21 @@ __all__ = [
     "virtual_house_of",
 ]
 
+_NAMES = {
+    "homebot.testing.day": "Day",
+    "homebot.testing.day_event": "DayEvent",
+    "homebot.testing.day_live": "live_day",
+    "homebot.testing.event_log": "EventLog HouseEvent",
+    "homebot.testing.gateway": "FakeGateway FakeGatewaySettings",
+    "homebot.testing.house": "TestHouse house_of",
+    "homebot.testing.virtual_house": "VirtualHouse virtual_house_of",
+    "homebot.testing.virtual_time": "VirtualTimeLoop",
+}
 if not TYPE_CHECKING:  # else a name that does not exist would pass for one
-    __getattr__ = lazy_names(
-        __name__,
-        {
-            "homebot.testing.day": "Day",
-            "homebot.testing.day_event": "DayEvent",
-            "homebot.testing.day_live": "live_day",
-            "homebot.testing.event_log": "EventLog HouseEvent",
-            "homebot.testing.gateway": "FakeGateway FakeGatewaySettings",
-            "homebot.testing.house": "TestHouse house_of",
-            "homebot.testing.virtual_house": "VirtualHouse virtual_house_of",
-            "homebot.testing.virtual_time": "VirtualTimeLoop",
-        },
-    )
+
+    def __getattr__(name: str) -> object:
+        if name not in __all__:  # a module of the package, which pytest's plug-in asks for in every program
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from homebot.lazy_names import lazy_names  # noqa: PLC0415 - for those who ask for something
+
+        return lazy_names(__name__, _NAMES)(name)
