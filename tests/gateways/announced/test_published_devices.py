@@ -224,6 +224,7 @@ async def test_an_unknown_sender_that_breaks_rules_is_dropped_whatever_it_calls_
         assert not gateway.devices.admits("another one")
         assert gateway.devices.admits("hall")
         assert gateway.devices.counters.rejected == number
+        assert [one.offender for one in gateway.devices.engine.quarantine.quarantined()] == ["unknown sender"]
         await anyio.sleep(1.0)
         assert gateway.devices.admits("another one")
 

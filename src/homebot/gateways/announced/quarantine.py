@@ -185,8 +185,8 @@ class PeerQuarantine(Generic[MessageT]):
         self._events.publish(self._message(budget))
         self.log_limited(
             QUARANTINED,
-            f"too much on {payer[:_LONGEST]} breaks the rules; it is quarantined, and read slowly, until that "
-            f"stops; the last offence: {budget.why}",
+            f"{payer[:_LONGEST]} breaks the rules too often; it is quarantined, and read slowly, until that stops; "
+            f"the last offence: {budget.why}",
             source=payer,
         )
 

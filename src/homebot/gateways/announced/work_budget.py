@@ -40,6 +40,9 @@ CALM = 10.0
 CLEAR_EVERY = 1.0
 """Seconds between two valid announcements that each clear what a source is charged: one may be a copy of the last."""
 
+UNKNOWN_SENDER = "unknown sender"
+"""The name of the only group, where a gateway has no groups of its own."""
+
 MAX_BUDGETS = 1000
 MAX_ACCEPTED = 50_000
 _HEAD = 32
@@ -100,7 +103,7 @@ class WorkBudget:
 
 def _one_group(source: str) -> str:
     del source
-    return "*"
+    return UNKNOWN_SENDER
 
 
 class WorkBudgets:
