@@ -189,14 +189,17 @@ def read_availability(config: DiscoveryConfig) -> Availability | None:
     entries = listed if isinstance(listed, list) else [listed]
     if len(entries) > MAX_SOURCES:
         raise WireError(f"availability has {len(entries)} topics; {MAX_SOURCES} is the limit")
-    sources = tuple(_entry(config, entry) for entry in entries)
+    sources = tuple([_entry(config, entry) for entry in entries])
     return Availability(sources, _mode(config.text("availability_mode", "latest"))) if sources else None
+
+
+_ONLY_TEXTS = frozenset({str})
 
 
 def _entry(config: DiscoveryConfig, entry: object) -> _PayloadAvailability:
     if not isinstance(entry, dict):
         raise WireError(f"availability has {shown(entry)}, not an object")
-    if all(type(value) is str for value in entry.values()):
+    if _ONLY_TEXTS.issuperset(map(type, entry.values())):
         return _known_entry(tuple(entry.items()), config.encoding)
     return _new_entry(entry, config.encoding)
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import TypeAlias
 
 from homebot.conventions.command_values import (
@@ -158,6 +159,12 @@ def read_white_range(config: DiscoveryConfig) -> WhiteRange:
     least = config.integer("min_mireds", 0, least=0, most=_MOST_MIRED)
     low = config.integer("min_kelvin", _USUAL_WHITE.kelvins[0], least=1, most=_MOST_KELVIN)
     high = config.integer("max_kelvin", _USUAL_WHITE.kelvins[1], least=1, most=_MOST_KELVIN)
+    return _white_range(most, least, low, high)
+
+
+@lru_cache(maxsize=64)
+def _white_range(most: int, least: int, low: int, high: int) -> WhiteRange:
+    """Return the range of a kind of lamp, of which a house has many."""
     return WhiteRange(
         kelvins=(kelvin_mired(most) if most else low, kelvin_mired(least) if least else high),
         bounds=(
