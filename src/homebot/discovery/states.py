@@ -43,14 +43,21 @@ class StateRecorder:
         before = self._reach(entry) if entry.is_denied else None
         new: list[tuple[Reading, StoredValue]] = []
         for reading in report.readings:
-            stored = source.values.get((reading.part, reading.capability))
+            place = part, capability = reading.part, reading.capability
+            stored = source.values.get(place)
             if stored is None:
-                if reading.capability == REACHABLE:
+                if capability == REACHABLE:
                     before = before or self._reach(entry)
                     shows_life = shows_life and reading.value.flag
-                stored = self._record_new(entry, source, reading, report)
-                if stored is not None:
+                    self._record_reachability(entry, source, reading, report)
+                elif capability in EVENTS:
+                    if live:
+                        self._record_event(entry, source, reading, stamp)
+                elif has_capability(source, part, capability):
+                    stored = source.values[place] = StoredValue(reading.value.plain(), stamp, stamp, live, now)
                     new.append((reading, stored))
+                else:
+                    self._table.counters.unknown_parts += 1
             elif live or not stored.live:  # what the broker had kept never overwrites what came live
                 stored.told_at, stored.live, stored.heard_at = stamp, live, now
                 value, known = reading.value.plain(), stored.value
@@ -66,24 +73,12 @@ class StateRecorder:
         if before is not None and self._reach(entry) != before:
             self._table.note("changed", entry, entry.reachability().why)
 
-    def _record_new(self, entry: Entry, source: SourceRecord, reading: Reading, report: Report) -> StoredValue | None:
-        """Take in what is no newer value of a known one: an event, reachability, or a first value, which it returns."""
-        capability, stamp, live = reading.capability, report.received_at, not report.retained
-        if capability == REACHABLE:
-            if report.address:
-                store_reachability(entry, source, reading, stamp, self._liveness.now, live=live)
-            else:  # the device reports it no longer
-                source.set_reach({part: reach for part, reach in source.reach.items() if part != reading.part})
-        elif capability in EVENTS:
-            if live:
-                self._record_event(entry, source, reading, stamp)
-        elif has_capability(source, reading.part, capability):
-            stored = StoredValue(reading.value.plain(), stamp, stamp, live, self._liveness.now)
-            source.values[reading.part, capability] = stored
-            return stored
-        else:
-            self._table.counters.unknown_parts += 1
-        return None
+    def _record_reachability(self, entry: Entry, source: SourceRecord, reading: Reading, report: Report) -> None:
+        if report.address:
+            live = not report.retained
+            store_reachability(entry, source, reading, report.received_at, self._liveness.now, live=live)
+        else:  # the device reports it no longer
+            source.set_reach({part: reach for part, reach in source.reach.items() if part != reading.part})
 
     def _reach(self, entry: Entry) -> tuple[str, tuple[str, ...]]:
         """Return whether *entry* can be reached, and which of its parts cannot."""
