@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import tracemalloc
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
@@ -203,6 +205,40 @@ async def test_a_raw_address_of_before_or_of_a_device_that_is_gone_keeps_nothing
         assert await missed_on(gateway, watcher, "radio/1") == ()
         gateway.devices.remove("hall", "sold")
         assert await missed_on(gateway, watcher, "radio/2") == ()
+
+
+async def test_a_raw_address_of_two_devices_stays_with_the_one_that_is_left() -> None:
+    """Such as a bus on which both are heard."""
+    async with house() as (gateway, watcher):
+        gateway.devices.put(replace(LAMP, raw_address="bus/1"), "new")
+        gateway.devices.put(replace(LAMP, key="stairs", name="Stairs", raw_address="bus/1"), "new")
+        await gateway.devices.deliver_raw("stairs", b"\x01")
+        gateway.devices.remove("hall", "sold")
+        assert gateway.devices.owner_of("bus/1") == ("stairs", "Stairs")
+        assert [one.payload for one in await missed_on(gateway, watcher, "bus/1")] == [b"\x01"]
+
+
+async def test_nothing_is_kept_of_the_raw_messages_of_devices_without_a_raw_address() -> None:
+    """Nobody can have missed any, and strangers that come and go would take ever more memory."""
+    async with house() as (gateway, _):
+        await come_and_go(gateway, "first")
+        tracemalloc.start()
+        try:
+            before, _ = tracemalloc.get_traced_memory()
+            for number in range(100):
+                await come_and_go(gateway, f"stranger {number}")
+            gc.collect()
+            assert tracemalloc.get_traced_memory()[0] - before < 200_000
+        finally:
+            tracemalloc.stop()
+
+
+async def come_and_go(gateway: MemoryGateway, key: str) -> None:
+    """Have a device found, heard ten times, and removed."""
+    gateway.devices.put(replace(LAMP, key=key), "new")
+    for number in range(10):
+        await gateway.devices.deliver_raw(key, bytes([number]) * 4000)
+    gateway.devices.remove(key, "gone")
 
 
 async def test_a_raw_address_is_no_place_for_texts() -> None:

@@ -245,12 +245,14 @@ class _RawMessages:
             self._devices[device.raw] = device
 
     def keep(self, message: RawMessage, now: float) -> None:
-        self._last.setdefault(message.address, PartTexts()).keep(message, now, is_event=False)
+        if message.address in self._devices:  # else it goes to the text address, on which there are texts to be missed
+            self._last.setdefault(message.address, PartTexts()).keep(message, now, is_event=False)
 
     def leave(self, device: GatewayDevice, unless: str = "") -> None:
-        if device.raw != unless:
+        last_there = self._devices.get(device.raw)
+        if device.raw != unless and last_there is not None and last_there.key == device.key:
             self._last.pop(device.raw, None)
-            self._devices.pop(device.raw, None)
+            del self._devices[device.raw]
 
     async def send_raw(self, command: RawCommand) -> None:
         if self._send_raw is None:

@@ -25,6 +25,9 @@ _TOPIC = attrgetter("topic")
 _CACHED = 1024
 """Topics whose reason is kept: devices get commands on the same ones again and again."""
 
+_LONGEST_CACHED = 256
+"""Characters; longer topics are looked at each time, so that strangers' announcements cannot fill the memory."""
+
 
 @dataclass(frozen=True, slots=True)
 class _Rule:
@@ -39,13 +42,10 @@ class ReservedTopics:
 
     Args:
         conventions: Its conventions: no device takes commands where devices announce themselves or publish text.
-
-    Attributes:
-        why: Returns why no device of a convention may take commands on a topic; empty where that is not reserved.
     """
 
     def __init__(self, conventions: Iterable[Convention]) -> None:
-        self.why = lru_cache(_CACHED)(self._why)
+        self._known_why = lru_cache(_CACHED)(self._why)
         self._rules: FilterIndex[_Rule | TextConvention] = FilterIndex()
         for one in conventions:
             if isinstance(one, TextConvention):
@@ -59,6 +59,10 @@ class ReservedTopics:
             if isinstance(one, ReservingConvention):
                 for topic_filter in one.reserved():
                     self._rules.add(topic_filter, _Rule(f"it is {one.name}'s own"))
+
+    def why(self, topic: str, convention: str = "") -> str:
+        """Return why no device of *convention* may take commands on *topic*; empty where that is not reserved."""
+        return (self._known_why if len(topic) <= _LONGEST_CACHED else self._why)(topic, convention)
 
     def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:
         """Return *described* without what is to be told on reserved topics, and these topics with the reasons.
@@ -76,7 +80,7 @@ class ReservedTopics:
         parts = tuple([self._part(convention, part, refused) for part in described.parts])
         return replace(described, parts=parts), tuple(f"{topic}: {why}" for topic, why in refused.items())
 
-    def _why(self, topic: str, convention: str = "") -> str:
+    def _why(self, topic: str, convention: str) -> str:
         if topic.startswith("$"):
             return "it is the broker's own"
         if topic == OWN or topic.startswith(f"{OWN}/"):
