@@ -19,6 +19,18 @@ def test_installed_plugins_are_found_by_name() -> None:
     assert load_plugin("homebot.apps", "light_service") is LightService
 
 
+def test_a_package_that_comes_onto_the_path_later_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where a notebook or a test adds a folder of packages."""
+    assert "late" not in plugin_names("homebot.apps")
+    info = tmp_path / "late-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: late\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[homebot.apps]\nlate = homebot.apps.light_service:LightService\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert "late" in plugin_names("homebot.apps")
+    assert load_plugin("homebot.apps", "late") is LightService
+
+
 def test_an_unknown_name_is_told_with_what_is_installed() -> None:
     """So that a slip of the pen is seen at once."""
     with pytest.raises(PluginError, match=r"plug-in 'lightservice': is not installed \(installed: .*light_service"):

@@ -18,16 +18,17 @@ from homebot.file_access import why_not_trusted
 __all__ = ["load_plugin", "plugin_names"]
 
 
-@lru_cache
-def _entry_points() -> Mapping[str, tuple[EntryPoint, ...]]:
-    """Return homebot's groups; to ask for one of them alone reads the files of all installed packages as well."""
+@lru_cache(maxsize=1)
+def _entry_points(path: tuple[str, ...]) -> Mapping[str, tuple[EntryPoint, ...]]:
+    """Return homebot's groups on *path*, Python's; to ask for one alone reads the files of all packages as well."""
+    del path  # where Python looks; it is here for the cache
     installed = entry_points()
     return {group: tuple(installed.select(group=group)) for group in installed.groups if group.startswith("homebot.")}
 
 
 def plugin_names(group: str) -> tuple[str, ...]:
     """Return the names that the entry-point group *group* offers, sorted."""
-    return tuple(sorted({point.name for point in _entry_points().get(group, ())}))
+    return tuple(sorted({point.name for point in _entry_points(tuple(sys.path)).get(group, ())}))
 
 
 def load_plugin(group: str, name: str) -> type[Any]:
@@ -49,7 +50,7 @@ def load_plugin(group: str, name: str) -> type[Any]:
 
 
 def _load_entry_point(group: str, name: str) -> object:
-    for point in _entry_points().get(group, ()):
+    for point in _entry_points(tuple(sys.path)).get(group, ()):
         if point.name == name:
             try:
                 return point.load()

@@ -16,6 +16,7 @@ from websockets.exceptions import ConnectionClosed
 
 from homebot.cli import door_client
 from homebot.cli.door_client import DoorClient, ReceivedMessage, open_door
+from homebot.cli.main import main
 from homebot.errors import HomebotError, LinkError, PeerError, RefusedError, ServiceTimeoutError, WireError
 
 T = TypeVar("T")
@@ -76,6 +77,21 @@ async def test_a_strange_answer_is_an_error(reply: str, error: type[HomebotError
     async with answering(answer) as port:
         with pytest.raises(error, match=problem):
             await to_thread.run_sync(use, port, lambda door: door.call("/x"))
+
+
+@pytest.mark.parametrize("command", [["devices"], ["find", "lamp"], ["doctor"], ["topic", "list"]])
+async def test_a_homebot_of_another_version_is_an_error_that_says_so(
+    capsys: pytest.CaptureFixture[str], command: list[str]
+) -> None:
+    values = {"success": True, "total": 1, "results": [{}], "devices": [{}], "endpoints": [{}]}
+
+    def answer(_connection: ServerConnection, frame: str) -> list[str]:
+        asked = json.loads(frame)
+        return [json.dumps({"op": "service_response", "id": asked.get("id"), "result": True, "values": values})]
+
+    async with answering(answer) as port:
+        assert await to_thread.run_sync(main, ["--door", f"127.0.0.1:{port}", *command]) == 1
+    assert "; is it of another version?" in capsys.readouterr().err
 
 
 async def test_messages_that_come_while_something_else_is_awaited_are_kept() -> None:

@@ -59,7 +59,10 @@ def with_client(options: argparse.Namespace, command: Callable[[DoorClient], int
     """
     host, port = options.door
     with open_door(host, port, _token(options.token_file)) as door:
-        return command(door)
+        try:
+            return command(door)
+        except KeyError as exc:  # answers are read as they come, without a model that would check them
+            raise WireError(f"homebot answered without the field {exc}; is it of another version?") from exc
 
 
 @contextmanager

@@ -15,7 +15,7 @@ import anyio
 from homebot.clock import Clock
 from homebot.errors import LinkError, UsageError
 from homebot.mqtt.broker import BrokerLimits, BrokerPolicy, BrokerState
-from homebot.mqtt.broker.base import EmbeddedBroker
+from homebot.mqtt.broker.embedded import EmbeddedBroker
 from homebot.mqtt.client.memory_transport import MemoryLink, MemorySocket
 from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.client.transport import TransportUser

@@ -23,10 +23,10 @@ from websockets.http11 import Request, Response
 from homebot.addresses import is_loopback
 from homebot.bridges.rosbridge.admission import is_token, refusal, token_of
 from homebot.bridges.rosbridge.backlog import DoorBacklog
-from homebot.bridges.rosbridge.common import ClientErrorLog, Common, DoorCounters, ExpectedTopics
 from homebot.bridges.rosbridge.connection import DoorConnection
 from homebot.bridges.rosbridge.guards import TokenGuard
 from homebot.bridges.rosbridge.settings import DoorSettings
+from homebot.bridges.rosbridge.shared_state import ClientErrorLog, DoorCounters, ExpectedTopics, SharedState
 from homebot.bridges.rosbridge.turns import Turns
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.errors import ConfigError, LinkError
@@ -71,7 +71,7 @@ class Door:
         self._turns = Turns()
         self._expected = ExpectedTopics(node.graph)
         self._guard = TokenGuard()
-        self._common = Common(
+        self._shared = SharedState(
             node, settings, self._turns, self._backlog, self._expected, self._counters, self._error_log
         )
         self._sessions: dict[ServerConnection, ClientSession] = {}
@@ -214,7 +214,7 @@ class Door:
         self._counters.clients += 1
         if isinstance(connection, DoorConnection):
             connection.has_arrived()
-        session = ClientSession(self._common, _address_of(connection), send, cut)
+        session = ClientSession(self._shared, _address_of(connection), send, cut)
         self._sessions[connection] = session
         try:
             await session.run(_texts(connection))

@@ -14,7 +14,6 @@ import anyio
 from anyio.abc import TaskGroup
 
 from homebot.bridges.rosbridge.backlog import Backlog
-from homebot.bridges.rosbridge.common import Common, operation_text
 from homebot.bridges.rosbridge.guards import FrameRate
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
@@ -40,6 +39,7 @@ from homebot.bridges.rosbridge.protocol import (
 )
 from homebot.bridges.rosbridge.publications import Publications
 from homebot.bridges.rosbridge.services import ProvidedServices, call_service
+from homebot.bridges.rosbridge.shared_state import SharedState, operation_text
 from homebot.bridges.rosbridge.subscriptions import Subscriptions
 from homebot.bridges.rosbridge.turns import Turns
 from homebot.errors import HomebotError, LinkError, PeerError
@@ -57,7 +57,7 @@ class ClientSession:
     """All that one client does through the door.
 
     Args:
-        common: What it shares with other clients.
+        shared: What it shares with other clients.
         client: What to call the client in the log.
         send: Takes text to the client, waiting until there is room for it; LinkError when the client is gone.
         cut: Ends the connection at once.
@@ -67,28 +67,28 @@ class ClientSession:
     """
 
     def __init__(
-        self, common: Common, client: str, send: Callable[[str], Awaitable[None]], cut: Callable[[], None]
+        self, shared: SharedState, client: str, send: Callable[[str], Awaitable[None]], cut: Callable[[], None]
     ) -> None:
         self.refused = 0
-        self._common = common
-        self._node = common.node
-        self._settings = common.settings
-        self._turns = common.turns
+        self._shared = shared
+        self._node = shared.node
+        self._settings = shared.settings
+        self._turns = shared.turns
         self._client = client
-        self._outbox = Outbox(send, cut, common.turns, _ANSWERS)
+        self._outbox = Outbox(send, cut, shared.turns, _ANSWERS)
         self._level: Level = "error"
         self._calls = 0
-        self._slowness = LogLimit(common.node.graph.clock)
+        self._slowness = LogLimit(shared.node.graph.clock)
 
     async def run(self, frames: AsyncIterator[str]) -> None:
         """Do what *frames* ask for until they end; then take back everything the client holds."""
-        backlog = Backlog(self._settings.max_waiting_bytes, self._common.backlog)
+        backlog = Backlog(self._settings.max_waiting_bytes, self._shared.backlog)
         node, settings = self._node, self._settings
         async with anyio.create_task_group() as tasks:
             holdings = _Holdings(
                 Publications(node),
                 Subscriptions(
-                    node, settings.queue_depth, backlog, self._outbox, self._common.expected, self._report_type_mismatch
+                    node, settings.queue_depth, backlog, self._outbox, self._shared.expected, self._report_type_mismatch
                 ),
                 ProvidedServices(node, settings.max_calls, self._outbox),
                 tasks,
@@ -120,7 +120,7 @@ class ClientSession:
             self._handle(frame, holdings)
 
     def _handle(self, frame: str, holdings: _Holdings) -> None:
-        self._common.counters.frames += 1
+        self._shared.counters.frames += 1
         try:
             op = parse_frame(frame)
         except FrameError as exc:
@@ -199,15 +199,15 @@ class ClientSession:
     def _check_room(self, holdings: _Holdings) -> None:
         if len(holdings) >= self._settings.max_entities:
             raise PeerError(f"this client uses {len(holdings)} topics and services already, and may use no more")
-        if (held := self._common.held_by_all()) >= self._settings.max_entities_of_all:
+        if (held := self._shared.held_by_all()) >= self._settings.max_entities_of_all:
             raise PeerError(f"all clients together use {held} topics and services already, and may use no more")
 
     def _report_slow(self) -> None:
-        self._common.counters.slowed_down += 1
+        self._shared.counters.slowed_down += 1
         if self._slowness.allows("") is not None:
             limit = f"more than {self._settings.max_frames_per_second} frames a second"
             self._remark("warning", f"{limit} came from this client: it is slowed down to that", None)
-            self._common.error_log.log(
+            self._shared.error_log.log(
                 f"slowed down {self._client.rpartition(':')[0]}",
                 "door.slowed_down",
                 f"{self._client} sends {limit}: it is slowed down to that",
@@ -222,8 +222,8 @@ class ClientSession:
 
     def _log_error(self, error_text: str, op: str, problem: str, *, event: str = "door.refused") -> None:
         self.refused += 1
-        self._common.counters.requests_refused += 1
-        self._common.error_log.log(
+        self._shared.counters.requests_refused += 1
+        self._shared.error_log.log(
             f"refused {self._client.rpartition(':')[0]}",
             event,
             f"{self._client}{error_text}",

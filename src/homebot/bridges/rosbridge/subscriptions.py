@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import Literal
 
 from homebot.bridges.rosbridge.backlog import Backlog
-from homebot.bridges.rosbridge.common import ExpectedTopics
 from homebot.bridges.rosbridge.feed import Feed
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import Identifier, SubscribeOperation, UnsubscribeOperation
+from homebot.bridges.rosbridge.shared_state import ExpectedTopics
 from homebot.bridges.rosbridge.types import message_type_of_topic
 from homebot.errors import HomebotError, PeerError
 from homebot.graph import Node

@@ -14,8 +14,8 @@ import anyio
 from homebot.addresses import ip_version, is_loopback
 from homebot.clock import Clock
 from homebot.errors import LinkError, UsageError
-from homebot.mqtt.broker.base import EmbeddedBroker
 from homebot.mqtt.broker.connection import BrokerConnection, Sockets
+from homebot.mqtt.broker.embedded import EmbeddedBroker
 from homebot.mqtt.broker.housekeeping import Housekeeping
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BrokerMessage

@@ -15,7 +15,7 @@ from homebot.bridges.rosbridge.turns import Turns
 from homebot.graph import EntityKind, Graph, Node
 from homebot.log import LogLimit, more_like_this
 
-__all__ = ["ClientErrorLog", "Common", "DoorCounters", "ExpectedTopics", "operation_text"]
+__all__ = ["ClientErrorLog", "DoorCounters", "ExpectedTopics", "SharedState", "operation_text"]
 
 
 @dataclass(slots=True)
@@ -141,7 +141,7 @@ class ExpectedTopics:
 
 
 @dataclass(frozen=True, slots=True)
-class Common:
+class SharedState:
     """The state that all clients of a door share.
 
     Attributes:
