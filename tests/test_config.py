@@ -43,7 +43,7 @@ def test_an_empty_file_is_a_home_with_nothing_in_it(write: Path) -> None:
         ('[home]\nname = ""', "home.name", "at least 1 character"),
         ("gateways = 3", "gateways", "object"),
         ('source = "x"', "source", "is unknown"),
-        ('[gateways."front door"]', "gateways.front door", "has a character that names may not hold"),
+        ('[gateways."front door"]', "gateways.front door", "has a character that is not allowed in names"),
         ("[apps.2nd]", "apps.2nd", "starts with a digit"),
     ],
 )

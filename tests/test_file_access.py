@@ -54,7 +54,7 @@ def test_a_folder_above_in_which_each_keeps_what_is_theirs_is_fine(tmp_path: Pat
     assert why_not_trusted(file) == ""
     (tmp_path / "shared").chmod(0o777)
     assert why_not_trusted(file) == (
-        f"{tmp_path / 'shared'} can be written by others; take that from them: chmod go-w '{tmp_path / 'shared'}'"
+        f"{tmp_path / 'shared'} can be written by others; remove that permission: chmod go-w '{tmp_path / 'shared'}'"
     )
 
 

@@ -29,10 +29,10 @@ def test_a_node_name_of_letters_digits_and_underscores_is_legal(name: str) -> No
     [
         ("", "is empty", None),
         ("1n", "starts with a digit", 0),
-        ("a/b", "has a character that names may not hold", 1),
-        ("lämp", "has a character that names may not hold", 1),
-        ("a٣", "has a character that names may not hold", 1),
-        ("n\n", "has a character that names may not hold", 1),
+        ("a/b", "has a character that is not allowed in names", 1),
+        ("lämp", "has a character that is not allowed in names", 1),
+        ("a٣", "has a character that is not allowed in names", 1),
+        ("n\n", "has a character that is not allowed in names", 1),
         ("n" * 256, "is 256 characters long, over the limit of 255", None),
     ],
 )
@@ -48,7 +48,7 @@ def test_the_message_points_at_the_bad_character() -> None:
     with pytest.raises(InvalidNameError) as caught:
         validate_full_name("/kitchen lamp")
     assert str(caught.value) == (
-        "topic name '/kitchen lamp' has a character that names may not hold at character 9 (' ')"
+        "topic name '/kitchen lamp' has a character that is not allowed in names at character 9 (' ')"
     )
 
 
@@ -132,7 +132,7 @@ def test_names_expand_as_in_ros(name: str, namespace: str, full: str) -> None:
         ("p/", "ends with a slash", 4),
         ("a~", "has a tilde that is not at its start", 1),
         ("~~", "has a tilde that is not at its start", 1),
-        ("~p", "has a tilde that no slash follows", 1),
+        ("~p", "has a tilde that is not followed by a slash", 1),
         ("{nod}", "has an unknown substitution {nod}", 0),
         ("{}", "has an unknown substitution {}", 0),
         ("{1}", "has an unknown substitution {1}", 0),
@@ -205,5 +205,5 @@ def test_a_lone_surrogate_has_no_token() -> None:
 
 
 def test_an_escape_that_spells_no_text_is_refused() -> None:
-    with pytest.raises(InvalidNameError, match="does not spell UTF-8"):
+    with pytest.raises(InvalidNameError, match="does not decode to UTF-8"):
         unescape_token("a_xff")

@@ -74,7 +74,7 @@ def test_a_reader_that_pauses_delays_nobody_and_is_told_what_it_missed_where_it_
             queue.put("the end\n")
     numbers = [int(line) for line in lines if line.isdecimal()]
     assert numbers == list(range(len(numbers)))
-    assert lines[-2] == f"… {100_000 - len(numbers):,} lines were lost here, as nobody read them in time"
+    assert lines[-2] == f"… {100_000 - len(numbers):,} lines were lost here, because they were not read in time"
     assert queue.lost == 100_000 - len(numbers)
 
 

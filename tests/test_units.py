@@ -35,7 +35,7 @@ def test_a_duration_is_read(text: str | float, seconds: float) -> None:
 
 @pytest.mark.parametrize("text", ["", " ", "8", "8 hours", "h", "30m1h", "1h1h", "-5s", "1,5h", "8H", "1..5s", "٣s"])
 def test_what_is_no_duration_is_refused_with_an_example(text: str) -> None:
-    with pytest.raises(UsageError, match=r"is no duration; write it like 90s, 8h or 1h30m"):
+    with pytest.raises(UsageError, match=r"is not a duration; write it like 90s, 8h or 1h30m"):
         parse_duration(text)
 
 

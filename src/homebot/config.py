@@ -115,7 +115,7 @@ def load_config(path: Path) -> Config:
     source = str(path)
     tables = read_toml(path)
     if problem := why_not_trusted(path):
-        raise ConfigError(source, "", f"names the code that runs, so nobody else may change it: {problem}")
+        raise ConfigError(source, "", f"names the code that runs, so others must not be able to change it: {problem}")
     for name in ("source", "folder"):
         if name in tables:
             raise ConfigError(source, name, "is unknown; known are home, gateways, apps, door and discovery")

@@ -190,9 +190,9 @@ class AbortError(HomebotError):
     def __init__(self, who: str, error: BaseException) -> None:
         # By its name, as errors know no event loop.
         if type(error).__name__ == "CancelledError":
-            what = "awaited what somebody cancelled; catch asyncio.CancelledError there"
+            what = "awaited something that was cancelled; catch asyncio.CancelledError there"
         else:
-            what = f"raised {type(error).__name__}; raise a kind of Exception instead"
+            what = f"raised {type(error).__name__}; raise a subclass of Exception instead"
         super().__init__(f"{who} {what}")
         self.error = error
 

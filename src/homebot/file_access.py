@@ -29,12 +29,12 @@ def why_not_trusted(path: Path) -> str:
         try:
             found = place.stat()
         except OSError as exc:
-            return f"{place} cannot be looked at: {exc.strerror}"
+            return f"{place} cannot be checked: {exc.strerror}"
         if number <= 1 and found.st_uid not in {0, os.geteuid()}:
             return f"{place} belongs to {_user(found.st_uid)}; run homebot as that user, or make the file your own"
         is_shared = number > 0 and bool(found.st_mode & stat.S_ISVTX)
         if not is_shared and _is_writable_by_others(found):
-            return f"{place} can be written by others; take that from them: chmod go-w '{place}'"
+            return f"{place} can be written by others; remove that permission: chmod go-w '{place}'"
     return ""
 
 

@@ -67,7 +67,7 @@ def configure_logging(
         UsageError: *level* is not a level.
     """
     if level not in _LEVELS:
-        raise UsageError(f"no log level {level!r}; there are {', '.join(_LEVELS)}")
+        raise UsageError(f"{level!r} is not a log level; choose one of {', '.join(_LEVELS)}")
     out = stream or sys.stderr
     if isinstance(out, CleanText):
         out = out.raw  # as it is written: a queue may be below
@@ -99,7 +99,7 @@ def _loss_line(renderer: Processor, lines: int) -> str:
         "level": "warning",
         "node": "/homebot",
         "lost": lines,
-        "message": f"{lines:,} lines of the log were lost here, as nobody read them in time",
+        "message": f"{lines:,} lines of the log were lost here, because they were not read in time",
     }
     line = renderer(None, "warning", with_local_time(None, "warning", event))
     return f"{cast('str', line)}\n"

@@ -42,7 +42,7 @@ def validate_node_name(name: str) -> str:
     if not name:
         raise InvalidNameError(kind, name, "is empty")
     if bad := _BAD_CHARACTER.search(name):
-        raise InvalidNameError(kind, name, "has a character that names may not hold", bad.start())
+        raise InvalidNameError(kind, name, "has a character that is not allowed in names", bad.start())
     if name[0].isdigit():
         raise InvalidNameError(kind, name, "starts with a digit", 0)
     return _checked_length(kind, name, MAX_NODE_NAME)
@@ -137,14 +137,14 @@ def unescape_token(token: str) -> str:
     try:
         return re.sub(rb"_x([0-9a-f]{2})", lambda found: bytes([int(found[1], 16)]), raw).decode()
     except UnicodeDecodeError as exc:
-        raise InvalidNameError("escaped name", token, "does not spell UTF-8") from exc
+        raise InvalidNameError("escaped name", token, "does not decode to UTF-8") from exc
 
 
 def _validate_path(kind: str, path: str) -> str:
     if not path:
         raise InvalidNameError(kind, path, "is empty")
     if bad := _BAD_PATH_CHARACTER.search(path):
-        raise InvalidNameError(kind, path, "has a character that names may not hold", bad.start())
+        raise InvalidNameError(kind, path, "has a character that is not allowed in names", bad.start())
     if not path.startswith("/"):
         raise InvalidNameError(kind, path, "is not absolute: it must start with /")
     if path.endswith("/"):
@@ -160,7 +160,7 @@ def _expand_private(name: str, node_path: str, kind: str) -> str:
     if (misplaced := name.find("~", 1)) >= 0:
         raise InvalidNameError(kind, name, "has a tilde that is not at its start", misplaced)
     if len(name) > 1 and name[1] != "/":
-        raise InvalidNameError(kind, name, "has a tilde that no slash follows", 1)
+        raise InvalidNameError(kind, name, "has a tilde that is not followed by a slash", 1)
     return node_path + name[1:]
 
 

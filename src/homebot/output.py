@@ -34,7 +34,7 @@ _BATCH = 64 * 1024
 
 
 def _loss_text(lines: int) -> str:
-    return f"… {lines:,} lines were lost here, as nobody read them in time\n"
+    return f"… {lines:,} lines were lost here, because they were not read in time\n"
 
 
 @final

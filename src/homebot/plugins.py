@@ -92,9 +92,9 @@ def _look_here_too(path: str, module_name: str) -> None:
     for place in (here, package.with_suffix(".py"), package, package / "__init__.py"):
         problem = why_not_trusted(place) if place.exists() else ""
         if not problem and place == here and here.stat().st_mode & stat.S_IWOTH:
-            problem = f"everybody may put files into {here}"
+            problem = f"everyone may write to {here}"
         if problem:
-            raise PluginError(path, f"is not taken from the working directory: {problem}")
+            raise PluginError(path, f"is not loaded from the working directory: {problem}")
     if str(here) not in sys.path:
         sys.path.append(str(here))
     importlib.invalidate_caches()

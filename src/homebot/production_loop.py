@@ -113,7 +113,7 @@ class LoopWatch:
         where = f" in {trace[-1].filename}:{trace[-1].lineno} ({trace[-1].name})" if trace else ""
         self.exited = f"sys.exit({error.code!r}){where}"
         _log.error(
-            EXITED, message=f"a task called {self.exited}; the task has ended, and homebot continues", exc_info=error
+            EXITED, message=f"a task called {self.exited}; only that task ended, homebot continues", exc_info=error
         )
 
     def __enter__(self) -> Self:
@@ -172,7 +172,7 @@ class LoopWatch:
         _log.error(
             BLOCKED,
             message=f"the event loop has been blocked for {seconds:.1f} s by {self.last}: nothing else can run; "
-            "let it await, or run it in a thread",
+            "make it await, or run it in a thread",
             blocks=self.blocks,
             stack=[_place(one) for one in stack[:_MOST_FRAMES]],
         )

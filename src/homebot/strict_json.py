@@ -55,7 +55,7 @@ def object_noting(note: Callable[[str], None]) -> Callable[[list[tuple[str, Any]
 def _only_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
-        raise DuplicateKeyError(f"the key {_repeated(pairs)[:60]!r} is there twice")
+        raise DuplicateKeyError(f"the key {_repeated(pairs)[:60]!r} occurs twice")
     return found
 
 

@@ -76,6 +76,6 @@ def _check(value: object, source: str, key: str, *, any_text: bool) -> None:
         for number, item in enumerate(value):
             _check(item, source, f"{key}.{number}", any_text=any_text)
     elif isinstance(value, str) and "\0" in value and not any_text:
-        raise ConfigError(source, key, "holds the character U+0000, which no text may")
+        raise ConfigError(source, key, "contains the character U+0000, which is not allowed")
     elif isinstance(value, int) and not -_MOST <= value < _MOST:
         raise ConfigError(source, key, "is a number of more than 64 bits")

@@ -94,7 +94,7 @@ async def test_what_is_no_lamp_is_left_alone() -> None:
 
 @pytest.mark.parametrize(
     ("payload", "problem"),
-    [(b"\xff\xfe", "the payload on lights/a/out is not text"), (b"dimmed", "lights/a/out says neither on nor off")],
+    [(b"\xff\xfe", "the payload on lights/a/out is not text"), (b"dimmed", "lights/a/out reported neither on nor off")],
 )
 async def test_what_it_does_not_understand_is_told_once_and_it_goes_on(payload: bytes, problem: str) -> None:
     """A flood of it is a line in ten seconds, with the number of those held back."""

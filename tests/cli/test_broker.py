@@ -67,7 +67,7 @@ def test_an_address_others_can_reach_is_served_with_a_password() -> None:
         (["--tls-cert", "absent"], "certificate absent: No such file or directory"),
         (["--tls-cert", "password"], "certificate: no certificate was found in password"),
         (["--refuse-filter", "a/#/b"], "--refuse-filter: topic filter 'a/#/b' has # before its end"),
-        (["--keep-alive", "65536"], "a keep-alive of 65536 s is not in 1 to 65535"),
+        (["--keep-alive", "65536"], "a keep-alive of 65536 s is not from 1 to 65535"),
     ],
 )
 def test_what_cannot_be_served_is_one_clear_sentence(

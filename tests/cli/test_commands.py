@@ -84,7 +84,7 @@ def test_pub_publishes_with_and_without_a_type(homebot: Any, capsys: Text, argum
             ["/new", "std_msgs/Strng", "{data: hi}"],
             "unknown message type 'std_msgs/Strng'; similar: ",
         ),
-        (["/a b", "std_msgs/String", "{data: hi}"], "has a character that names may not hold"),
+        (["/a b", "std_msgs/String", "{data: hi}"], "has a character that is not allowed in names"),
     ],
 )
 def test_pub_that_is_refused_says_why(homebot: Any, capsys: Text, arguments: list[str], problem: str) -> None:

@@ -175,7 +175,7 @@ def test_a_configuration_that_others_can_change_is_refused(capsys: Text, place: 
     Path(place).chmod(0o777)
     assert main(["config", "check"]) == 1
     error = capsys.readouterr().err
-    assert "names the code that runs, so nobody else may change it" in error
+    assert "names the code that runs, so others must not be able to change it" in error
     assert "chmod go-w" in error
     assert "this was run" not in error
 
@@ -192,7 +192,7 @@ def test_code_that_others_can_change_is_refused(
     Path(place).chmod(0o777)
     assert main(["config", "check", "--config", "../homebot.toml"]) == 1
     error = capsys.readouterr().err
-    assert "my_own_app:Mine': is not taken from the working directory" in error
+    assert "my_own_app:Mine': is not loaded from the working directory" in error
     assert "this was run" not in error
 
 
@@ -201,10 +201,13 @@ def test_code_that_others_can_change_is_refused(
     [
         ("[door]\nport = " + "9" * 5000 + "\n", "is invalid TOML: Exceeds the limit"),
         ("[door]\nport = " + "9" * 50 + "\n", "door.port: is a number of more than 64 bits"),
-        ('[home]\nname = "a\\u0000b"\n', "home.name: holds the character U+0000, which no text may"),
-        ('[door]\ntoken_file = "a\\u0000b"\n', "door.token_file: holds the character U+0000"),
+        ('[home]\nname = "a\\u0000b"\n', "home.name: contains the character U+0000, which is not allowed"),
+        ('[door]\ntoken_file = "a\\u0000b"\n', "door.token_file: contains the character U+0000"),
         ('[apps."a\\u0000b"]\n', "apps.a\\u0000b: has the character U+0000 in its name"),
-        ('[gateways.mqtt]\nconventions = ["a\\u0000b"]\n', "gateways.mqtt.conventions.0: holds the character U+0000"),
+        (
+            '[gateways.mqtt]\nconventions = ["a\\u0000b"]\n',
+            "gateways.mqtt.conventions.0: contains the character U+0000",
+        ),
         ("a = " + "[" * 5000, "is no"),
     ],
 )

@@ -54,8 +54,8 @@ def test_not_a_number_is_a_number() -> None:
         ("{a: 'b}", "a quotation mark is not closed before"),
         ("[1, 2", "']' is missing"),
         ("{a: 1} x", "nothing more was expected before 'x'"),
-        ('{"a": 1, "a": 2}', "the field 'a' is there twice"),
-        ("{a: 1, a: 2}", "the field 'a' is there twice"),
+        ('{"a": 1, "a": 2}', "the field 'a' occurs twice"),
+        ("{a: 1, a: 2}", "the field 'a' occurs twice"),
         ("[" * 200, "nested more than 100 deep"),
     ],
 )

@@ -41,5 +41,5 @@ def test_what_is_rejected_is_counted_from_the_first_message_on() -> None:
     convention = HomeAssistantDiscovery(HomeAssistantSettings())
     assert (convention.is_loaded, convention.rejected) == (False, 0)
     with pytest.raises(WireError):
-        convention.take("homeassistant/light/x/config", b"no JSON", retained=True)
+        convention.take("homeassistant/light/x/config", b"not JSON", retained=True)
     assert (convention.is_loaded, convention.rejected) == (True, 1)

@@ -35,7 +35,7 @@ def test_keys_that_are_there_twice_are_noted_or_refused() -> None:
         assert parse_json(text) == {"a": 3, "b": {"c": 2}}
         parse_json('{"a": [{"a": 1}, {"a": 2}]}')
     assert keys == ["c", "a"]
-    with pytest.raises(WireError, match="the key 'c' is there twice"):
+    with pytest.raises(WireError, match="the key 'c' occurs twice"):
         parse_json(text, unique=True)
     with noting_duplicates() as keys:
         parse_json("[" + ",".join(['{"x": 1, "x": 2}'] * 1000) + "]")
@@ -54,13 +54,13 @@ def test_of_a_key_that_is_there_twice_the_last_counts() -> None:
 @pytest.mark.parametrize(
     ("payload", "problem"),
     [
-        (b"", "no JSON"),
-        (b"\xff", "no JSON"),
-        (b'\xef\xbb\xbf{"a": 1}', "no JSON"),
-        (b"NaN", "NaN is no number"),
-        (b"[-Infinity]", "-Infinity is no number"),
+        (b"", "not JSON"),
+        (b"\xff", "not JSON"),
+        (b'\xef\xbb\xbf{"a": 1}', "not JSON"),
+        (b"NaN", "NaN is not a number"),
+        (b"[-Infinity]", "-Infinity is not a number"),
         (b"1e999", "too large"),
-        (b"1" * 5000, "no JSON"),
+        (b"1" * 5000, "not JSON"),
         (b"[" * 10_000 + b"]" * 10_000, "deeper than 64"),
         (b"[" * 65 + b"]" * 65, "deeper than 64"),
         (b'{"a":' * 10_000, "no JSON|deeper than 64"),
@@ -92,7 +92,7 @@ def test_any_bytes_are_json_or_a_wire_error(payload: bytes) -> None:
 
 @pytest.mark.parametrize("payload", [b"[]", b"3", b"null", b'"text"'])
 def test_an_object_is_asked_for_and_nothing_else_taken(payload: bytes) -> None:
-    with pytest.raises(WireError, match="no JSON object"):
+    with pytest.raises(WireError, match="not a JSON object"):
         parse_object(payload)
 
 

@@ -295,7 +295,7 @@ class Churn:
             assert hardware not in known, f"{device.id} and {known[hardware].id} are one lamp"
             known[hardware] = device
         for hardware, device in known.items():
-            assert hardware in truth, f"{device.id} is a ghost: it was taken back"
+            assert hardware in truth, f"{device.id} is a ghost: it was withdrawn"
             self.check(truth[hardware], device)
         lost = [lamp for hardware, lamp in truth.items() if lamp.is_alive and hardware not in known]
         assert not lost

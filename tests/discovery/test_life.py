@@ -128,7 +128,7 @@ def test_a_forgotten_ghost_does_not_come_back_by_what_the_broker_kept(
     index.observe(alive)
     (change,) = index.take_changes()
     assert (change.kind, change.device.id) == ("appeared", "lamp")
-    assert change.why.startswith("it is back")
+    assert change.why.startswith("it returned")
     assert sorted(one.id for one in index.devices()) == ["lamp", "lamp_0001"]
 
 

@@ -392,7 +392,7 @@ def test_parts_beyond_a_thousand_are_left_out_and_that_is_told(
 
     (device,) = index.devices()
     assert len(device.parts) == 1000
-    assert device.conflicts == ("2 further parts are left out, for a device has 1,000 at most",)
+    assert device.conflicts == ("2 further parts are ignored; a device may have at most 1,000",)
 
 
 def test_many_parts_that_two_conventions_tell_of_find_each_other(

@@ -215,7 +215,7 @@ async def test_a_device_that_comes_to_fit_a_live_query_appears_and_one_that_does
         await house.hears(lamp.model_copy(update={"area": "Hall"}))
         assert heard == [
             ("appeared", "its on_off is True now"),
-            ("removed", "it fits the query no longer"),
+            ("removed", "it no longer matches the query"),
             ("appeared", "its on_off is True now"),
             ("removed", "its description changed"),
         ]

@@ -130,7 +130,7 @@ def test_a_damaged_file_that_cannot_be_moved_is_told(tmp_path: Path) -> None:
     path = tmp_path / ("i" * 245)
     path.write_bytes(b"no database at all" * 1000)
 
-    with pytest.raises(LinkError, match="cannot be made anew"):
+    with pytest.raises(LinkError, match="cannot be recreated"):
         IndexFile(path).open(1e9)
 
     assert path.read_bytes().startswith(b"no database")
@@ -167,7 +167,7 @@ def test_a_file_that_another_homebot_uses_is_left_to_it(path: Path) -> None:
     """Until that one ends."""
     first, second = IndexFile(path), IndexFile(path, patience=0.01)
     first.open(0.0)
-    with pytest.raises(UsageError, match=r"is used by another homebot; .*--ephemeral"):
+    with pytest.raises(UsageError, match=r"is in use by another homebot; .*--ephemeral"):
         second.open(0.0)
     first.write(Records((("lamp", "{}"),), ()), ())
     first.close()

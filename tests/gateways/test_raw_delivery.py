@@ -76,7 +76,9 @@ async def test_an_inbox_that_is_never_read_costs_a_moment_a_minute() -> None:
             await house.listeners.deliver(message(number), wait_if_full=True)
     assert anyio.current_time() == FULL_INBOX_WAIT
     assert payloads(inbox) == [97, 98, 99]
-    assert [line["message"] for line in lines] == ["/hanging/inbox is full and not read: its oldest messages are lost"]
+    assert [line["message"] for line in lines] == [
+        "/hanging/inbox is full and not being read: its oldest messages are dropped"
+    ]
     await anyio.sleep(60)
     for number in range(DEPTH + 1):
         await house.listeners.deliver(message(number), wait_if_full=True)

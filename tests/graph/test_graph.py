@@ -112,7 +112,7 @@ async def test_a_watcher_that_falls_behind_loses_the_oldest_and_knows(
 
 async def test_a_second_node_of_one_name_is_refused_and_disturbs_nothing(graph: Graph) -> None:
     first = Node(graph, "n")
-    with pytest.raises(DuplicateNameError, match="a node /n is running already"):
+    with pytest.raises(DuplicateNameError, match="a node /n is already running"):
         Node(graph, "n")
     assert graph.get_node("/n") is first
     first.close()

@@ -202,7 +202,7 @@ async def test_a_closed_node_does_not_start_again(graph: Graph) -> None:
 
 async def test_a_running_node_does_not_start_twice(graph: Graph) -> None:
     async with Node(graph, "node") as node:
-        with pytest.raises(UsageError, match="the node /node is running already"):
+        with pytest.raises(UsageError, match="the node /node is already running"):
             await node.__aenter__()
 
 

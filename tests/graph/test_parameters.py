@@ -110,10 +110,10 @@ def test_a_value_of_another_type_is_refused(
 @pytest.mark.parametrize(
     ("descriptor", "value", "problem"),
     [
-        (ParameterDescriptor(minimum=1, maximum=5), 6.0, "goes from 1 to 5, got 6.0"),
-        (ParameterDescriptor(minimum=1), 0.5, "goes from 1 to inf, got 0.5"),
-        (ParameterDescriptor(maximum=5), 5.1, "goes from -inf to 5, got 5.1"),
-        (ParameterDescriptor(maximum=5), math.nan, "goes from -inf to 5, got nan"),
+        (ParameterDescriptor(minimum=1, maximum=5), 6.0, "must be from 1 to 5, got 6.0"),
+        (ParameterDescriptor(minimum=1), 0.5, "must be from 1 to inf, got 0.5"),
+        (ParameterDescriptor(maximum=5), 5.1, "must be from -inf to 5, got 5.1"),
+        (ParameterDescriptor(maximum=5), math.nan, "must be from -inf to 5, got nan"),
     ],
 )
 def test_a_value_out_of_range_is_refused(

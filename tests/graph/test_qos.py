@@ -33,13 +33,13 @@ DEFAULT = QoSProfile()
     [
         (BEST_EFFORT, DEFAULT, "reliability: best effort is offered, reliable is requested"),
         (DEFAULT, TRANSIENT_LOCAL, "durability: volatile is offered, transient local is requested"),
-        (DEFAULT, QoSProfile(deadline=1), "deadline: a longer one is offered than is requested"),
-        (QoSProfile(deadline=2), QoSProfile(deadline=1), "deadline: a longer one is offered than is requested"),
+        (DEFAULT, QoSProfile(deadline=1), "deadline: the offered one is longer than the requested one"),
+        (QoSProfile(deadline=2), QoSProfile(deadline=1), "deadline: the offered one is longer than the requested one"),
         (DEFAULT, MANUAL, "liveliness: automatic is offered, manual by topic is requested"),
         (
             DEFAULT,
             QoSProfile(liveliness_lease_duration=1),
-            "liveliness lease: a longer one is offered than is requested",
+            "liveliness lease: the offered one is longer than the requested one",
         ),
     ],
 )

@@ -428,7 +428,7 @@ async def test_what_the_handler_waits_for_being_cancelled_does_not_cancel_the_ca
         return await doomed
 
     node.create_service(Trigger, "s", wait_for_the_dead)
-    with pytest.raises(ServiceFailedError, match="what its handler waited for was cancelled"):
+    with pytest.raises(ServiceFailedError, match="something that its handler awaited was cancelled"):
         await client.call(ASK)
 
 
@@ -690,7 +690,7 @@ async def test_a_closed_client_is_refused_and_stops_waiting(node: Node, client: 
 async def test_a_second_server_on_one_name_is_refused(run: Callable[[str], Awaitable[Node]]) -> None:
     one, other = await run("one"), await run("other")
     first = one.create_service(Trigger, "/s", lambda _request: answer())
-    with pytest.raises(DuplicateNameError, match="/s is served by /one already"):
+    with pytest.raises(DuplicateNameError, match="/s is already served by /one"):
         other.create_service(Trigger, "/s", lambda _request: answer())
     first.close()
     assert other.create_service(Trigger, "/s", lambda _request: answer()).service_name == "/s"
@@ -698,7 +698,7 @@ async def test_a_second_server_on_one_name_is_refused(run: Callable[[str], Await
 
 async def test_another_type_on_a_service_name_is_refused(node: Node, client: TriggerClient, graph: Graph) -> None:
     with pytest.raises(
-        TypeMismatchError, match="/node wants std_srvs/srv/SetBool of /s, which is a std_srvs/srv/Trigger"
+        TypeMismatchError, match="/node uses /s as std_srvs/srv/SetBool, but it is a std_srvs/srv/Trigger"
     ):
         node.create_service(SetBool, "s", lambda _request: SetBool.Response(success=True, message=""))
     with pytest.raises(TypeMismatchError):

@@ -257,7 +257,7 @@ async def test_a_second_type_on_a_topic_is_refused(run: Callable[[str], Awaitabl
     talker.create_publisher(String, "t")
     with pytest.raises(TypeMismatchError) as caught:
         listener.create_subscription(Bool, "/t")
-    assert str(caught.value) == "/listener wants std_msgs/msg/Bool on /t, which carries std_msgs/msg/String"
+    assert str(caught.value) == "/listener uses /t with std_msgs/msg/Bool, but it carries std_msgs/msg/String"
     with pytest.raises(TypeMismatchError):
         listener.create_publisher(Bool, "/t")
 

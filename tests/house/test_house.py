@@ -344,7 +344,7 @@ async def test_a_power_failure_leaves_the_will() -> None:
         (World.of(), 0.0, "heartbeat of 0 s"),
         (World.of(), float("nan"), "heartbeat of nan s"),
         (World.of(SimulatedLamp("a/b")), 1.0, "'a/b' cannot be a level of a topic"),
-        (World.of(SimulatedLamp("a\ud800")), 1.0, "cannot be written in UTF-8"),
+        (World.of(SimulatedLamp("a\ud800")), 1.0, "cannot be encoded as UTF-8"),
         (
             World(Rooms({"hall": Room()}, []), [Placed(SimulatedLamp("lamp"), "hall", dialect="x")]),
             1.0,

@@ -123,5 +123,5 @@ def test_uint8_arrays_are_bytes_and_nothing_else() -> None:
     class Slow(Message):
         data: tuple[fields.UInt8, ...]
 
-    with pytest.raises(UsageError, match=r"Slow\.data: a sequence of uint8 is spelt bytes"):
+    with pytest.raises(UsageError, match=r"Slow\.data: a sequence of uint8 is written bytes"):
         fields_of(Slow)

@@ -91,9 +91,9 @@ def test_texts_in_the_text_of_a_message_are_escaped_as_everywhere(text: str) -> 
 
 def test_the_text_of_a_message_with_an_unchecked_value_is_as_its_json_or_none_at_all() -> None:
     assert message_to_text(Float64.of_checked(data=1)) in {'{"data":1}', '{"data":1.0}'}
-    with pytest.raises(TypeMismatchError, match=r"\{1\} is no value of a message"):
+    with pytest.raises(TypeMismatchError, match=r"\{1\} is not a valid message value"):
         message_to_text(String.of_checked(data={1}))
-    with pytest.raises(TypeMismatchError, match="is no value of a message"):
+    with pytest.raises(TypeMismatchError, match="is not a valid message value"):
         message_to_text(ParameterValue.of_checked(**dict(ParameterValue(type=8)) | {"double_array_value": [1.0]}))
 
 
@@ -140,7 +140,7 @@ def test_what_json_has_no_number_for_is_null(value: float) -> None:
 
 
 def test_a_value_that_was_smuggled_past_the_check_is_not_written() -> None:
-    with pytest.raises(TypeMismatchError, match=r"\{1\} is no value of a message"):
+    with pytest.raises(TypeMismatchError, match=r"\{1\} is not a valid message value"):
         message_to_json(String.model_construct(data={1}))  # type: ignore[arg-type]  # the mistake under test
 
 
@@ -172,7 +172,7 @@ def test_a_whole_number_is_read_as_a_real_one() -> None:
         (Int32, {"data": 1.0}, "field 'data': input should be a valid integer, got 1.0"),
         (Int32, {"data": None}, "field 'data': input should be a valid integer, got None"),
         (String, {"data": "\ud800"}, r"field 'data': input should be a valid string, got b'\xed\xa0\x80'"),
-        (String, ["x"], "not a std_msgs/msg/String: an object is wanted, got ['x']"),
+        (String, ["x"], "not a std_msgs/msg/String: expected an object, got ['x']"),
         (String, {"data": ["x" * 100]}, f"got ['{'x' * 55}..."),
     ],
 )

@@ -114,7 +114,7 @@ def test_a_subclass_has_a_name_of_its_own() -> None:
 
 
 def test_a_key_must_be_a_field() -> None:
-    with pytest.raises(UsageError, match="Keyless has no field 'name' to be its key"):
+    with pytest.raises(UsageError, match="Keyless has no field 'name' to use as its key"):
 
         class Keyless(Message):
             key_field: ClassVar[str | None] = "name"

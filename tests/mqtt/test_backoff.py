@@ -30,7 +30,7 @@ def test_the_same_seed_gives_the_same_delays() -> None:
 
 @given(st.integers(1, 10**6), st.floats(0, 299), st.randoms(use_true_random=False))
 def test_a_link_is_tried_again_within_one_and_a_half_seconds(failures: int, failing_for: float, random: Random) -> None:
-    """With the hand-shake that is less than two seconds after the broker's return."""
+    """With the handshake that is less than two seconds after the broker's return."""
     assert 0 <= LINK_BACKOFF.delay(failures, failing_for, random) <= 1.5
 
 

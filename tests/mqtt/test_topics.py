@@ -30,7 +30,7 @@ def test_a_legal_topic_is_accepted(topic: str) -> None:
         ("a/+", "has a wildcard", 2),
         ("a#", "has a wildcard", 1),
         ("a\0", "has a NUL", 1),
-        ("a\ud800", "cannot be written in UTF-8", 1),
+        ("a\ud800", "cannot be encoded as UTF-8", 1),
         ("ä" * 32_768, "65536 bytes", None),
     ],
 )

@@ -275,7 +275,7 @@ def test_what_crashes_and_what_blocks_is_left_behind_and_the_exit_code_says_so(s
     assert "not everything stopped in time; exiting anyway" in blocking.log[-1]
 
     crashing.until("roomlights405 is off")
-    crashing.until("crashing crashed 5 times within a minute and is not restarted any more: RuntimeError: ouch")
+    crashing.until("crashing crashed 5 times within a minute and will not be restarted: RuntimeError: ouch")
     assert crashing.stop() == 1
 
 

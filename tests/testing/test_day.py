@@ -170,5 +170,5 @@ def test_a_happening_that_cannot_be_is_refused(at: float, command: str, reason: 
 
 def test_the_tables_of_a_house_hold_no_day() -> None:
     """Else there would be two."""
-    with pytest.raises(ConfigError, match=r"day: is no table of a house"):
+    with pytest.raises(ConfigError, match=r"day: is not a table of a house"):
         Day({"day": {}, **Day.parse(HOUSE).house})

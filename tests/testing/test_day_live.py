@@ -163,6 +163,6 @@ def test_an_app_that_crashes_fails_the_day() -> None:
 
 
 async def test_a_test_with_async_is_told_what_to_write() -> None:
-    """Its loop is running already."""
+    """Its loop is already running."""
     with pytest.raises(UsageError, match=r"await day\.live\(house\)"):
         live_day(a_day())

@@ -25,7 +25,7 @@ async def test_what_does_not_come_is_told_with_what_came_instead() -> None:
             await house.hears("home425/lights/b/in", within=0.3)
     assert str(caught.value) == (
         "nothing came on home425/lights/b/in within 0.3 s; "
-        "came elsewhere: {'home425/lights/a/in': ['off']}; crashed: nothing"
+        "received elsewhere: {'home425/lights/a/in': ['off']}; crashed: nothing"
     )
 
 
@@ -47,5 +47,5 @@ async def test_a_test_hears_wherever_it_listens_and_not_itself() -> None:
 
 async def test_a_test_listens_on_one_topic() -> None:
     async with house_of() as house:
-        with pytest.raises(UsageError, match="name one topic"):
+        with pytest.raises(UsageError, match="give a topic without wildcards"):
             await house.hears("attic/#")

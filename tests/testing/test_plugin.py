@@ -68,7 +68,7 @@ def test_a_failed_test_shows_the_packets_of_each_broker_that_had_any(pytester: p
     result.stdout.fnmatch_lines(
         [
             "E *nobody published '69' on t within 1 s",
-            "E *there came, with another payload:",
+            "E *received with another payload:",
             "E *t '68' (QoS 0, from a)",
             "*MQTT packets of mqtt_broker*",
             "*→  CONNECT 'a' MQTT 3.1.1, clean start, keep-alive 60 s",

@@ -213,8 +213,8 @@ MISTAKES = {
     "@pytest.mark.house(world='no.toml')": "@pytest.mark.house, world: *no.toml: cannot be read: No such file or dire*",
     "@pytest.mark.house(world=5)": "@pytest.mark.house, world: 5 is no house: give a TOML file, a World, or a *",
     "@pytest.mark.house(start='noon')": "@pytest.mark.house, start: 'noon' is no point in time; *",
-    "@pytest.mark.house(heartbeat=0)": "@pytest.mark.house, heartbeat: 0 is no time between two heartbeats; *",
-    "@pytest.mark.house(seed='x')": "@pytest.mark.house, seed: 'x' is no whole number",
+    "@pytest.mark.house(heartbeat=0)": "@pytest.mark.house, heartbeat: 0 is not a heartbeat interval; *",
+    "@pytest.mark.house(seed='x')": "@pytest.mark.house, seed: 'x' is not a whole number",
     "@pytest.mark.house(5)": "@pytest.mark.house, app 1: 5 is no app: *",
     "@pytest.mark.house('no_such')": "*no_such*is not installed*",
     "@pytest.mark.homebot(world=1)": "@pytest.mark.homebot, world is unknown; known are allow_crashes, config, root",
@@ -259,8 +259,8 @@ async def test_on_its_loop(house): pass
     result.assert_outcomes(passed=1, errors=3)
     result.stdout.fnmatch_lines(
         [
-            "`house` is for tests that can wait: write `async def test_plain(*):`",
-            "`house` has its own time and broker, `mqtt_broker` is of real time: take one",
+            "`house` needs an async test: write `async def test_plain(*):`",
+            "`house` has its own time and broker, `mqtt_broker` runs in real time: use only one of them",
             "`house` needs a loop of virtual time, and this test runs on a *Loop, which could not be replaced. *",
         ]
     )
@@ -271,7 +271,7 @@ def test_a_test_that_two_plug_ins_want_is_told_so(pytester: pytest.Pytester) -> 
     pytester.makepyfile(START + "\n@pytest.mark.anyio\nasync def test_it(house): pass\n")
     result = run(pytester, "--asyncio-mode=auto")
     result.assert_outcomes(errors=1)
-    result.stdout.fnmatch_lines(["`house` has one loop, and two plug-ins want this test: pytest-asyncio*"])
+    result.stdout.fnmatch_lines(["`house` has one loop, but two plug-ins claim this test: pytest-asyncio*"])
 
 
 def test_a_class_alone_is_marked_with_args(pytester: pytest.Pytester) -> None:

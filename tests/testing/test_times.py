@@ -32,7 +32,7 @@ def test_a_moment_is_the_next_that_fits(when: str | datetime, expected: datetime
 
 @pytest.mark.parametrize("when", ["", "24:00", "12:60", "noon", "8h", "2026-13-01"])
 def test_what_is_no_moment_is_refused_with_an_example(when: str) -> None:
-    with pytest.raises(UsageError, match="is no point in time; write it like 22:00 or 2026-01-01 22:00"):
+    with pytest.raises(UsageError, match="is not a time; write it like 22:00 or 2026-01-01 22:00"):
         next_moment(NOW, when)
 
 

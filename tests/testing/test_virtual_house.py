@@ -42,7 +42,7 @@ async def test_time_moves_when_told() -> None:
         await house.run_until("2026-01-03 07:30")
         await house.run_for(0.5)
         assert house.now == datetime(2026, 1, 3, 7, 30, 0, 500_000, tzinfo=UTC)
-        with pytest.raises(UsageError, match="2026-01-01 00:00:00 is past: it is 2026-01-03 07:30:00 in the house"):
+        with pytest.raises(UsageError, match="2026-01-01 00:00:00 is in the past: the house is at 2026-01-03 07:30:00"):
             await house.run_until("2026-01-01")
 
 

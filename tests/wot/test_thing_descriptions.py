@@ -341,15 +341,15 @@ def changed(path: str, value: object) -> dict[str, Any]:
         ),
         ("@context", ["https://schema.org"], "@context: a Thing Description is wanted"),
         ("title", None, "title: is missing; a text is wanted"),
-        ("title", 5, "title: a text is wanted, got 5"),
+        ("title", 5, "title: expected a text, got 5"),
         ("security", None, "security: is missing"),
         ("security", "basic_sc", "security: 'basic_sc' is not in securityDefinitions"),
-        ("securityDefinitions", [], "securityDefinitions: an object is wanted, got a list"),
+        ("securityDefinitions", [], "securityDefinitions: expected an object, got a list"),
         ("securityDefinitions/nosec_sc", {}, "securityDefinitions.nosec_sc.scheme: is missing; a text is wanted"),
-        ("properties", "on", "properties: an object is wanted, got 'on'"),
-        ("properties/on", 1, "properties.on: an object is wanted, got 1"),
-        ("properties/on/forms", None, "properties.on.forms: 1 to 20 forms are wanted, got 0"),
-        ("properties/on/forms", [{}] * 21, "properties.on.forms: 1 to 20 forms are wanted, got 21"),
+        ("properties", "on", "properties: expected an object, got 'on'"),
+        ("properties/on", 1, "properties.on: expected an object, got 1"),
+        ("properties/on/forms", None, "properties.on.forms: 1 to 20 forms are expected, got 0"),
+        ("properties/on/forms", [{}] * 21, "properties.on.forms: 1 to 20 forms are expected, got 21"),
         ("properties/on/forms", [{"op": "readproperty"}], "properties.on.forms[0].href: is missing"),
         (
             "properties/on/forms",
@@ -361,7 +361,7 @@ def changed(path: str, value: object) -> dict[str, Any]:
             [{"href": "mqtt://[", "op": "readproperty"}],
             "properties.on.forms[0].href: 'mqtt://['",
         ),
-        ("properties/on/forms", [{"href": "x", "mqv:qos": 3}], "properties.on.forms[0].mqv:qos: 0, 1 or 2 is wanted"),
+        ("properties/on/forms", [{"href": "x", "mqv:qos": 3}], "properties.on.forms[0].mqv:qos: 0, 1 or 2 is expected"),
         (
             "properties/on/forms",
             [{"href": "x", "mqv:retain": "yes"}],
@@ -369,11 +369,11 @@ def changed(path: str, value: object) -> dict[str, Any]:
         ),
         ("properties/on/type", "bool", "properties.on.type: 'bool' is none of boolean, integer, number"),
         ("properties/on/readOnly", 1, "properties.on.readOnly: true or false is wanted, got 1"),
-        ("properties/on/enum", [], "properties.on.enum: at least one value is wanted"),
+        ("properties/on/enum", [], "properties.on.enum: at least one value is expected"),
         ("properties/brightness/minimum", 255, "properties.brightness.minimum: 255 is above the maximum 254"),
         ("properties/brightness/maximum", "x", "properties.brightness.maximum: a number is wanted, got 'x'"),
         ("properties/brightness/maximum", 10**400, "properties.brightness.maximum: a finite number is wanted"),
-        ("actions/blink/input", 3, "actions.blink.input: an object is wanted, got 3"),
+        ("actions/blink/input", 3, "actions.blink.input: expected an object, got 3"),
         (
             "events/overheated/forms/0/op",
             "observeproperty",
@@ -382,7 +382,7 @@ def changed(path: str, value: object) -> dict[str, Any]:
         ("@type", [1], "@type: a text or a list of texts is wanted, got a list"),
         ("properties/x\u202e\n", {}, "properties.'x\\u202e\\n'.forms: 1 to 20 forms"),
         ("properties", {str(n): {} for n in range(301)}, "properties: 301 are too many; 300 is the limit"),
-        ("properties/" + "x" * 201, {}, "a name of at most 200 characters is wanted"),
+        ("properties/" + "x" * 201, {}, "a name of at most 200 characters is expected"),
     ],
 )
 def test_what_breaks_the_shape_is_refused_with_its_field(path: str, value: object, problem: str) -> None:
@@ -395,7 +395,7 @@ def test_what_breaks_the_shape_is_refused_with_its_field(path: str, value: objec
 def test_read_only_and_write_only_exclude_each_other() -> None:
     thing = changed("properties/on/readOnly", True)
     thing["properties"]["on"]["writeOnly"] = True
-    with pytest.raises(WireError, match=r"properties\.on\.writeOnly: what is readOnly cannot be writeOnly as well"):
+    with pytest.raises(WireError, match=r"properties\.on\.writeOnly: readOnly and writeOnly exclude each other"):
         read_thing(thing)
 
 

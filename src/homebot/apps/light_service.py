@@ -107,7 +107,7 @@ class LightService(App):
         part = sending_part(lamp, message)
         values = decode_text(message.text(), _ANY_LAMP if part is None else part.part)
         if not values:
-            raise WireError(f"{message.address} says neither on nor off", message.payload)
+            raise WireError(f"{message.address} reported neither on nor off", message.payload)
         level, on = values.get("level"), values.get("on_off")
         if part is not None and read_text_address(message.address) is not None:
             if level is None and on is not None:

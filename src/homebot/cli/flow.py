@@ -70,7 +70,7 @@ class _Flow:
                 self._expect(",")
             key = self._key()
             if key in fields:
-                raise self._error(f"the field {key[:60]!r} is there twice")
+                raise self._error(f"the field {key[:60]!r} occurs twice")
             self._expect(":")
             fields[key] = self._value()
         self._depth -= 1

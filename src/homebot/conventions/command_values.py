@@ -129,7 +129,7 @@ def push_writer(capability: str, publish: Callable[[], Publications]) -> Writer:
 
     def write(value: PlainValue, _transition: float) -> Publications:
         if value is not True:
-            raise RefusedError(f"{capability} {shown(value)}", "it takes true alone")
+            raise RefusedError(f"{capability} {shown(value)}", "it takes only true")
         return publish()
 
     return write

@@ -73,7 +73,7 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
 
     Raises:
         WireError: It is too long, no JSON as RFC 8259 has it (no NaN, no Infinity), nested deeper than 64 levels, or
-            holds half a surrogate pair.
+            contains half of a surrogate pair.
     """
     if len(payload) > limit:
         raise WireError(f"a payload of {len(payload)} bytes is longer than {limit}")
@@ -83,7 +83,7 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
     except RecursionError:
         raise WireError(f"JSON is nested deeper than {_MAX_DEPTH} levels") from None
     except ValueError as error:
-        raise WireError(f"{shown(payload)} is no JSON: {error}") from None
+        raise WireError(f"{shown(payload)} is not JSON: {error}") from None
     _check_depth(text, value)
     if "\\u" in text:
         _check_surrogates(value)
@@ -98,7 +98,7 @@ def parse_list(payload: bytes, limit: int) -> Iterator[object]:
     """
     if len(payload) > limit or not payload.lstrip(_SPACES).startswith(b"["):
         value = parse_json(payload, limit)
-        raise WireError(f"{shown(value)} is no list")
+        raise WireError(f"{shown(value)} is not a list")
     try:
         text = payload.decode()
         at = _after_spaces(text, text.index("[") + 1)
@@ -121,7 +121,7 @@ def parse_list(payload: bytes, limit: int) -> Iterator[object]:
     except RecursionError:
         raise WireError(f"JSON is nested deeper than {_MAX_DEPTH} levels") from None
     except ValueError as error:
-        raise WireError(f"{shown(payload)} is no JSON: {error}") from None
+        raise WireError(f"{shown(payload)} is not JSON: {error}") from None
 
 
 def parse_object(payload: bytes | str, limit: int = MAX_ANNOUNCEMENT_BYTES) -> dict[str, object]:
@@ -132,7 +132,7 @@ def parse_object(payload: bytes | str, limit: int = MAX_ANNOUNCEMENT_BYTES) -> d
     """
     value = parse_json(payload, limit)
     if not isinstance(value, dict):
-        raise WireError(f"{shown(payload)} is no JSON object")
+        raise WireError(f"{shown(payload)} is not a JSON object")
     return value
 
 
@@ -180,7 +180,7 @@ _MOST_DIGITS = 10**20
 
 
 def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is no number in JSON")
+    raise ValueError(f"{name} is not a number in JSON")
 
 
 def _finite(text: str) -> float:
@@ -215,7 +215,7 @@ def _note(key: str) -> None:
 
 
 def _refuse(key: str) -> NoReturn:
-    raise ValueError(f"the key {shown(key)} is there twice")
+    raise ValueError(f"the key {shown(key)} occurs twice")
 
 
 _NOTING = json.JSONDecoder(parse_float=_finite, parse_constant=_refuse_constant, object_pairs_hook=object_noting(_note))
@@ -250,7 +250,7 @@ def _check_surrogates(value: object) -> None:
     try:
         json.dumps(value, ensure_ascii=False).encode()
     except UnicodeEncodeError:
-        raise WireError("a text in the JSON has half a surrogate pair") from None
+        raise WireError("a text in the JSON contains half of a surrogate pair") from None
 
 
 Readings: TypeAlias = Mapping[str, PlainValue]

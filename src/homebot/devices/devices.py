@@ -258,7 +258,7 @@ class Devices:
             return  # the gateway is gone again and is asked when it comes, or we are
         except (RefusedError, ServiceError) as exc:
             if self._limit.allows(NOT_HEARD) is not None:
-                self._node.log.warning(NOT_HEARD, message=f"{address} is not heard any more: {exc}", address=address)
+                self._node.log.warning(NOT_HEARD, message=f"{address} is no longer received: {exc}", address=address)
 
     def _gateway(self, gateway: str) -> Client[SubscribeToTopicRequest, SubscribeToTopicResponse]:
         if gateway not in self._gateways:
@@ -309,6 +309,6 @@ def _check_plain(service_type: str, extra: tuple[object, ...], conditions: Mappi
     if extra or conditions:
         given = ", ".join([*(repr(one) for one in extra), *conditions])
         raise TypeError(
-            f"{service_type!r} is a word of a type, which takes no conditions ({given}); ask for a kind of handle, "
+            f"{service_type!r} is a type name, which takes no filters ({given}); ask for a kind of handle, "
             f"for example find(Light, area='kitchen')"
         )

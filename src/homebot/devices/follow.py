@@ -157,7 +157,7 @@ class Follow:
                 return await client.call(self._request)
             except ServiceError as exc:
                 if self._limit.allows(NO_ANSWER) is not None:
-                    self._node.log.warning(NO_ANSWER, message=f"{exc}; it is asked again")
+                    self._node.log.warning(NO_ANSWER, message=f"{exc}; trying again")
                 await anyio.sleep(_PAUSE)
 
     async def _yield_sometimes(self) -> None:

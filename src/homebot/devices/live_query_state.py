@@ -11,7 +11,7 @@ from homebot.devices.query import And, Not, Or, Query, StateIs, facets_of, fits
 
 __all__ = ["LiveQueryState"]
 
-NO_LONGER = "it fits the query no longer"
+NO_LONGER = "it no longer matches the query"
 
 
 @final
@@ -89,15 +89,21 @@ class LiveQueryState:
         for device_id, device in known.items():
             if device_id not in wanted:
                 yield DeviceChange(
-                    kind="removed", device=device, sequence=sequence, why="it went while the directory was away"
+                    kind="removed",
+                    device=device,
+                    sequence=sequence,
+                    why="it was removed while the directory was not running",
                 )
         for device_id, device in wanted.items():
             before = known.get(device_id)
             if before is None:
-                yield DeviceChange(kind="appeared", device=device, sequence=sequence, why="it was there already")
+                yield DeviceChange(kind="appeared", device=device, sequence=sequence, why="it was already known")
             elif _description(before) != _description(device):
                 yield DeviceChange(
-                    kind="changed", device=device, sequence=sequence, why="it changed while the directory was away"
+                    kind="changed",
+                    device=device,
+                    sequence=sequence,
+                    why="it changed while the directory was not running",
                 )
 
     def _wants(self, device: Device) -> bool:

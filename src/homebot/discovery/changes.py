@@ -139,7 +139,7 @@ class ChangeQueue:
         if before == device.conflicts or one.kind == "removed":
             return found
         if not device.conflicts:
-            found.append(self._change("resolved", device, "nothing of it is disputed any more"))
+            found.append(self._change("resolved", device, "none of its command topics is disputed any more"))
         elif new := [conflict for conflict in device.conflicts if conflict not in before]:
             found.append(self._change("conflict", device, "; ".join(new)))
         return found

@@ -199,8 +199,8 @@ class Directory:
         if self._limit.allows(FOREIGN) is not None:
             self._node.log.warning(
                 FOREIGN,
-                message=f"gateway {gateway} told of {message.key[:100]!r} in the name of {message.gateway[:100]!r}; "
-                "it may speak for itself only",
+                message=f"gateway {gateway} published {message.key[:100]!r} in the name of {message.gateway[:100]!r}; "
+                "a gateway may publish only its own devices",
                 gateway=gateway,
             )
         return False

@@ -90,7 +90,7 @@ def entry_record(entry: Entry) -> str:
             first_seen=entry.first_seen, gaps=entry.report_interval.gaps, claims=saved
         ).model_dump_json()
     except ValueError as exc:
-        raise WireError(f"{entry.id[:100]!r} cannot be kept: {exc}", b"") from exc
+        raise WireError(f"{entry.id[:100]!r} cannot be stored: {exc}", b"") from exc
 
 
 def read_entry(device_id: str, text: str) -> Entry:

@@ -82,7 +82,7 @@ class SourceRecord:
         values: The values of its parts, by part and capability.
         events: What happened last, by part and capability.
         reach: Whether it can be reached, as it says, by part; the whole is ``""``. See :meth:`set_reach`.
-        is_online: Whether it reported live that it is online, so that its last will watches over it.
+        is_online: Whether it sent a message that it is online, so that its last will watches over it.
     """
 
     sighting: Sighting

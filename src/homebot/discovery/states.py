@@ -67,7 +67,7 @@ class StateRecorder:
         if new:
             self._publish(entry, source, new)
         if shows_life:
-            self._liveness.mark_seen(entry, source, report.received_at, "it reported live")
+            self._liveness.mark_seen(entry, source, report.received_at, "it sent a message")
         else:
             entry.invalidate_device()
         if before is not None and self._reach(entry) != before:

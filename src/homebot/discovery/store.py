@@ -107,7 +107,7 @@ class IndexFile:
         except sqlite3.DatabaseError as exc:
             if "locked" in str(exc):
                 raise UsageError(
-                    f"the index file {self.path} is used by another homebot; give this one a place of its own "
+                    f"the index file {self.path} is in use by another homebot; give this one its own directory "
                     "(HOMEBOT_DATA), or run it with --ephemeral"
                 ) from exc
             if not _is_damage(exc):
@@ -179,7 +179,7 @@ class IndexFile:
             set_aside = self.set_aside(now)
             self._open()
         except (sqlite3.Error, OSError) as exc:
-            raise LinkError(f"the index file {self.path} cannot be made anew: {exc}") from exc
+            raise LinkError(f"the index file {self.path} cannot be recreated: {exc}") from exc
         return set_aside
 
     def _open(self) -> None:
@@ -218,7 +218,9 @@ class IndexFile:
     def _version(self, connection: sqlite3.Connection) -> int:
         version = int(connection.execute("PRAGMA user_version").fetchone()[0])
         if version > VERSION:
-            raise UsageError(f"the index file {self.path} is of a newer homebot (version {version}, not {VERSION})")
+            raise UsageError(
+                f"the index file {self.path} was written by a newer homebot (version {version}, not {VERSION})"
+            )
         return version
 
     def _migrate(self, connection: sqlite3.Connection, version: int) -> None:

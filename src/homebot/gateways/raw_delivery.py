@@ -84,7 +84,7 @@ class RawDelivery:
             InvalidNameError: The device's name makes too long a topic name.
         """
         if address not in self._by_address and len(self._by_address) >= MAX_ADDRESSES:
-            raise RefusedError(f"listening to {address}", f"{MAX_ADDRESSES:,} addresses are in use already")
+            raise RefusedError(f"listening to {address}", f"{MAX_ADDRESSES:,} addresses are in use, the limit")
         asker = self._asker(listener)
         if self._inboxes and listener:
             if asker is None:
@@ -178,7 +178,9 @@ class RawDelivery:
         self._no_patience_until[topic] = self._node.graph.clock.monotonic() + SLOW_READER_PENALTY
         if self._limit.allows(topic) is not None:
             self._node.log.warning(
-                SLOW_LISTENER, message=f"{topic} is full and not read: its oldest messages are lost", topic=topic
+                SLOW_LISTENER,
+                message=f"{topic} is full and not being read: its oldest messages are dropped",
+                topic=topic,
             )
 
     def _mirror_topic(self, key: str, name: str) -> str:

@@ -188,7 +188,7 @@ class Client(Generic[RequestT, ResponseT]):
         if not isinstance(error, HomebotError):
             server.on_failure(crash)
         if isinstance(error, asyncio.CancelledError):
-            return ServiceFailedError(self.info.name, "what its handler waited for was cancelled")
+            return ServiceFailedError(self.info.name, "something that its handler awaited was cancelled")
         return ServiceFailedError(self.info.name, error_text(crash))
 
     def _reject(self, request: object) -> NoReturn:

@@ -161,7 +161,7 @@ class Graph:
             DuplicateNameError: A node of this name is there.
         """
         if node.full_name in self._nodes:
-            raise DuplicateNameError(f"a node {node.full_name} is running already; give one of the two another name")
+            raise DuplicateNameError(f"a node {node.full_name} is already running; give one of the two another name")
         self._nodes[node.full_name] = node
         self.add_endpoint(node, EndpointInfo(EntityKind.NODE, node.full_name, node.full_name))
 
@@ -197,7 +197,7 @@ class Graph:
         slot = self._services.setdefault(name, ServiceSlot(name, service_type))
         if slot.service_type is not service_type:
             raise TypeMismatchError(
-                f"{node} wants {service_type.ros_type} of {name}, which is a {slot.service_type.ros_type}"
+                f"{node} uses {name} as {service_type.ros_type}, but it is a {slot.service_type.ros_type}"
             )
         slot.users += 1
         return slot

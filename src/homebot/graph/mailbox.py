@@ -131,7 +131,7 @@ class Mailbox(Generic[T]):
         if self._closed:
             raise ClosedError("closed")
         if self.waiter is not None:
-            raise UsageError("two tasks read from one subscription; give each its own")
+            raise UsageError("two tasks read from one subscription; give each task its own")
         self.waiter = waiter = asyncio.get_running_loop().create_future()
         try:
             await waiter

@@ -206,7 +206,7 @@ class Node:
         slot = self.graph.service_slot(name, srv_type, self.full_name)
         if slot.server is not None:
             self.graph.release_service_slot(slot)
-            raise DuplicateNameError(f"{name} is served by {slot.server.info.node} already")
+            raise DuplicateNameError(f"{name} is already served by {slot.server.info.node}")
 
         def on_close() -> None:
             slot.set_server(None)
@@ -214,7 +214,7 @@ class Node:
             self._hide(service)
 
         def on_failure(error: Exception) -> None:
-            self.graph.failures.record(self.full_name, f"handler of {name}", error, "its caller is told")
+            self.graph.failures.record(self.full_name, f"handler of {name}", error, "its caller gets the error")
 
         service = Service(
             name, srv_type, self.full_name, callback, concurrent=concurrent, on_close=on_close, on_failure=on_failure
@@ -308,7 +308,7 @@ class Node:
     async def __aenter__(self) -> Self:
         self._check_open()
         if self._tasks is not None:
-            raise UsageError(f"the node {self.full_name} is running already")
+            raise UsageError(f"the node {self.full_name} is already running")
         self._tasks = anyio.create_task_group()
         await self._tasks.__aenter__()
         waiting, self._waiting = self._waiting, []

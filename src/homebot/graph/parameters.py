@@ -157,7 +157,9 @@ class ParameterSet:
             low = -math.inf if low is None else low
             high = math.inf if high is None else high
             if not low <= value <= high:
-                raise ParameterError(f"{self._node}: parameter {name!r} goes from {low:g} to {high:g}, got {value!r}")
+                raise ParameterError(
+                    f"{self._node}: parameter {name!r} must be from {low:g} to {high:g}, got {value!r}"
+                )
         return value
 
     def _check(self, parameter: Parameter) -> None:

@@ -128,11 +128,11 @@ def qos_incompatibilities(offered: QoSProfile, requested: QoSProfile) -> tuple[s
     if offered.durability is DurabilityPolicy.VOLATILE and requested.durability is DurabilityPolicy.TRANSIENT_LOCAL:
         problems.append("durability: volatile is offered, transient local is requested")
     if _is_weaker(offered.deadline, requested.deadline):
-        problems.append("deadline: a longer one is offered than is requested")
+        problems.append("deadline: the offered one is longer than the requested one")
     if offered.liveliness is LivelinessPolicy.AUTOMATIC and requested.liveliness is LivelinessPolicy.MANUAL_BY_TOPIC:
         problems.append("liveliness: automatic is offered, manual by topic is requested")
     if _is_weaker(offered.liveliness_lease_duration, requested.liveliness_lease_duration):
-        problems.append("liveliness lease: a longer one is offered than is requested")
+        problems.append("liveliness lease: the offered one is longer than the requested one")
     return tuple(problems)
 
 

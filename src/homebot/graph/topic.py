@@ -50,7 +50,7 @@ class Topic:
         """
         if message_type is not self.message_type:
             raise TypeMismatchError(
-                f"{node} wants {message_type.ros_type} on {self.name}, which carries {self.message_type.ros_type}"
+                f"{node} uses {self.name} with {message_type.ros_type}, but it carries {self.message_type.ros_type}"
             )
 
     def add_publisher(self, publisher: Publisher[Any]) -> None:
@@ -105,7 +105,7 @@ class Topic:
                 end=end.kind.value,
                 other_node=other.node,
                 problem="; ".join(problems),
-                consequence="no message goes between the two",
+                consequence="no messages pass between them",
                 held_back=held_back,
             )
         return True

@@ -75,7 +75,7 @@ class Rooms:
         for door in self.doors:
             for here, there in (door, door[::-1]):
                 if there not in self.rooms:
-                    raise UsageError(f"a door leads to {there!r}, which is no room")
+                    raise UsageError(f"a door leads to {there!r}, which is not a room")
                 if here in self._ways and there not in self._ways[here]:
                     self._ways[here].append(there)
         for ways in self._ways.values():

@@ -175,7 +175,7 @@ class World:
             UsageError: *now* is no finite number.
         """
         if not math.isfinite(now):
-            raise UsageError(f"a house cannot run until {now}")
+            raise UsageError(f"a house cannot run back to {now}")
         mark = self.event_log.count
         self._run(now)
         return self.event_log.since(mark)

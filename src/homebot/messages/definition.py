@@ -104,7 +104,7 @@ def _definition(owner: type[Message], name: str, field: FieldInfo) -> FieldDefin
             inner, marks = _unwrapped(arguments[0])
             element, message = _element(owner, name, inner, marks)
             if element == "uint8":
-                raise UsageError(f"{owner.__name__}.{name}: a sequence of uint8 is spelt bytes")
+                raise UsageError(f"{owner.__name__}.{name}: a sequence of uint8 is written bytes")
             return FieldDefinition(name, element, message, is_array=True, choices=_choices(inner), **_bounds(metadata))
     element, message = _element(owner, name, annotation, metadata)
     return FieldDefinition(name, element, message, choices=_choices(annotation))

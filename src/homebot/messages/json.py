@@ -81,7 +81,7 @@ def message_from_json(message_type: type[MessageT], value: Mapping[str, object])
             the field is a secret (``Field(repr=False)``).
     """
     if not isinstance(value, Mapping):
-        raise TypeMismatchError(f"not a {message_type.ros_type}: an object is wanted, got {_shown(value)}")
+        raise TypeMismatchError(f"not a {message_type.ros_type}: expected an object, got {_shown(value)}")
     try:
         return message_type.model_validate(_fields_from_json(message_type, value))
     except ValidationError as exc:
@@ -126,7 +126,7 @@ def _value_to_json(value: object) -> JsonValue:
         return value if math.isfinite(value) else None
     if isinstance(value, bool | int | str):
         return value
-    raise TypeMismatchError(f"{value!r} is no value of a message")
+    raise TypeMismatchError(f"{value!r} is not a valid message value")
 
 
 def _fields_from_json(message_type: type[Message], value: Mapping[str, object]) -> dict[str, object]:

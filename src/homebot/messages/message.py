@@ -145,7 +145,7 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of what is 
         """Check the key field of a new class; called by pydantic."""
         super().__pydantic_init_subclass__(**kwargs)
         if cls.key_field is not None and cls.key_field.partition(".")[0] not in cls.model_fields:
-            raise UsageError(f"{cls.__name__} has no field {cls.key_field!r} to be its key")
+            raise UsageError(f"{cls.__name__} has no field {cls.key_field!r} to use as its key")
         _ALL_FIELDS[cls] = set(cls.model_fields)
 
     @classmethod

@@ -47,7 +47,7 @@ class Backoff:
 
 
 # A broker in the house is back a second after its restart, and a try costs one refused TCP connect: with
-# 1.5 s plus the hand-shake a client is back within 2 s. A hub or router that reboots takes a few minutes;
+# 1.5 s plus the handshake a client is back within 2 s. A hub or router that reboots takes a few minutes;
 # who is away for longer is switched off, and 30 s spare its log.
 LINK_BACKOFF: Final = Backoff(first=0.1, factor=2.0, cap=1.5, late_cap=30.0, late_after=300.0)
 """For a link that is absent or broke."""

@@ -41,7 +41,7 @@ def load_certificate(
         elif b"ENCRYPTED" in key:
             problem = f"the key in {where} is locked with a passphrase; homebot needs one without"
         else:
-            problem = f"the key in {where} does not fit the certificate in {cert_file}, or cannot be read"
+            problem = f"the key in {where} does not match the certificate in {cert_file}, or cannot be read"
         raise UsageError(f"{what}: {problem}") from error
 
 

@@ -260,7 +260,7 @@ class MqttConnection:
 
     async def __aenter__(self) -> Self:
         if self._tasks is not None:
-            raise UsageError(f"the connection to {self._url} is open already")
+            raise UsageError(f"the connection to {self._url} is already open")
         self._tasks = anyio.create_task_group()
         await self._tasks.__aenter__()
         self._enter(LinkPhase.CONNECTING)

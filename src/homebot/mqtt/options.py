@@ -100,7 +100,7 @@ class MqttOptions:
 
     def __post_init__(self) -> None:
         for problem, bad in (
-            ("host is no host name or address", not _is_host(self.host)),
+            ("host is not a host name or address", not _is_host(self.host)),
             ("port must be 1 to 65535", not 1 <= self.port <= 65535),
             ("a password needs a user", self.password is not None and self.user is None),
             ("CA file and client certificate need mqtts://", not self.tls and (self.ca_file or self.cert_file)),
@@ -163,7 +163,7 @@ def _split(url: str) -> SplitResult:
         parts = urlsplit(url)
         host = parts.hostname
     except ValueError:
-        raise UsageError("MQTT address: the host is not readable") from None
+        raise UsageError("MQTT address: the host is invalid") from None
     if parts.scheme not in _PORTS:
         raise UsageError("MQTT address: it must start with mqtt:// or mqtts://")
     if not host:

@@ -122,9 +122,9 @@ def _check_text(kind: str, name: str) -> None:
     try:
         size = len(name.encode())
     except UnicodeEncodeError as error:
-        raise InvalidNameError(kind, name, "cannot be written in UTF-8", error.start) from None
+        raise InvalidNameError(kind, name, "cannot be encoded as UTF-8", error.start) from None
     if size > MAX_TOPIC_BYTES:
-        raise InvalidNameError(kind, f"{name[:40]}…", f"is {size} bytes long; {MAX_TOPIC_BYTES} is the limit")
+        raise InvalidNameError(kind, f"{name[:40]}…", f"is {size} bytes long; the limit is {MAX_TOPIC_BYTES}")
 
 
 def _check_levels(whole: str, shared: SharedFilter | None) -> None:

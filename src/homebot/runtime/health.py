@@ -55,9 +55,9 @@ class RuntimeHealth:
     def _problems(self) -> Iterator[str]:
         for name, crash in sorted(self._supervisor.crashes.items()):
             if crash.state == "given up":
-                yield f"{name} kept crashing and is not restarted any more; fix it and restart homebot ({crash.last})"
+                yield f"{name} kept crashing and will not be restarted; fix it and restart homebot ({crash.last})"
             elif crash.state == "restarting":
-                yield f"{name} crashed ({crash.last}) and is about to be restarted"
+                yield f"{name} crashed ({crash.last}) and will be restarted"
 
     def _failures(self) -> Iterator[PartFailure]:
         for name, crash in sorted(self._supervisor.crashes.items()):
@@ -70,9 +70,7 @@ class RuntimeHealth:
             why = f"by {watch.last}; the longest took {watch.longest:.1f} s"
             yield _failure("event loop", "was blocked", watch.blocks, at, why)
         if watch is not None and watch.exits:
-            yield _failure(
-                "event loop", "was told to exit", watch.exits, now - watch.seconds_since_exit(), watch.exited
-            )
+            yield _failure("event loop", "called exit", watch.exits, now - watch.seconds_since_exit(), watch.exited)
         for node, topic, count in self._losses():
             yield _failure(node.lstrip("/"), f"lost messages of {topic}", count, now, "its queue was full")
 

@@ -188,7 +188,7 @@ class Supervisor:
             self.given_up.append(name)
             _log.critical(
                 GIVEN_UP,
-                message=f"{name} crashed {MAX_CRASHES} times within a minute and is not restarted any more: "
+                message=f"{name} crashed {MAX_CRASHES} times within a minute and will not be restarted: "
                 f"{error_text(cause)}",
                 component=name,
                 exc_info=cause,

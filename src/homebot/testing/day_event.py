@@ -45,7 +45,7 @@ def read_time(text: str) -> float:
     """
     parts = _TIME.fullmatch(text)
     if parts is None:
-        raise UsageError(f"{text!r} is no time; write it like 08:00 or 08:00:05.250")
+        raise UsageError(f"{text!r} is not a time of day; write it like 08:00 or 08:00:05.250")
     hours, minutes, seconds, fraction = parts.groups(default="0")
     whole = (int(hours) * 60 + int(minutes)) * 60 + int(seconds)
     return (whole * 1000 + round(int(fraction.ljust(6, "0")) / 1000)) / 1000
@@ -128,7 +128,7 @@ class DayEvent:
         if "device" in takes and not self.device:
             raise UsageError(f"{self.what} needs a device")
         if any("\ud800" <= letter <= "\udfff" for letter in self.command):
-            raise UsageError(f"the command {self.command!r} is no text that can be sent")
+            raise UsageError(f"the command {self.command!r} is not text that can be sent")
 
     def table(self) -> dict[str, object]:
         """Return it as a table of the file."""

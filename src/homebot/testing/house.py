@@ -160,7 +160,7 @@ class TestHouse:
             UsageError: No log is kept of this house.
         """
         if self._log is None:
-            raise UsageError("nobody keeps a log of this house: `async with EventLog.of(house) as log` does")
+            raise UsageError("this house has no event log: `async with EventLog.of(house) as log` does")
         return self._log
 
     @log.setter
@@ -195,7 +195,7 @@ class TestHouse:
         try:
             validate_topic(topic)
         except InvalidNameError as exc:
-            raise UsageError(f"hears({topic!r}): {exc}; name one topic") from None
+            raise UsageError(f"hears({topic!r}): {exc}; give a topic without wildcards") from None
         with anyio.move_on_after(within):
             while not self._received.get(topic):
                 await self._came.wait()
@@ -231,7 +231,7 @@ class TestHouse:
         elsewhere = {name: list(self._received[name])[-_SHOWN:] for name in names[:_SHOWN]}
         return (
             f"nothing came on {topic} within {within:g} s; "
-            f"came elsewhere: {elsewhere or 'nothing'}; crashed: {', '.join(self.crashed) or 'nothing'}"
+            f"received elsewhere: {elsewhere or 'nothing'}; crashed: {', '.join(self.crashed) or 'nothing'}"
         )
 
 

@@ -35,7 +35,9 @@ def house(request: pytest.FixtureRequest, _homebot_virtual_time: None) -> Iterat
 
     for used, other in _OF_REAL_TIME.items():
         if used in request.fixturenames:
-            pytest.fail(f"`house` has its own time and broker, `{other}` is of real time: take one", pytrace=False)
+            pytest.fail(
+                f"`house` has its own time and broker, `{other}` runs in real time: use only one of them", pytrace=False
+            )
     with _explained():
         made = house_by_mark(request.node)
     with _shown(request, "house", loops.virtual_loop_of(request, "house"), made) as shown:

@@ -99,13 +99,13 @@ def _app(app: object) -> str:
         return f"{app.__module__}:{app.__qualname__}"
     if isinstance(app, str):
         return app
-    raise UsageError(f"{app!r} is no app: write a plug-in's name, module:Class, or the class")
+    raise UsageError(f"{app!r} is not an app: give a plug-in's name, module:Class, or the class")
 
 
 def _text(value: object) -> str:
     if isinstance(value, str) and value:
         return value
-    raise UsageError(f"{value!r} is no text")
+    raise UsageError(f"{value!r} is not text")
 
 
 def _yes_or_no(value: object) -> bool:
@@ -117,14 +117,14 @@ def _yes_or_no(value: object) -> bool:
 def _seed(value: object) -> int:
     if isinstance(value, int):
         return value
-    raise UsageError(f"{value!r} is no whole number")
+    raise UsageError(f"{value!r} is not a whole number")
 
 
 def _heartbeat(value: object) -> float:
     seconds = parse_duration(value) if isinstance(value, str | int | float) else 0.0
     if seconds > 0:
         return seconds
-    raise UsageError(f"{value!r} is no time between two heartbeats; write it like 5m, or seconds")
+    raise UsageError(f"{value!r} is not a heartbeat interval; write it like 5m, or seconds")
 
 
 _CHECKS: Final[Mapping[str, Callable[[Any], object]]] = {
@@ -143,7 +143,7 @@ def _world(value: object, test: pytest.Item, seed: int | None) -> World:
     made = value() if callable(value) else deepcopy(value)
     if isinstance(made, World):
         return made
-    raise UsageError(f"{value!r} is no house: give a TOML file, a World, or a function that returns one")
+    raise UsageError(f"{value!r} is not a house: give a TOML file, a World, or a function that returns one")
 
 
 def _config(value: object, test: pytest.Item) -> Config:
@@ -153,7 +153,7 @@ def _config(value: object, test: pytest.Item) -> Config:
         return load_config(_beside(test, value))
     if isinstance(value, Mapping):
         return parse_config(cast("Mapping[str, object]", value), "tables")
-    raise UsageError(f"{value!r} is no configuration: give tables, as in homebot.toml, or such a file")
+    raise UsageError(f"{value!r} is not a configuration: give tables, as in homebot.toml, or such a file")
 
 
 def _beside(test: pytest.Item, path: str | Path) -> Path:

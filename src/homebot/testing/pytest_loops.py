@@ -73,11 +73,11 @@ def loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEve
     """
     test = request.node
     if not _is_coroutine(test):
-        _fail(f"`{fixture}` is for tests that can wait: write `async def {test.originalname}(…):`")
+        _fail(f"`{fixture}` needs an async test: write `async def {test.originalname}(…):`")
     if _runs_on_pytest_asyncio(test):
         if "anyio_backend" in request.fixturenames:
             _fail(
-                f"`{fixture}` has one loop, and two plug-ins want this test: pytest-asyncio in its mode `auto`, and "
+                f"`{fixture}` has one loop, but two plug-ins claim this test: pytest-asyncio in its mode `auto`, and "
                 "anyio's by a mark or fixture; take the test from one of them"
             )
         return _loop_from(request, f"_homebot_{_loop_scope(test)}_loop")

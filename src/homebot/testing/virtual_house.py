@@ -46,7 +46,7 @@ def parse_time(when: str | datetime) -> datetime:
         try:
             when = datetime.fromisoformat(when.strip())
         except ValueError:
-            raise UsageError(f"{when!r} is no point in time; write it like 22:00 or 2026-01-01 22:00") from None
+            raise UsageError(f"{when!r} is not a time; write it like 22:00 or 2026-01-01 22:00") from None
     return when.replace(tzinfo=UTC) if when.tzinfo is None else when.astimezone(UTC)
 
 
@@ -68,7 +68,7 @@ def next_moment(now: datetime, when: str | datetime) -> datetime:
         return moment if moment > now else moment + timedelta(days=1)
     moment = parse_time(when)
     if moment < now:
-        raise UsageError(f"{moment:%Y-%m-%d %H:%M:%S} is past: it is {now:%Y-%m-%d %H:%M:%S} in the house")
+        raise UsageError(f"{moment:%Y-%m-%d %H:%M:%S} is in the past: the house is at {now:%Y-%m-%d %H:%M:%S}")
     return moment
 
 
@@ -153,7 +153,7 @@ class VirtualHouse(TestHouse):
             raise UsageError(f"there is no device {device_id!r}; in the house are: {there}")
         if not placed.device.knows(command):
             known = ", ".join(placed.device.commands()) or "nothing by hand"
-            raise UsageError(f"{device_id} knows no {command[:_SHOWN]!r}; it takes: {known}")
+            raise UsageError(f"{device_id} does not know {command[:_SHOWN]!r}; it takes: {known}")
         self.simulated.press(device_id, command)
         await self.settle()
 

@@ -132,10 +132,12 @@ class _JumpingSelector(selectors.DefaultSelector):
             self._busy_since = time.monotonic()
         self._turns += SELDOM
         if self._turns >= HOT_TURNS and time.monotonic() - self._busy_since >= HOT_AFTER:
-            raise UsageError(f"time stands still: something is always busy and never waits; now: {self._busy()}")
+            raise UsageError(
+                f"virtual time cannot advance: something is always busy and never waits; now: {self._busy()}"
+            )
 
     def _select_or_give_up(self) -> list[tuple[selectors.SelectorKey, int]]:
         ready = super().select(STUCK_AFTER)
         if not ready:
-            raise UsageError("nothing is ready and no timer is set: what the program waits for cannot come")
+            raise UsageError("nothing is ready and no timer is set: what the program is waiting for can never happen")
         return ready

@@ -122,7 +122,7 @@ def _forms(part: DevicePart, capability: Capability, brokers: Mapping[str, str])
 def _plain_property(endpoint: Endpoint, forms: list[dict[str, object]]) -> dict[str, object]:
     return {
         "title": "words",
-        "description": "what it says and is told, in plain words",
+        "description": "its states and commands as plain text",
         "type": "string",
         "readOnly": not endpoint.command_address,
         "observable": True,

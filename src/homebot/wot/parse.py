@@ -123,7 +123,7 @@ class Fields:
         self._check_length("", len(self._value))
         for name in self._value:
             if not isinstance(name, str) or len(name) > _MAX_NAME:
-                raise self.problem(str(name), f"a name of at most {_MAX_NAME} characters is wanted")
+                raise self.problem(str(name), f"a name of at most {_MAX_NAME} characters is expected")
         return tuple(str(name) for name in self._value)
 
     def at(self, name: str) -> str:
@@ -132,7 +132,7 @@ class Fields:
 
     def _check_length(self, name: str, length: int) -> None:
         if length > _MAX_LISTED:
-            raise self.problem(name, f"{length} are too many; {_MAX_LISTED} is the limit")
+            raise self.problem(name, f"{length} is too many; the limit is {_MAX_LISTED}")
 
     def _where(self, name: str) -> str:
         text = name if len(name) <= _MAX_SHOWN else f"{name[:_MAX_SHOWN]}…"
@@ -141,8 +141,8 @@ class Fields:
 
     def _wrong(self, name: str, expected: str, value: object) -> WireError:
         if value is None:
-            return self.problem(name, f"is missing; {expected} is wanted")
-        return self.problem(name, f"{expected} is wanted, got {_shown(value)}")
+            return self.problem(name, f"is missing; expected {expected}")
+        return self.problem(name, f"expected {expected}, got {_shown(value)}")
 
 
 def _shown(value: object) -> str:
@@ -154,7 +154,7 @@ def _shown(value: object) -> str:
         case bool():
             return "true" if value else "false"
         case int() if abs(value) >= _MOST:
-            return "a number without end"
+            return "a finite number"
         case _:
             return ascii(value[:_MAX_SHOWN] if isinstance(value, str) else value)
 
@@ -191,7 +191,7 @@ def read_thing(description: object) -> Thing:
         affordance for group, kind in _KINDS.items() for affordance in _affordances(fields.inner(group), kind, base)
     )
     if len(affordances) > _MAX_AFFORDANCES:
-        raise fields.problem("", f"{len(affordances)} affordances are too many; {_MAX_AFFORDANCES} is the limit")
+        raise fields.problem("", f"{len(affordances)} affordances are too many; the limit is {_MAX_AFFORDANCES}")
     facts = fields.inner("homebot:facts")
     return Thing(
         id=fields.text("id"),
@@ -209,7 +209,7 @@ def _check_context(fields: Fields) -> None:
     value = fields.plain("@context")
     named = value if isinstance(value, list) else [value]
     if not any(isinstance(one, str) and one in _CONTEXTS for one in named):
-        raise fields.problem("@context", f"a Thing Description is wanted, whose context has {CONTEXT}")
+        raise fields.problem("@context", f"is not a Thing Description: its @context must contain {CONTEXT}")
 
 
 def _check_security(fields: Fields) -> None:
@@ -219,7 +219,7 @@ def _check_security(fields: Fields) -> None:
         definitions.inner(name).text("scheme", required=True)
     required = fields.texts("security")
     if not required:
-        raise fields.problem("security", "is missing; the name of a security definition is wanted")
+        raise fields.problem("security", "is missing; give the name of a security definition")
     for name in required:
         if name not in names:
             raise fields.problem("security", f"{name[:60]!a} is not in securityDefinitions")
@@ -230,7 +230,7 @@ def _affordances(group: Fields, kind: AffordanceKind, base: str) -> Iterator[Aff
         fields = group.inner(name)
         read_only, write_only = fields.flag("readOnly"), fields.flag("writeOnly")
         if read_only and write_only:
-            raise fields.problem("writeOnly", "what is readOnly cannot be writeOnly as well")
+            raise fields.problem("writeOnly", "readOnly and writeOnly exclude each other")
         schema = fields if kind == "property" else fields.inner("input" if kind == "action" else "data")
         forms = tuple(_forms(fields, kind, base, read_only=read_only, write_only=write_only))
         yield Affordance(
@@ -253,7 +253,7 @@ def _affordances(group: Fields, kind: AffordanceKind, base: str) -> Iterator[Aff
 def _forms(fields: Fields, kind: AffordanceKind, base: str, *, read_only: bool, write_only: bool) -> Iterator[Form]:
     forms = fields.listed("forms")
     if not 0 < len(forms) <= _MAX_FORMS:
-        raise fields.problem("forms", f"1 to {_MAX_FORMS} forms are wanted, got {len(forms)}")
+        raise fields.problem("forms", f"1 to {_MAX_FORMS} forms are expected, got {len(forms)}")
     default = {"property": ("readproperty", "writeproperty"), "action": ("invokeaction",), "event": ("subscribeevent",)}
     for number, one in enumerate(forms):
         form = Fields(one, fields.at(f"forms[{number}]"))
@@ -268,13 +268,13 @@ def _forms(fields: Fields, kind: AffordanceKind, base: str, *, read_only: bool, 
 def _form(form: Fields, ops: tuple[str, ...], base: str) -> Form:
     """Parse a form; in many TDs the topic stands in the path of the address; what ``mqv:`` has counts more."""
     if "href" not in form:
-        raise form.problem("href", "is missing; an address is wanted")
+        raise form.problem("href", "is missing; give an address")
     href = form.text("href")
     try:
         scheme, path = urlsplit(href).scheme, urlsplit(href).path
         scheme = scheme or urlsplit(base).scheme
     except ValueError:
-        raise form.problem("href", f"{href[:60]!a} is no address") from None
+        raise form.problem("href", f"{href[:60]!a} is not an address") from None
     is_mqtt = scheme in {"mqtt", "mqtts"}
     in_path = unquote(path).removeprefix("/") if is_mqtt else ""
     packet = form.text("mqv:controlPacket").rpartition(":")[2]
@@ -308,7 +308,7 @@ def _qos(form: Fields) -> int:
     for qos in (0, 1, 2):
         if not isinstance(text, bool) and text in (qos, str(qos)):  # a tuple: it need not be hashable
             return qos
-    raise form.problem("mqv:qos", "0, 1 or 2 is wanted")
+    raise form.problem("mqv:qos", "0, 1 or 2 is expected")
 
 
 def _schema(fields: Fields) -> DataSchema:
@@ -318,7 +318,7 @@ def _schema(fields: Fields) -> DataSchema:
         raise fields.problem("type", f"{kind[:60]!a} is none of {', '.join(one for one in _TYPES if one)}")
     enum = fields.listed("enum")
     if "enum" in fields and not enum:
-        raise fields.problem("enum", "at least one value is wanted")
+        raise fields.problem("enum", "at least one value is expected")
     minimum, maximum = fields.number("minimum"), fields.number("maximum")
     if minimum is not None and maximum is not None and minimum > maximum:
         raise fields.problem("minimum", f"{minimum:g} is above the maximum {maximum:g}")

@@ -187,7 +187,7 @@ async def test_parameters_are_set_from_json(ask: Asker) -> None:
 @pytest.mark.parametrize(
     ("name", "value", "problem"),
     [
-        ("/talker:rate", "-1", "goes from 0"),
+        ("/talker:rate", "-1", "must be from 0"),
         ("/talker:rate", '"fast"', "double"),
         ("/talker:rate", "{", "Expecting property name"),
         ("/talker:rate", "null", "cannot be a parameter's value"),
@@ -212,7 +212,7 @@ async def test_an_absent_parameter_is_null_or_the_default(ask: Asker) -> None:
 async def test_a_parameter_cannot_be_deleted(ask: Asker) -> None:
     answer = await ask("delete_param", name="/talker:rate")
     assert not answer["successful"]
-    assert "stays as long as the node" in answer["reason"]
+    assert "ends with the node" in answer["reason"]
     assert "there is no node" in (await ask("delete_param", name="/nobody:x"))["reason"]
 
 

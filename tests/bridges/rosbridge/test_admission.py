@@ -47,7 +47,7 @@ def test_a_foreign_name_is_refused(settings: DoorSettings, host: str) -> None:
     """DNS rebinding: the page's own name points to us."""
     problem = refusal(settings, [host], [])
     assert problem is not None
-    assert "does not answer to the host name" in problem
+    assert "does not accept the host name" in problem
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ async def test_a_list_of_arguments_fills_the_fields_in_order(open_house: Any) ->
     [
         ("/nobody", {}, "service /nobody has no server now; /rosapi/services lists all$"),
         ("/swich", {}, "service /swich has no server now; did you mean /switch?"),
-        ("bad name", {}, "has a character that names may not hold"),
+        ("bad name", {}, "has a character that is not allowed in names"),
         ("/switch", {}, "field 'data' is missing"),
         ("/switch", {"data": "yes"}, "field 'data': .*got 'yes'"),
         ("/switch", {"data": True, "more": 1}, "field 'more' is unknown"),

@@ -231,10 +231,10 @@ def test_an_import_that_makes_no_device_says_so(still_homebot: Homebot, capsys: 
 @pytest.mark.parametrize(
     ("content", "problem"),
     [
-        ("{", "is no JSON"),
+        ("{", "is not JSON"),
         ("[" * 100_000, "nested deeper than 64 levels"),
         (" " * 600_000, "is longer than 2"),
-        (description(title=5), "title: a text is wanted, got 5"),
+        (description(title=5), "title: expected a text, got 5"),
     ],
 )
 def test_a_description_that_is_none_is_refused_before_anything_is_done(

@@ -114,7 +114,7 @@ def test_a_move_to_another_form_announces_nothing(key: str) -> None:
 @pytest.mark.parametrize(
     ("fields", "problem"),
     [
-        ([], "no JSON object"),
+        ([], "not a JSON object"),
         ({"device": 3}, "device is 3"),
         ({"o": "me"}, "origin"),
         ({"~": ["x"]}, "~ is list of 1"),

@@ -104,7 +104,7 @@ def test_a_component_that_is_taken_back_is_gone(convention: HomeAssistantDiscove
 
 def test_a_device_without_components_left_is_withdrawn(convention: HomeAssistantDiscovery) -> None:
     gone = take(convention, "device/0AFFD2", {**WHOLE, "cmps": {"lamp": {"p": "light"}}})
-    assert gone == DeviceWithdrawn("device/0AFFD2", "no component of it is left")
+    assert gone == DeviceWithdrawn("device/0AFFD2", "it has no components left")
 
 
 def test_in_a_whole_device_a_broken_component_costs_itself_alone(convention: HomeAssistantDiscovery) -> None:

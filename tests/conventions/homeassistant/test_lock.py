@@ -10,7 +10,7 @@ def test_a_lock_that_wants_a_code_is_told_with_one() -> None:
     template = '{"do": "{{ value }}", "code": "{{ code }}"}'
     fields = {"command_topic": "l/set", "code_format": "^\\d{4}$", "command_template": template}
     codec = build_lock(DiscoveryConfig("lock", "x", fields)).codec
-    with pytest.raises(WrongCodeError, match="it wants a code"):
+    with pytest.raises(WrongCodeError, match="it needs a code"):
         codec.write("lock", "unlocked")
     assert isinstance(codec, TakesCode)
     (told,) = codec.write_with_code("lock", "unlocked", "1234")

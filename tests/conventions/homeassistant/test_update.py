@@ -72,7 +72,7 @@ def test_it_is_never_told_to_install_anything(capability: str) -> None:
     part = update(ZIGBEE)
     assert not any(one.settable for one in part.part.capabilities)
     assert part.codec.topics() == ("zigbee2mqtt/lamp",)
-    with pytest.raises(RefusedError, match="people to decide"):
+    with pytest.raises(RefusedError, match="does not install software"):
         part.codec.write(capability, value=True)
 
 

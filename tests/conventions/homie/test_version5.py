@@ -106,7 +106,7 @@ def test_one_that_offers_nothing_any_more_is_withdrawn(say: Say) -> None:
     say(f"{BASE}/$description", LAMP)
     say(f"{BASE}/$state", "ready")
     emptied = {"homie": "5.0", "version": 2}
-    assert say(f"{BASE}/$description", emptied) == (DeviceWithdrawn(BASE, "it offers nothing any more"),)
+    assert say(f"{BASE}/$description", emptied) == (DeviceWithdrawn(BASE, "it no longer has any nodes"),)
 
 
 def test_a_hardware_address_at_the_end_of_the_id_is_who_it_is(say: Say) -> None:

@@ -20,25 +20,25 @@ from homebot.errors import WireError
         ("{{ foo() }}", "uses the function `foo()`, which is not supported"),
         ("{{ value_json.l.append(4) }}", "uses the method `append()`, which is not supported"),
         ("{{ ''.__class__.__mro__() }}", "uses the method `__mro__()`, which is not supported"),
-        ("{{ value_json['a']() }}", "calls what is no function"),
+        ("{{ value_json['a']() }}", "calls something that is not a function"),
         ("{{ max(*value_json) }}", "calls with `*` or `**`, which is not supported"),
         ("{% macro m() %}x{% endmacro %}", "uses `macro`, which is not supported"),
         ("{% include 'x' %}", "uses `include`, which is not supported"),
         ("{% import 'x' as y %}", "uses `import`, which is not supported"),
         ("{% extends 'x' %}", "uses `extends`, which is not supported"),
         ("{% for a in value recursive %}{% endfor %}", "uses a recursive loop, which is not supported"),
-        ("{% break %}", "uses `break` outside of a loop"),
-        ("{% for a in value %}{% set b %}{% continue %}{% endset %}{% endfor %}", "uses `continue` outside of a loop"),
-        ("{{ value_json. }}", "is no template: expected name or number"),
-        ("{{ 'unclosed }}", 'is no template: unexpected char "\'" at 3'),
-        ("{% unknown %}", "is no template: Encountered unknown tag 'unknown'."),
+        ("{% break %}", "uses `break` outside a loop"),
+        ("{% for a in value %}{% set b %}{% continue %}{% endset %}{% endfor %}", "uses `continue` outside a loop"),
+        ("{{ value_json. }}", "is not a valid template: expected name or number"),
+        ("{{ 'unclosed }}", 'is not a valid template: unexpected char "\'" at 3'),
+        ("{% unknown %}", "is not a valid template: Encountered unknown tag 'unknown'."),
         ("x" * 8193, "is longer than 8192 characters"),
-        ("{{ " + "a+" * 600 + "a }}", "has more than 1024 words and signs"),
+        ("{{ " + "a+" * 600 + "a }}", "has more than 1024 tokens"),
         ("{{ " + "(" * 70, "is nested too deeply"),
         ("{{ 1" + "+1" * 100 + " }}", "is nested too deeply"),
         ("{{ " + "9" * 5000 + " }}", "has a number or text that cannot be read"),
         ("{{ 0x" + "f" * 100 + " }}", "has a number that is too large"),
-        ("{% for a in b %}" * 5 + "{% endfor %}" * 5, "has more than 4 loops in one another"),
+        ("{% for a in b %}" * 5 + "{% endfor %}" * 5, "has more than 4 nested loops"),
     ],
 )
 def test_what_is_outside_the_language_is_told_in_a_sentence(source: str, problem: str) -> None:
@@ -75,7 +75,7 @@ def test_each_rendering_starts_anew() -> None:
 
 
 def test_an_error_at_run_time_says_what_does_not_fit() -> None:
-    with pytest.raises(TemplateError, match="float is given a str that is no such value, and no default"):
+    with pytest.raises(TemplateError, match="float is given a str that it cannot convert, and no default"):
         compile_template("{{ value | float }}").render_value("warm")
     with pytest.raises(TemplateError, match="division by zero"):
         compile_template("{{ 1 / (value | int) }}").render_value("0")

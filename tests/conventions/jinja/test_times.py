@@ -32,7 +32,7 @@ def test_the_time_and_its_zone_are_those_of_the_caller(source: str, text: str) -
 
 @pytest.mark.parametrize("source", ["{{ now() }}", "{{ utcnow() }}", "{{ 0 | timestamp_local }}"])
 def test_without_a_clock_what_is_local_fails(source: str) -> None:
-    with pytest.raises(TemplateError, match="not known here"):
+    with pytest.raises(TemplateError, match="not available here"):
         compile_template(source).render_value("")
 
 

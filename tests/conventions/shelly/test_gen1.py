@@ -158,7 +158,7 @@ def test_one_that_does_not_announce_itself_is_known_once_it_is_online(say: Say) 
 def test_a_new_name_takes_the_place_of_the_old_one(say: Say) -> None:
     say("shellies/shellyplug-s-122881/announce", PLUG)
     gone, there = say("shellies/kitchen/announce", PLUG)
-    assert gone == DeviceWithdrawn("shellies/shellyplug-s-122881", "it is called kitchen now")
+    assert gone == DeviceWithdrawn("shellies/shellyplug-s-122881", "it has been renamed kitchen")
     assert isinstance(there, DeviceAnnounced)
     assert there.key == "shellies/kitchen"
     assert there.identifiers == ("mac:a8032a122881",)

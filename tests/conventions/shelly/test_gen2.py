@@ -162,7 +162,7 @@ def test_a_new_profile_takes_the_place_of_the_old(say: Say) -> None:
 
 def test_one_of_which_nothing_is_left_is_withdrawn(say: Say) -> None:
     introduce(say, {"switch:0": SWITCH})
-    assert say(f"homebot/{ID}/rpc", answer({"sys": SYS})) == (DeviceWithdrawn(ID, "no component of it is left"),)
+    assert say(f"homebot/{ID}/rpc", answer({"sys": SYS})) == (DeviceWithdrawn(ID, "it has no components left"),)
 
 
 def test_a_removed_online_topic_withdraws_it(say: Say) -> None:
@@ -354,7 +354,7 @@ def test_an_answer_of_no_device_is_refused(shelly: Shelly, say: Say) -> None:
     with pytest.raises(WireError, match="src"):
         say("homebot/rpc", {"id": 1, "src": None, "result": INFO})
     with pytest.raises(WireError):
-        say("homebot/rpc", "no JSON")
+        say("homebot/rpc", "not JSON")
     assert shelly.rejected == 2
 
 

@@ -146,7 +146,7 @@ def test_one_device_too_many_is_refused() -> None:
     for number in range(MAX_DEVICES):
         mac = f"{number:012X}"
         take(convention, "config", config(mac, rl=[]), mac)
-    with pytest.raises(WireError, match="one device too many"):
+    with pytest.raises(WireError, match="exceeds the limit of 5000 devices"):
         take(convention, "config", config())
     assert one(take(convention, "config", config("0" * 12), "0" * 12)).key == "0" * 12
 

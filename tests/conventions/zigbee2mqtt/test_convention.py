@@ -168,7 +168,7 @@ def test_a_name_is_not_kept_for_who_is_broken_now_and_another_has_it() -> None:
 
 
 def test_devices_are_left_out_where_those_before_have_all_the_parts() -> None:
-    with pytest.raises(WireError, match="which is the limit"):
+    with pytest.raises(WireError, match="already have 50000 parts, the limit"):
         _read("zigbee2mqtt", entry(), set(), is_known=False, room=0)
 
 

@@ -361,7 +361,7 @@ def test_settings_are_told_in_their_own_types() -> None:
 def test_an_enum_of_one_is_a_button() -> None:
     button = only(feature("enum", "identify", 2, category="config", values=["identify"]))
     assert told(button, "locate", value=True) == {"identify": "identify"}
-    with pytest.raises(RefusedError, match="takes true"):
+    with pytest.raises(RefusedError, match="takes only true"):
         button.codec.write("locate", value=False)
 
 

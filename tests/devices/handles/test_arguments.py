@@ -18,8 +18,8 @@ _NAMED = [getattr(handles, name) for name in handles.__all__]
 KINDS = [one for one in _NAMED if isinstance(one, type) and issubclass(one, Handle)]
 
 UNKNOWN: dict[str, tuple[type[Any], dict[str, object], str]] = {
-    "another word for a room": (Light, {"room": "Office"}, "Light cannot be asked for by 'room': did you mean area?"),
-    "a misspelt area": (DoorLock, {"aera": "hall"}, "DoorLock cannot be asked for by 'aera': did you mean area?"),
+    "another word for a room": (Light, {"room": "Office"}, "Light cannot be filtered by 'room': did you mean area?"),
+    "a misspelt area": (DoorLock, {"aera": "hall"}, "DoorLock cannot be filtered by 'aera': did you mean area?"),
     "a condition of another kind": (Light, {"is_locked": True}, "it takes area, category, colored, dimmable, fresh"),
     "a misspelt condition of its own": (Light, {"dimable": True}, "did you mean dimmable"),
     "an area that is no text": (Light, {"area": 3}, "area is a text, not 3"),
@@ -53,7 +53,7 @@ async def test_an_unknown_category_is_an_error() -> None:
 @pytest.mark.parametrize(("extra", "conditions"), [((), {"area": "kitchen"}), (("kitchen",), {})])
 async def test_a_word_of_a_type_takes_no_conditions(extra: tuple[str, ...], conditions: dict[str, str]) -> None:
     """They would be ignored, and every lamp of the house found."""
-    problem = r"'lights' is a word of a type, which takes no conditions \((area|'kitchen')\)"
+    problem = r"'lights' is a type name, which takes no filters \((area|'kitchen')\)"
     async with Node(Graph(), "app") as node:
         devices: Any = Devices(node)
         with pytest.raises(TypeError, match=problem):
@@ -68,5 +68,5 @@ def test_every_kind_refuses_every_word_that_it_does_not_take(kind: type[Handle],
     if name in known:
         return
     arguments: dict[str, Any] = {name: True}
-    with pytest.raises(TypeError, match=f"{kind.__name__} cannot be asked for by '{name}'"):
+    with pytest.raises(TypeError, match=f"{kind.__name__} cannot be filtered by '{name}'"):
         kind.where(**arguments)

@@ -62,7 +62,7 @@ async def test_an_app_acts_on_devices_of_any_convention_and_sees_what_became_of_
         await anyio.sleep(60)
         assert (blind.movement, blind.position) == ("closed", 0.0)
         assert await devices.find(WindowCovering, closed=False) == ()
-        with pytest.raises(RefusedError, match=r"tilt of blind#\S+ was refused: it can be told"):
+        with pytest.raises(RefusedError, match=r"tilt of blind#\S+ was refused: it takes"):
             await blind.set_tilt(50)
         assert await devices.find(DoorLock) == ()
 

@@ -118,7 +118,7 @@ class SimpleConvention:
             return ()
         match payload:
             case b"":
-                return (DeviceWithdrawn(key, "it was taken back"),)
+                return (DeviceWithdrawn(key, "it was withdrawn"),)
             case b"bye":
                 return (DeviceWithdrawn(key, "it left", is_final=True),)
             case b"who?":

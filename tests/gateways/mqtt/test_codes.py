@@ -70,7 +70,7 @@ async def test_a_code_is_sent_to_the_alarm_and_neither_kept_nor_mirrored_nor_log
 
 @pytest.mark.parametrize(
     ("value", "code", "why"),
-    [("disarmed", "", "it wants a code"), ("pending", CODE, "it takes disarmed"), ("disarmed", CODE, None)],
+    [("disarmed", "", "it needs a code"), ("pending", CODE, "it takes disarmed"), ("disarmed", CODE, None)],
 )
 async def test_a_refusal_shows_no_code(make_house: MakeHouse, value: str, code: str, why: str | None) -> None:
     async with make_house(conventions=(CONVENTION,), act=why is not None) as house:

@@ -176,7 +176,7 @@ async def test_a_device_that_is_taken_back_is_gone_ten_seconds_later(make_house:
         assert [one.kind for one in house.sighted()] == ["appeared"]
         await anyio.sleep(2)
         (gone,) = house.sighted()
-        assert (gone.kind, gone.key, gone.why) == ("removed", LAMP, "it was taken back")
+        assert (gone.kind, gone.key, gone.why) == ("removed", LAMP, "it was withdrawn")
         await house.say("lamp1/state", "on_off=on")
         assert house.told() == []
 
@@ -458,7 +458,7 @@ async def test_a_command_is_answered_when_the_broker_has_it(make_house: MakeHous
 @pytest.mark.parametrize(
     ("key", "part", "capability", "why"),
     [
-        ("simple:nobody", "lamp", "on_off", "no device is announced by that key"),
+        ("simple:nobody", "lamp", "on_off", "no device was announced with that key"),
         (LAMP, "nothing", "on_off", "it has no part 'nothing'; it has 'lamp'"),
         (LAMP, "lamp", "level", "this part takes on_off"),
         (LAMP, "lamp", "crash", "its convention failed"),

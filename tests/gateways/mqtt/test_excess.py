@@ -106,7 +106,7 @@ def test_what_stands_has_room_and_gives_it_back(steps: list[tuple[str, int | Non
                 registry.put(one, length)
                 standing[key] = excess
             else:
-                with pytest.raises(WireError, match="longer than its parts explain"):
+                with pytest.raises(WireError, match="too long for its parts"):
                     registry.put(one, length)
         assert registry.excess == sum(standing.values()) <= MOST
         assert {stored.described.key for stored in registry.all()} == set(standing)

@@ -68,7 +68,7 @@ async def test_the_bridge_whose_topic_a_stranger_floods_is_heard_within_two_seco
             assert models(house) == [name]
         (one,) = (await house.health()).quarantined
         assert one.offender == "hello/lamp1"
-        assert "is no JSON" in one.why
+        assert "is not JSON" in one.why
 
 
 async def test_after_the_flood_all_is_as_before(make_house: MakeHouse) -> None:

@@ -84,4 +84,4 @@ async def test_a_broken_description_costs_nobody_anything(
         assert [one.key for one in house.sighted() if one.kind == "appeared"] == [KEY, "thing:other"]
         health = await house.health()
         assert [one.offender for one in health.quarantined] == [TOPIC]
-        assert "title: a text is wanted, got" in health.quarantined[0].why
+        assert "title: expected a text, got" in health.quarantined[0].why

@@ -85,7 +85,7 @@ def test_what_stands_has_room_and_gives_it_back(steps: list[tuple[str, tuple[int
 def test_the_refusal_says_what_to_do() -> None:
     account = MemoryAccount(MOST)
     account.put(described("one", 20))
-    with pytest.raises(WireError, match=re.escape("'two' is one too many: announcements take 74,752 bytes")) as no:
+    with pytest.raises(WireError, match=re.escape("'two' does not fit: announcements take 74,752 bytes")) as no:
         account.check(described("two", 20), None)
     assert "raise max_memory of the gateway" in str(no.value)
 

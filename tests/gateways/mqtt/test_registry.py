@@ -125,7 +125,7 @@ def test_what_is_known_of_a_device_outlives_a_new_description() -> None:
 def test_too_many_parts_are_refused_and_what_stood_stays() -> None:
     registry, topics = empty()
     registry.put(described("one", ("s/a",)))
-    with pytest.raises(WireError, match="more than 1,000"):
+    with pytest.raises(WireError, match="has 1001 parts; 1,000 is the limit"):
         registry.put(described("one", *[("s/b",)] * 1001))
     assert registry.get("test:one") is not None
     assert len(topics) == 1
@@ -133,7 +133,7 @@ def test_too_many_parts_are_refused_and_what_stood_stays() -> None:
 
 @pytest.mark.parametrize(
     ("bounds", "words"),
-    [(RegistryLimits(announcements=1), "announcements already"), (RegistryLimits(parts=1), "too many parts")],
+    [(RegistryLimits(announcements=1), "limit of 1 announcements"), (RegistryLimits(parts=1), "limit of 1 parts")],
 )
 def test_one_too_many_is_refused_and_a_known_one_is_not(bounds: RegistryLimits, words: str) -> None:
     registry, _ = empty(bounds)
@@ -148,7 +148,7 @@ def test_one_too_many_is_refused_and_a_known_one_is_not(bounds: RegistryLimits, 
 def test_a_topic_is_read_by_so_many_parts_only() -> None:
     registry, _ = empty(RegistryLimits(readers=2))
     change = registry.put(described("one", ("s/a",), ("s/a",), ("s/a",)))
-    assert [str(one) for one in change.refused] == ["topic 's/a' is read by 2 parts already"]
+    assert [str(one) for one in change.refused] == ["topic 's/a' already has 2 readers, the limit"]
     route = registry.route("s/a")
     assert route is not None
     assert len(route.announced_parts) == 2
@@ -192,6 +192,6 @@ def test_a_device_that_says_text_is_found_by_both_of_its_topics_as_long_as_it_st
 def test_the_key_of_a_device_that_says_text_cannot_be_taken_by_another_convention() -> None:
     registry, _ = empty()
     registry.put(described("lamp", ("s/a",)))
-    with pytest.raises(WireError, match="'test:lamp' is what test calls a device already"):
+    with pytest.raises(WireError, match="'test:lamp' is already the key of a device of test"):
         registry.put(text_device("test:lamp", "test:lamp"))
     assert registry.route("test:lamp/out") is None

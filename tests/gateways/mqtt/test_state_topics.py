@@ -67,7 +67,7 @@ def test_one_topic_too_many_is_refused_and_a_known_one_is_not() -> None:
     wanted = topics(most=1)
     wanted.use("a")
     wanted.use("a")
-    with pytest.raises(WireError, match="one too many"):
+    with pytest.raises(WireError, match="exceeds the limit of 1 state topics"):
         wanted.use("b")
 
 

@@ -34,7 +34,7 @@ def test_a_refused_login_is_told_with_its_reason_and_without_the_password(
     with capture_logs() as lines:
         stranger(at=state).send(Connect("x" * 5000, username="ann", password=b"hunter2"))
     (line,) = lines
-    assert line["message"] == (f"the broker did not let client '{'x' * 99}…' (memory) in: bad user name or password")
+    assert line["message"] == (f"the broker refused client '{'x' * 99}…' (memory): bad user name or password")
     assert "hunter2" not in repr(line)
     assert len(line["client_id"]) == 100
 
@@ -61,4 +61,4 @@ async def test_a_socket_too_many_is_named(dial: Dial) -> None:
             assert await third.rest() == []
     (line,) = [line for line in lines if line["event"] == "broker.too_many_sockets"]
     host, port = third.writer.get_extra_info("sockname")
-    assert line["message"] == f"the broker turned {host}:{port} away: 2 connections are open already"
+    assert line["message"] == f"the broker refused {host}:{port}: 2 connections are already open"

@@ -13,7 +13,7 @@ from homebot.mqtt.packets import FilterRequest, Publish, Subscribe
 def test_losses_are_told_by_their_reasons() -> None:
     counters = Counters(dropped_qos0=3, dropped_too_large=1, dropped_expired=7, dropped_refused=7)
     assert loss_text(counters) == (
-        "4 messages (3 of QoS 0 for clients that read too slowly, 1 too large for their clients)"
+        "4 messages (3 at QoS 0 for clients that read too slowly, 1 too large for their clients)"
     )
     assert loss_text(Counters(dropped_offline=1)) == "1 message (1 for clients that were away too long)"
     assert loss_text(Counters()) == ""
@@ -43,7 +43,7 @@ async def test_a_loss_stands_in_the_log_and_in_the_brokers_own_words(dial: Dial)
             assert broker._housekeeping is not None
             broker._housekeeping._run()
             broker._housekeeping._run()
-            assert broker.losses == "1 message (1 that were to be retained, for want of room)"
+            assert broker.losses == "1 message (1 to be retained, because the limit was reached)"
         assert broker.losses == ""
     told = [line["message"] for line in lines if line["event"] == "broker.dropped"]
-    assert told == ["the broker dropped 1 message (1 that were to be retained, for want of room) in the last 10 s"]
+    assert told == ["the broker dropped 1 message (1 to be retained, because the limit was reached) in the last 10 s"]

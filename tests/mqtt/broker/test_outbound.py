@@ -47,7 +47,7 @@ def test_a_message_too_large_for_the_client_is_left_out_counted_and_told(join: J
     assert (message.topic, len(message.payload)) == ("t", 30)
     assert client.state.stats.dropped_too_large == 2
     assert [line["message"] for line in lines] == [
-        f"client 'a' (memory) missed a message on 't': it has {size} bytes, the client takes at most 64"
+        f"client 'a' (memory) missed a message on 't': it has {size} bytes, the client accepts at most 64"
         for size in (75, 68)
     ]
 

@@ -136,7 +136,7 @@ async def test_who_speaks_no_tls_is_told_of(broker: Broker) -> None:
             await reader.read()
         writer.close()
     (told,) = [line["message"] for line in lines if line["event"] == "broker.tls_failed"]
-    assert told.endswith("and the broker did not agree on TLS: wrong version number")
+    assert told.endswith("and the broker could not establish TLS: wrong version number")
 
 
 async def test_a_client_that_goes_in_the_middle_leaves_nothing(

@@ -97,7 +97,7 @@ async def test_both_ends_of_a_frozen_link_find_out_by_keep_alive(broker: MemoryB
     async with watcher.connected(), victim.connected():
         await watcher.subscribe(MqttSubscription("will"))
         broker.link_of("hub").freeze()
-        assert str(await victim.wait_lost()) == "the broker does not answer any more"
+        assert str(await victim.wait_lost()) == "the broker stopped responding"
         assert now() == 70.0
         assert [message.payload for message in await watcher.receive()] == [b"gone"]
         assert now() == 90.0

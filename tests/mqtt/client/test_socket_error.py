@@ -21,14 +21,14 @@ from homebot.mqtt.client.tcp_transport import socket_error
         ),
         (OSError(errno.EHOSTUNREACH, "Connect call failed ('10.0.0.9', 1883)"), "no route to that host"),
         (OSError(errno.ENETUNREACH, "Connect call failed ('::2', 1883, 0, 0)"), "no route to that network"),
-        (ConnectionResetError(errno.ECONNRESET, "Connection reset by peer"), "the broker cut the connection"),
+        (ConnectionResetError(errno.ECONNRESET, "Connection reset by peer"), "the broker reset the connection"),
         (PermissionError(errno.EACCES, "Connect call failed ('10.0.0.9', 1883)"), "Permission denied"),
-        (socket.gaierror(socket.EAI_NONAME, "Name or service not known"), "the name is not known"),
+        (socket.gaierror(socket.EAI_NONAME, "Name or service not known"), "the host name is unknown"),
         (
             socket.gaierror(socket.EAI_AGAIN, "Temporary failure in name resolution"),
-            "the name cannot be looked up now (Temporary failure in name resolution)",
+            "the host name cannot be looked up now (Temporary failure in name resolution)",
         ),
-        (OSError("the name has no address"), "the name has no address"),
+        (OSError("the host name has no address"), "the host name has no address"),
         (
             ssl.SSLEOFError(8, "EOF occurred in violation of protocol (_ssl.c:2427)"),
             "the broker closed the connection",
@@ -46,7 +46,10 @@ def test_the_link_is_to_blame_in_plain_words(error: OSError, words: str) -> None
     [
         ("TLSV13_ALERT_CERTIFICATE_REQUIRED", "client certificate required; set cert_file and key_file"),
         ("WRONG_VERSION_NUMBER", "the server there does not use TLS; is it the port for mqtt://?"),
-        ("SSLV3_ALERT_HANDSHAKE_FAILURE", "hand-shake failure; does the broker want a client certificate (cert_file)?"),
+        (
+            "SSLV3_ALERT_HANDSHAKE_FAILURE",
+            "handshake failure; does the broker require a client certificate (cert_file)?",
+        ),
         ("TLSV1_ALERT_PROTOCOL_VERSION", "tlsv1 alert protocol version"),
     ],
 )

@@ -82,7 +82,7 @@ def shake_hands(listener: socket.socket, context: ssl.SSLContext) -> None:
     raw.settimeout(5)
     with raw.dup() as kept:  # a socket closed with unread bytes would take the alert back
         with raw, contextlib.suppress(ssl.SSLError), context.wrap_socket(raw, server_side=True):
-            pytest.fail("the hand-shake went well")
+            pytest.fail("the handshake went well")
         with contextlib.suppress(ConnectionError):
             while kept.recv(1000):
                 pass
@@ -91,7 +91,7 @@ def shake_hands(listener: socket.socket, context: ssl.SSLContext) -> None:
 async def test_without_a_client_certificate_a_strict_broker_refuses(
     client_kind: ClientKind, certificates: Path
 ) -> None:
-    """TLS 1.3 tells it only after the hand-shake, in the place of the answer to CONNECT."""
+    """TLS 1.3 tells it only after the handshake, in the place of the answer to CONNECT."""
     context = server_context(certificates, wants_client=True)
     with socket.create_server(("127.0.0.1", 0)) as listener:
         options = MqttOptions.from_url(
@@ -122,7 +122,7 @@ async def test_tls_to_a_port_without_tls_asks_whether_it_is_the_port(
 ) -> None:
     async with Broker() as broker:
         options = MqttOptions.from_url(f"mqtts://127.0.0.1:{broker.port}", ca_file=certificates / "ca.pem")
-        with pytest.raises(LinkError, match=r"during the TLS hand-shake; is this its port for TLS, .*cert_file"):
+        with pytest.raises(LinkError, match=r"during the TLS handshake; is this its port for TLS, .*cert_file"):
             async with client_kind(options).connected():
                 pass
 
@@ -145,7 +145,7 @@ async def test_a_port_where_nobody_listens_is_told_in_words(unused_tcp_port: int
 
 
 async def test_an_unknown_host_is_a_link_error() -> None:
-    with pytest.raises(LinkError, match=r"the name is not known|the name cannot be looked up now"):
+    with pytest.raises(LinkError, match=r"the host name is unknown|the host name cannot be looked up now"):
         await dial_tcp(MqttOptions(host="no-such-host.invalid"), NoUser())
 
 

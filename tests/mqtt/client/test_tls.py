@@ -54,7 +54,7 @@ async def test_a_ca_file_that_cannot_be_used_is_named(tmp_path: Path, content: s
         ("me.pem", "other.pem", r"no key was found in \S*other\.pem$"),
         ("empty.pem", "me.key", r"no certificate was found in \S*empty\.pem$"),
         ("me.pem", "locked.key", r"the key in \S*locked\.key is locked with a passphrase"),
-        ("me.pem", "other.key", r"the key in \S*other\.key does not fit the certificate in \S*me\.pem"),
+        ("me.pem", "other.key", r"the key in \S*other\.key does not match the certificate in \S*me\.pem"),
     ],
 )
 async def test_a_client_certificate_that_cannot_be_used_says_why(

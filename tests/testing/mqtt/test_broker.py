@@ -105,9 +105,9 @@ async def test_a_failed_expect_shows_other_payloads_and_similar_topics(mqtt_brok
         await mqtt_broker.expect("lamp/kitchen/state", "on", timeout=0.05)
     assert str(caught.value).splitlines() == [
         "nobody published 'on' on lamp/kitchen/state within 0.05 s",
-        "  there came, with another payload:",
+        "  received with another payload:",
         "    lamp/kitchen/state 'off' (QoS 0, from lamp)",
-        "  on similar topics came:",
+        "  received on similar topics:",
         "    lamp/kitchn/state 'on' (QoS 0, from lamp)",
     ]
 

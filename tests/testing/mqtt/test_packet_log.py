@@ -40,7 +40,7 @@ def test_beyond_a_thousand_the_oldest_packet_is_forgotten_and_counted() -> None:
     [
         (
             Connect("a", clean_start=False, keep_alive=0, will=Will("gone", b"secret")),
-            "CONNECT 'a' MQTT 5, session to be kept, keep-alive 0 s, will on gone",
+            "CONNECT 'a' MQTT 5, persistent session, keep-alive 0 s, will on gone",
         ),
         (Connack(True, ReasonCode.BANNED), "CONNACK banned, session present"),
         (Publish("t", b"\xff" * 200, 2, True, True, 9), f"PUBLISH t '{'�' * 120}'… (200 bytes) QoS 2 id 9 retain dup"),

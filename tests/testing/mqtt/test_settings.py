@@ -28,7 +28,7 @@ def test_one_filter_or_several_may_be_refused() -> None:
         ({"user": "u"}, "user and password go together"),
         ({"user": 5, "password": "p"}, "user is text, not 5"),
         ({"tls": "yes"}, "tls is True or False, not 'yes'"),
-        ({"keep_alive": 0}, "a keep-alive of 0 s is not in 1 to 65535"),
+        ({"keep_alive": 0}, "a keep-alive of 0 s is not from 1 to 65535"),
         ({"keep_alive": True}, "keep_alive is a whole number of seconds, not True"),
         ({"keep_alive": 1.5}, "keep_alive is a whole number of seconds, not 1.5"),
         ({"limits": {"max_queued_messages": 3}}, "limits is a BrokerLimits, not {"),

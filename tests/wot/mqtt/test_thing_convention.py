@@ -81,7 +81,7 @@ def test_a_description_is_a_device() -> None:
 
 def test_the_empty_payload_takes_a_description_back() -> None:
     convention = ThingDescriptions(ThingSettings())
-    assert convention.take(TOPIC, b"", retained=False) == (DeviceWithdrawn("lamp", "its description was taken back"),)
+    assert convention.take(TOPIC, b"", retained=False) == (DeviceWithdrawn("lamp", "its description was withdrawn"),)
     assert convention.take("homebot/things/a/b/td", b"{", retained=False) == ()
     assert convention.take("homebot/things/td", b"{", retained=False) == ()
 
@@ -199,7 +199,7 @@ def test_actions_are_pushed_and_kept_events_are_none() -> None:
     )
     blink, hot = heard.parts
     assert blink.codec.write("push", True) == (Publication("lamp/blink", b""),)
-    with pytest.raises(RefusedError, match="it takes true"):
+    with pytest.raises(RefusedError, match="it takes only true"):
         blink.codec.write("push", False)
     assert hot.codec.read("lamp/1/hot", b'"very"', retained=False) == {"press": "very"}
     assert hot.codec.read("lamp/1/hot", b'"very"', retained=True) == {}
@@ -242,12 +242,12 @@ def test_what_is_about_other_protocols_or_payloads_is_there_and_no_more() -> Non
 @pytest.mark.parametrize(
     ("description", "problem"),
     [
-        (b"{", "is no JSON"),
+        (b"{", "is not JSON"),
         (b"[" * 100_000, "nested deeper than 64 levels"),
         (b" " * 600_000, "a payload of 600000 bytes is longer than"),
-        (b"5", "is no JSON object"),
-        (thing({"on": prop("#")}), "the topic of on: '#' is about more than one thing"),
-        (thing({"on": prop("$SYS/x")}), "is about more than one thing"),
+        (b"5", "is not a JSON object"),
+        (thing({"on": prop("#")}), "the topic of on: '#' names more than one Thing"),
+        (thing({"on": prop("$SYS/x")}), "names more than one Thing"),
         (thing({"on": prop("a/#/b")}), "the topic of on: "),
         (
             thing({"on": {"type": "boolean", "forms": [{"href": "mqtt://b", "mqv:topic": "a/+/set"}]}}),

@@ -107,7 +107,7 @@ def set_parameter(graph: Graph, request: SetParamRequest) -> SetParamResponse:
 
 def delete_parameter(graph: Graph, request: DeleteParamRequest) -> DeleteParamResponse:
     """Refuse: a parameter belongs to the node that declared it."""
-    reason = f"{request.name}: a parameter stays as long as the node that declared it"
+    reason = f"{request.name}: a parameter cannot be deleted; it ends with the node that declared it"
     try:
         parameters, name = _find(graph, request.name)
         parameters.get(name)

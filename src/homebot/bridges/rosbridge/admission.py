@@ -23,7 +23,7 @@ def refusal(settings: DoorSettings, hosts: Sequence[str], origins: Sequence[str]
         return "exactly one Host and at most one Origin header are expected"
     host = _host_of(f"//{hosts[0]}")
     if not _is_ours(settings, host):
-        return f"this rosbridge server does not answer to the host name {host[:100]!r}"
+        return f"this rosbridge server does not accept the host name {host[:100]!r}"
     if origins and origins[0] not in settings.allowed_origins:
         origin = _host_of(origins[0])
         if origin != host and not is_loopback(origin):

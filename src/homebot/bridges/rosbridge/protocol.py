@@ -226,23 +226,25 @@ def parse_frame(text: str) -> Operation:
     """Return the operation that the frame *text* asks for; a field that is null counts as left out.
 
     Raises:
-        FrameError: It is no JSON object, nested more than 100 deep, not valid Unicode, of an unknown operation, or a
+        FrameError: It is not a JSON object, nested more than 100 deep, not valid Unicode, of an unknown operation, or a
             field is missing or wrong; the message names the field and its value.
     """
     value = _load(text)
     if not isinstance(value, dict):
-        raise FrameError(f"is no JSON object but {text[:60]!r}")
+        raise FrameError(f"is not a JSON object: {text[:60]!r}")
     fields = {name: item for name, item in value.items() if item is not None}
     op = fields.get("op")
     if not isinstance(op, str):
-        raise FrameError("has no field 'op'" if op is None else f"has no text as its field 'op' but {str(op)[:60]!r}")
+        raise FrameError(
+            "lacks the field 'op'" if op is None else f"needs a string in its field 'op', got {str(op)[:60]!r}"
+        )
     identifier = fields.get("id")
     is_id = isinstance(identifier, int) or (isinstance(identifier, str) and len(identifier) <= _LONGEST_ID)
     known_id = identifier if is_id else None
     target = next((item for key in _NAMES if isinstance(item := fields.get(key), str)), "")
     cls = _CLASSES.get(op)
     if op in _WHOLE_FRAMES_ONLY:
-        raise FrameError(f"uses {op}, which is not supported; send each message whole, as JSON", "", known_id)
+        raise FrameError(f"uses {op}, which is not supported; send each message unfragmented, as JSON", "", known_id)
     if cls is None:
         problem = f"uses the unknown operation {op[:60]!r}; known are {', '.join(sorted(_CLASSES))}"
         raise FrameError(problem, "", known_id)
@@ -337,4 +339,4 @@ def _check_unicode(value: object) -> None:
     try:
         json.dumps(value, ensure_ascii=False).encode()
     except UnicodeEncodeError as exc:
-        raise FrameError("holds half a surrogate pair, which is not Unicode") from exc
+        raise FrameError("contains half of a surrogate pair, which is not Unicode") from exc

@@ -92,7 +92,7 @@ class Door:
         """Return what was counted, and who guesses tokens; the answer of the service ``health``."""
         counts = {**asdict(self._counters), "messages_lost": self._backlog.lost, "clients_now": len(self._sessions)}
         guessing = self._guard.guessing(self._node.graph.clock.monotonic())
-        troubles = (f"wrong tokens are coming from {', '.join(guessing[:5])}",) if guessing else ()
+        troubles = (f"wrong tokens were received from {', '.join(guessing[:5])}",) if guessing else ()
         return HealthResponse(
             counts=tuple(Count(name=name, count=count) for name, count in counts.items()), troubles=troubles
         )
@@ -166,7 +166,7 @@ class Door:
         address, now = _address_of(connection).rpartition(":")[0], self._node.graph.clock.monotonic
         wait = self._guard.begin(address, now())
         if wait is None:
-            problem = "too many wrong tokens come from this address; try again in a second"
+            problem = "too many wrong tokens from this address; try again in a second"
             return self._turn_away(connection, HTTPStatus.TOO_MANY_REQUESTS, problem)
         is_wrong = False
         try:
@@ -205,7 +205,7 @@ class Door:
                     raise LinkError("the client is gone") from exc
             if limit.cancelled_caught:
                 cut()
-                raise LinkError("the client takes no more bytes")
+                raise LinkError("the client is not reading")
 
         def cut() -> None:
             self._counters.clients_cut += 1
@@ -237,7 +237,7 @@ class _LibraryLog(logging.Handler):
             )
         else:
             problem = str(error or record.msg)
-            message = f"a client of the rosbridge server did not speak WebSocket: {problem}"
+            message = f"a client of the rosbridge server sent invalid WebSocket:  {problem}"
             self._error_log.log(record.msg, "door.handshake_failed", message, problem=problem)
 
 
@@ -246,7 +246,9 @@ async def _texts(connection: ServerConnection) -> AsyncIterator[str]:
     try:
         async for frame in connection:
             if isinstance(frame, bytes):
-                await connection.close(CloseCode.UNSUPPORTED_DATA, "the rosbridge server takes text frames (JSON) only")
+                await connection.close(
+                    CloseCode.UNSUPPORTED_DATA, "the rosbridge server accepts only text frames (JSON)"
+                )
                 return
             yield frame
     except ConnectionClosed:

@@ -191,7 +191,7 @@ class ProvidedServices:
         """
         pending = self._pending.get(str(op.id))
         if pending is None or pending.done():
-            raise PeerError(f"no call of {op.service} with the id {op.id!r} waits for a response (any more)")
+            raise PeerError(f"no call of {op.service} with the id {op.id!r} is waiting for a response")
         pending.set_result(op)
 
     def close_one(self) -> bool:
@@ -205,7 +205,7 @@ class ProvidedServices:
         if len(self._pending) >= self._limit:
             raise RefusedError(f"the call of {name}", f"its provider has {self._limit} calls waiting already")
         if not self._outbox.has_room:
-            raise RefusedError(f"the call of {name}", "its provider does not read its messages")
+            raise RefusedError(f"the call of {name}", "its provider is not reading its messages")
         self._calls += 1
         identifier = f"service_request:{name}:{self._calls}"
         pending = self._pending[identifier] = asyncio.get_running_loop().create_future()

@@ -48,7 +48,7 @@ from homebot.log import LogLimit
 __all__ = ["ClientSession"]
 
 _SEVERITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
-_NO_ACTIONS = "this homebot has no actions"
+_NO_ACTIONS = "actions are not supported"
 _ANSWERS = 1_048_576
 """Bytes of answers that may wait for a client before it is not read from any more."""
 
@@ -177,10 +177,12 @@ class ClientSession:
         if (remark := holdings.subscriptions.subscribe(op)) is not None:
             self._remark(*remark, op.id)
         if op.compression != "none":
-            text = f"compression {op.compression} is not supported: messages of {op.topic} come as JSON"
+            text = f"compression {op.compression} is not supported: messages of {op.topic} are sent as JSON"
             self._remark("warning", text, op.id)
         if op.fragment_size is not None:
-            self._remark("warning", f"fragments are not supported: each message of {op.topic} comes whole", op.id)
+            self._remark(
+                "warning", f"fragments are not supported: each message of {op.topic} is sent unfragmented", op.id
+            )
 
     def _start_call(self, op: CallService, tasks: TaskGroup) -> None:
         if self._calls >= self._settings.max_calls:
@@ -198,25 +200,25 @@ class ClientSession:
 
     def _check_room(self, holdings: _Holdings) -> None:
         if len(holdings) >= self._settings.max_entities:
-            raise PeerError(f"this client uses {len(holdings)} topics and services already, and may use no more")
+            raise PeerError(f"this client uses {len(holdings)} topics and services already, the limit")
         if (held := self._shared.held_by_all()) >= self._settings.max_entities_of_all:
-            raise PeerError(f"all clients together use {held} topics and services already, and may use no more")
+            raise PeerError(f"all clients together use {held} topics and services already, the limit")
 
     def _report_slow(self) -> None:
         self._shared.counters.slowed_down += 1
         if self._slowness.allows("") is not None:
             limit = f"more than {self._settings.max_frames_per_second} frames a second"
-            self._remark("warning", f"{limit} came from this client: it is slowed down to that", None)
+            self._remark("warning", f"{limit} came from this client: it is being throttled to that rate", None)
             self._shared.error_log.log(
                 f"slowed down {self._client.rpartition(':')[0]}",
                 "door.slowed_down",
-                f"{self._client} sends {limit}: it is slowed down to that",
+                f"{self._client} sends {limit}: it is being throttled to that rate",
                 client=self._client,
             )
 
     def _report_type_mismatch(self, op: SubscribeOperation, problem: str) -> None:
         """Report that a topic came which the client waited for, and that it is of another type than expected."""
-        error_text = f": {_refusal(op.op, op.name, problem)}, now that it is there"
+        error_text = f": {_refusal(op.op, op.name, problem)}, now that it exists"
         self._log_error(error_text, op.op, problem, event="door.late_topic_unfit")
         self._remark("error", problem, op.id)
 

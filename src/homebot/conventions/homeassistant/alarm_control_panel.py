@@ -87,6 +87,6 @@ class _AlarmCommands:
 
     def _check(self, state: str, code: str) -> None:
         if not code:
-            raise WrongCodeError(f"alarm {state}", "it wants a code")
+            raise WrongCodeError(f"alarm {state}", "it needs a code")
         if self.code not in _REMOTE and not compare_digest(code.encode(), self.code.encode()):
-            raise WrongCodeError(f"alarm {state}", "it wants another code")
+            raise WrongCodeError(f"alarm {state}", "the code is wrong")

@@ -62,7 +62,7 @@ def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced:
     """Return what a config that is not empty announces.
 
     Raises:
-        WireError: It is no JSON object, too long, or misses what its form must have.
+        WireError: It is not a JSON object, too long, or misses what its form must have.
     """
     fields = parse_object(payload, MAX_ANNOUNCEMENT_BYTES)
     if fields.get("migrate_discovery", fields.get("migr_discvry")) is True:

@@ -75,7 +75,7 @@ def _add_humidity(entity: Entity, config: DiscoveryConfig) -> None:
     if least >= most or most > 100:
         raise WireError(f"climate: max_humidity is {most:g}, not above min_humidity {least:g} and at most 100")
     if source is not None and command is None:
-        raise WireError("climate: target_humidity_state_topic is there without target_humidity_command_topic")
+        raise WireError("climate: target_humidity_state_topic needs target_humidity_command_topic")
     entity.add_number("humidity_setpoint", source, command, bounds=(least, most), unit="%", to_device=int)
 
 

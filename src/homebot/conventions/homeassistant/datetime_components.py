@@ -40,9 +40,9 @@ def build_moment(config: DiscoveryConfig) -> DescribedPart:
     def write(value: PlainValue, _transition: float) -> Publications:
         moment = spelled(value) if isinstance(value, str) else None
         if moment is None:
-            raise RefusedError(f"text {shown(value)}", f"it takes a {kind} as ISO 8601 has it")
+            raise RefusedError(f"text {shown(value)}", f"it takes a {kind} in ISO 8601 format")
         if kind == "datetime" and datetime.fromisoformat(moment).tzinfo is None:
-            raise RefusedError(f"text {shown(value)}", "it takes a datetime with its time zone")
+            raise RefusedError(f"text {shown(value)}", "it takes a datetime with a time zone")
         return command.publish(moment)
 
     entity = Entity(config, "x_setting", kind)

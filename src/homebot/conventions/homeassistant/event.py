@@ -43,7 +43,7 @@ def build_trigger(config: DiscoveryConfig) -> DescribedPart:
     if automation != "trigger":
         raise WireError(f"device_automation: automation_type is {shown(automation)}, not trigger")
     if not kind or not subtype:
-        raise WireError("device_automation: it misses type or subtype")
+        raise WireError("device_automation: it lacks type or subtype")
     source = config.required_source("topic").without_payload()
     expected = config.text("payload")
     press = subtype if kind == "action" else f"{kind} {subtype}"

@@ -55,7 +55,7 @@ def _modes(config: DiscoveryConfig) -> frozenset[str]:
         return frozenset({"brightness" if config.flag("brightness") else "onoff"})
     alone = len(modes) > 1 and modes & {"brightness", "onoff"}
     if modes - _MODES or alone or ("white" in modes and not modes & CHANNELS.keys()):
-        raise WireError(f"light: supported_color_modes are {shown(', '.join(sorted(modes)))}, which cannot be")
+        raise WireError(f"light: supported_color_modes are {shown(', '.join(sorted(modes)))}, which cannot be combined")
     return modes
 
 

@@ -26,7 +26,7 @@ def build_template_light(config: DiscoveryConfig) -> DescribedPart:
     """Describe a lamp that is read and commanded by templates."""
     for key in ("command_on_template", "command_off_template"):
         if not config.has(key):
-            raise WireError(f"light: {key} is missing, which a lamp of schema template must have")
+            raise WireError(f"light: {key} is missing; the schema template requires it")
     on = config.required_command(template_key="command_on_template")
     off = config.required_command(template_key="command_off_template")
     in_kelvin = config.flag("color_temp_kelvin")

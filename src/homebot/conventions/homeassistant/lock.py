@@ -38,7 +38,7 @@ def build_lock(config: DiscoveryConfig) -> DescribedPart:
 
     def write(value: PlainValue, code: str) -> Publications:
         if wants_code and not code:
-            raise WrongCodeError(f"lock {shown(value)}", "it wants a code")
+            raise WrongCodeError(f"lock {shown(value)}", "it needs a code")
         return (command.publication_with_code(payloads[require_option("lock", value, payloads)], code),)
 
     entity = Entity(config, "door_lock")

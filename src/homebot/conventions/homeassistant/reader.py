@@ -42,10 +42,10 @@ class HomeAssistantReader:
             return (DeviceWithdrawn(where.key, "its config was removed"),)
         announced = read_announcement(where, payload)
         if announced.is_migrating:
-            return (DeviceWithdrawn(where.key, "it changes to another form of announcement"),)
+            return (DeviceWithdrawn(where.key, "it is moving to another kind of discovery message"),)
         parts = self._parts(where, announced)
         if not parts:
-            return (DeviceWithdrawn(where.key, "no component of it is left"),)
+            return (DeviceWithdrawn(where.key, "it has no components left"),)
         device = self._devices.read(announced.device, announced.origin)
         return (_described(topic, where, announced, device, parts),)
 

@@ -72,7 +72,7 @@ class _SirenCommands:
             return command.publish(compact_json(variables))
         publication = command.publication(self.payloads[on], variables)
         if publication.payload in _EMPTY_PAYLOADS:
-            raise RefusedError(f"a command on {command.topic}", "its template makes nothing of it")
+            raise RefusedError(f"a command on {command.topic}", "its template renders nothing for it")
         return (publication,)
 
 

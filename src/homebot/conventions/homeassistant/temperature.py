@@ -231,7 +231,9 @@ class _Targets:
         number = self.limits.number(require_number(name, value, *self.limits.bounds, "°C"))
         command = self.commands.get(self._key(name))
         if command is None:
-            raise RefusedError(f"{name} in mode {self.mode.mode or 'unknown'}", "it has no such target in that mode")
+            raise RefusedError(
+                f"{name} in mode {self.mode.mode or 'unknown'}", "there is no such setpoint in that mode"
+            )
         return command.publish(number)
 
     def _key(self, name: str) -> str:

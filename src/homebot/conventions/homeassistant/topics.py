@@ -234,7 +234,7 @@ class CommandTopic:
         try:
             payload = text.encode(self.encoding or "utf-8")
         except UnicodeEncodeError:
-            raise RefusedError(f"a command on {self.topic}", f"it cannot be written in {self.encoding}") from None
+            raise RefusedError(f"a command on {self.topic}", f"it cannot be encoded as {self.encoding}") from None
         return Publication(self.topic, payload, self.qos, self.retain)
 
     def publish(self, value: object, variables: Mapping[str, object] = _NO_VARIABLES) -> Publications:

@@ -85,4 +85,6 @@ class _ReadOnlyCodec:
         return self.reader.read(topic, payload, retained=retained)
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:  # noqa: ARG002 - the interface has them
-        raise RefusedError(f"{shown(capability)} of an update", "installing software is for people to decide")
+        raise RefusedError(
+            f"{shown(capability)} of an update", "homebot does not install software; do it on the device or its bridge"
+        )

@@ -36,7 +36,7 @@ def build_valve(config: DiscoveryConfig) -> DescribedPart:
     if has_position:
         for key in _NO_POSITION:
             if key in config.values:
-                raise WireError(f"valve: {key} is there, which a valve that reports its position does not have")
+                raise WireError(f"valve: {key} is not allowed for a valve that reports its position")
     decoder = _ValveStateDecoder({config.text(f"state_{state}", state): state for state in _STATES}, scale)
     commands = (
         None if command is None else _ValveCommands(command, payloads, scale if has_position else None, variables)

@@ -79,7 +79,7 @@ def parse_range(text: str) -> Range:
     """Return the range that *text* spells: ``[least]:[most]`` and perhaps ``:step``; empty for any number.
 
     Raises:
-        WireError: It spells none, or one that holds no number.
+        WireError: It spells none, or one that contains no number.
     """
     if not text:
         return Range()
@@ -90,9 +90,9 @@ def parse_range(text: str) -> Range:
     )
     found = Range(*numbers) if is_spelled else None
     if found is None or (found.step is not None and found.step <= 0):
-        raise WireError(f"format {shown(text)} is no range")
+        raise WireError(f"format {shown(text)} is not a range")
     if found.least is not None and found.most is not None and found.least > found.most:
-        raise WireError(f"format {shown(text)} holds no number")
+        raise WireError(f"format {shown(text)} contains no number")
     return found
 
 
@@ -104,9 +104,9 @@ def parse_options(text: str) -> tuple[str, ...]:
     """
     options = tuple(text.split(",", _MAX_OPTIONS + 1))
     if len(options) > _MAX_OPTIONS or not all(0 < len(one) <= _LONGEST_OPTION for one in options):
-        raise WireError(f"format {shown(text)} is no list of words")
+        raise WireError(f"format {shown(text)} is not a list of values")
     if len(set(options)) != len(options):
-        raise WireError(f"format {shown(text)} has a word twice")
+        raise WireError(f"format {shown(text)} repeats a value")
     return options
 
 

@@ -107,7 +107,7 @@ class _AttributeCollector:
             raise WireError(f"datatype is {shown(datatype)}, or there are more than {MAX_PROPERTIES}")
         options = parse_options(spelled) if datatype in {"enum", "color"} else ()
         if datatype == "color" and not set(options) <= set(COLOR_FORMS):
-            raise WireError(f"format {shown(spelled)} has no form of a colour")
+            raise WireError(f"format {shown(spelled)} names no colour format")
         return HomieProperty(
             id=prop_id,
             name=clean_text(field("$name")),
@@ -233,7 +233,7 @@ class Version4:
         described = describe(whole, domain, is_alive=bool(STATES[state]))
         if described is None:
             was_described, device.is_described = device.is_described, False
-            return (DeviceWithdrawn(whole.topic, "it offers nothing any more"),) if was_described else ()
+            return (DeviceWithdrawn(whole.topic, "it no longer has any nodes"),) if was_described else ()
         self._devices.keep(whole.topic)
         device.is_described = True
         return (described,)

@@ -158,7 +158,7 @@ def _options(datatype: str, spelled: str) -> tuple[str, ...]:
         return ()
     options = parse_options(spelled)
     if datatype == "color" and not set(options) <= set(COLOR_FORMS):
-        raise WireError(f"format {shown(spelled)} has no forms of a colour")
+        raise WireError(f"format {shown(spelled)} names no colour formats")
     if datatype == "boolean":
         if len(options) != len(("false", "true")):
             raise WireError(f"format {shown(spelled)} does not name false and true")
@@ -183,7 +183,7 @@ def _optional(fields: Mapping[str, object], name: str, kind: type[T]) -> T | Non
 def _legal_id(value: str) -> str:
     if _is_id(value):
         return value
-    raise WireError(f"{shown(value)} is no id")
+    raise WireError(f"{shown(value)} is not a valid id")
 
 
 _MAX_DEVICES = 5000
@@ -239,7 +239,7 @@ class Version5:
             WireError: It is illegal.
         """
         if not _is_id(device_id):
-            raise WireError(f"{shown(device_id)} is no id of a device")
+            raise WireError(f"{shown(device_id)} is not a valid device id")
         name = f"{domain}/5/{device_id}"
         if not payload:
             return self._removed(name, attribute)
@@ -296,7 +296,7 @@ class Version5:
         described = describe(document.device, domain, is_alive=bool(STATES[device.state]))
         if described is None:
             was_described, device.is_described = device.is_described, False
-            return (DeviceWithdrawn(name, "it offers nothing any more"),) if was_described else ()
+            return (DeviceWithdrawn(name, "it no longer has any nodes"),) if was_described else ()
         self._devices.keep(name)
         device.is_described = True
         return (described,)

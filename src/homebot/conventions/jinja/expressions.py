@@ -78,7 +78,7 @@ def part(value: Evaluate, bounds: Sequence[Evaluate]) -> Evaluate:
         if isinstance(many, Undefined):
             many.fail()
         if not isinstance(many, (str, bytes, list, tuple)):
-            raise TypeError(f"a {type(many).__name__} has no parts")
+            raise TypeError(f"a {type(many).__name__} cannot be indexed")
         start, stop, step = [_index(bound(run)) for bound in bounds]
         return run.handle(many[start:stop:step])
 

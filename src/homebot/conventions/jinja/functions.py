@@ -23,7 +23,7 @@ __all__ = ["CONSTANTS", "FILTERS", "FUNCTIONS", "HOME_ASSISTANT"]
 
 def _now(run: Run) -> datetime:
     if run.now is None:
-        raise TemplateError("the template asks for the time, which is not known here")
+        raise TemplateError("the template uses the current time, which is not available here")
     return run.now
 
 
@@ -38,7 +38,7 @@ def _local(run: Run, value: datetime) -> datetime:
 
 def _from_timestamp(value: object) -> datetime:
     if isinstance(value, str):
-        raise TypeError("a timestamp is a number")
+        raise TypeError("a timestamp must be a number")
     return datetime.fromtimestamp(real(value), UTC)
 
 
@@ -104,7 +104,7 @@ def _timedelta(_: Run, **parts: float) -> timedelta:
 
 def _or_default(default: object, filter_: str) -> object:
     if default is MISSING:
-        raise TemplateError(f"{filter_} is given what is no time, and no default")
+        raise TemplateError(f"{filter_} is given a value that is not a time, and no default")
     return default
 
 

@@ -29,7 +29,7 @@ def _multiply(left: object, right: object) -> object:
         if isinstance(many, (str, bytes, list, tuple)) and isinstance(times, int):
             limit = MAX_TEXT if isinstance(many, (str, bytes)) else MAX_ITEMS
             if len(many) * times > limit:
-                raise TemplateError(f"a value is repeated to more than {limit}")
+                raise TemplateError(f"repeating a value gives more than {limit}")
     return _python_multiply(left, right)
 
 
@@ -43,7 +43,7 @@ def _remainder(left: object, right: object) -> object:
     if isinstance(left, str):
         return percent(left, right)
     if isinstance(left, bytes):
-        raise TypeError("bytes are not formatted")
+        raise TypeError("bytes cannot be formatted")
     return _python_remainder(left, right)
 
 
@@ -80,7 +80,7 @@ def _container(many: object) -> list[object] | str | tuple[object, ...] | dict[o
         return many
     if not many and hasattr(many, "__iter__"):
         return ()
-    raise TypeError(f"nothing can be in a {type(many).__name__}")
+    raise TypeError(f"`in` does not work on a {type(many).__name__}")
 
 
 MISSING: Final = object()
@@ -99,7 +99,7 @@ def is_number(_: Run, value: object) -> bool:
 
 def _or_default(value: object, default: object, filter_: str) -> object:
     if default is MISSING:
-        raise TemplateError(f"{filter_} is given a {type(value).__name__} that is no such value, and no default")
+        raise TemplateError(f"{filter_} is given a {type(value).__name__} that it cannot convert, and no default")
     return default
 
 
@@ -176,7 +176,7 @@ def _amount(value: object) -> float:
     if isinstance(value, Undefined):
         value.fail()
     if not isinstance(value, (int, float)):
-        raise TypeError(f"a {type(value).__name__} is no amount")
+        raise TypeError(f"a {type(value).__name__} is not a number of seconds or a time difference")
     return value
 
 

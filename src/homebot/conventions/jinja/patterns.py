@@ -97,7 +97,7 @@ def _complexity(expression: str) -> tuple[int, int]:
     for one in _TOKEN.findall(expression):
         if one in _QUANTIFIERS or one[0] == "{":
             if not ended_group_is_simple:
-                raise TemplateError("a regular expression repeats what repeats or branches itself")
+                raise TemplateError("a regular expression nests repetitions")
             groups = [False] * len(groups)
             repeats, branches = repeats + (one != "?"), branches + (one == "?")
         elif one == "|":

@@ -115,7 +115,7 @@ class _SyntaxReader:
             raise TemplateError("uses a recursive loop, which is not supported")
         self._loops += 1
         if self._loops > MAX_FOR_DEPTH:
-            raise TemplateError(f"has more than {MAX_FOR_DEPTH} loops in one another")
+            raise TemplateError(f"has more than {MAX_FOR_DEPTH} nested loops")
         values = self.expression(node.iter)
         before = self.weight
         target = self._target(node.target)
@@ -225,7 +225,7 @@ class _SyntaxReader:
                 raise TemplateError(f"uses the function `{called.name[:_MOST_SHOWN]}()`, which is not supported")
             return self._call(FUNCTIONS[called.name], node.args, node)
         if not isinstance(called, nodes.Getattr):
-            raise TemplateError("calls what is no function")
+            raise TemplateError("calls something that is not a function")
         if not any(called.attr in methods for methods in METHODS.values()):
             raise TemplateError(f"uses the method `{called.attr[:_MOST_SHOWN]}()`, which is not supported")
         owner = self.expression(called.node)
@@ -246,7 +246,7 @@ class _SyntaxReader:
 
     def _must_be_in_loop(self, node: nodes.Node) -> None:
         if not self._in_loop:
-            raise TemplateError(f"uses {_described(node)} outside of a loop")
+            raise TemplateError(f"uses {_described(node)} outside a loop")
 
     def _refuse_unpacking(self, node: nodes.Call | nodes.Filter | nodes.Test) -> None:
         if node.dyn_args is not None or node.dyn_kwargs is not None:
@@ -305,10 +305,10 @@ def _tree(source: str) -> nodes.Template:
         # Python warns of texts such as '\d', which are common in regular expressions.
         with warnings.catch_warnings(action="ignore"):
             if len(source) > MAX_TOKENS and any(True for _ in islice(_ENVIRONMENT.lex(source), MAX_TOKENS, None)):
-                raise TemplateError(f"has more than {MAX_TOKENS} words and signs")
+                raise TemplateError(f"has more than {MAX_TOKENS} tokens")
             return _ENVIRONMENT.parse(source)
     except jinja2.TemplateSyntaxError as error:
-        raise TemplateError(f"is no template: {(error.message or '')[:_MOST_SHOWN]}") from error
+        raise TemplateError(f"is not a valid template: {(error.message or '')[:_MOST_SHOWN]}") from error
     except RecursionError:
         raise TemplateError("is nested too deeply") from None
     except (ValueError, OverflowError) as error:

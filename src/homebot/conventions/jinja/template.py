@@ -88,7 +88,7 @@ class Path:
         for key in self._keys:
             value = value.get(key, UNDEFINED) if type(value) is dict else item(value, key)
         if self._must_be and value is UNDEFINED:
-            raise NotDefinedError("the message lacks the value that the template asks for")
+            raise NotDefinedError("the message lacks the value that the template uses")
         return text(value)
 
 
@@ -204,5 +204,5 @@ def _bounded(rendered: str) -> str:
         try:
             rendered.encode()
         except UnicodeEncodeError:
-            raise TemplateError("the text has half a surrogate pair") from None
+            raise TemplateError("the text contains half of a surrogate pair") from None
     return rendered.strip()

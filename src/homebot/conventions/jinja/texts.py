@@ -26,7 +26,7 @@ def _default(_: Run, value: object, default: object = "", boolean: object = Fals
 
 def _is_defined(_: Run, value: object) -> object:
     if isinstance(value, Undefined):
-        raise NotDefinedError("the message lacks the value that the template asks for")
+        raise NotDefinedError("the message lacks the value that the template uses")
     return value
 
 
@@ -78,7 +78,7 @@ def _from_json(_: Run, value: object) -> object:
     try:
         return parse_json(text(value))
     except WireError:
-        raise TemplateError("from_json is given a text that is no JSON") from None
+        raise TemplateError("from_json is given text that is not JSON") from None
 
 
 def _to_json(
@@ -109,7 +109,7 @@ def _base64_decode(_: Run, value: object, encoding: object = "utf-8") -> object:
     try:
         decoded = base64.b64decode(text(value))
     except binascii.Error as error:
-        raise TemplateError("base64_decode is given no Base64") from error
+        raise TemplateError("base64_decode is given text that is not Base64") from error
     if not encoding:
         return decoded
     if text(encoding).lower() not in _ENCODINGS:

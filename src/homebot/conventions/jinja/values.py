@@ -159,7 +159,7 @@ def whole(value: object) -> int:
     if isinstance(value, Undefined):
         value.fail()
     if not isinstance(value, int):
-        raise TypeError(f"a {type(value).__name__} is no whole number")
+        raise TypeError(f"a {type(value).__name__} is not a whole number")
     return value
 
 

@@ -182,9 +182,9 @@ class Gen1:
         announcement = parse_object(payload)
         device_id, mac = announcement.get("id"), announcement.get("mac", "")
         if not isinstance(device_id, str) or not 0 < len(device_id) <= _LONGEST_NAME or set(device_id) & set("+#/\0"):
-            raise WireError(f"an announcement has the id {shown(device_id)}")
+            raise WireError(f"an announcement has the invalid id {shown(device_id)}")
         if not isinstance(mac, str):
-            raise WireError(f"an announcement has the mac {shown(mac)}")
+            raise WireError(f"an announcement has the invalid mac {shown(mac)}")
         mac = clean_text(mac, 20)
         if not name and mac and mac in self._names:
             name = self._names[mac]
@@ -234,7 +234,7 @@ class Gen1:
         self._names[mac] = name
         if before is None or before == name or self._devices.remove(before) is None:
             return ()
-        return (DeviceWithdrawn(f"shellies/{before}", f"it is called {name} now"),)
+        return (DeviceWithdrawn(f"shellies/{before}", f"it has been renamed {name}"),)
 
     def _described(self, device: _Gen1Device, topic: str) -> tuple[AnnouncementEvent, ...]:
         if not (device.is_announced or device.is_online):

@@ -143,7 +143,7 @@ class Gen2:
         if not isinstance(result, dict):
             return ()
         if not isinstance(source, str):
-            raise WireError(f"an answer has the src {shown(source)}")
+            raise WireError(f"a response has the invalid src {shown(source)}")
         device = self._device(prefix or source)
         kind = kind_of(result)
         if device is None or not kind or not self._keep(device, kind, result, len(payload)):
@@ -198,4 +198,4 @@ class Gen2:
         if device.described is None:
             return ()
         device.described = None
-        return (DeviceWithdrawn(device.prefix, "no component of it is left"),)
+        return (DeviceWithdrawn(device.prefix, "it has no components left"),)

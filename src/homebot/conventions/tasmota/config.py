@@ -97,7 +97,7 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
     """Return what the message of the device *mac* says. What it leaves out is as the firmware's defaults have it.
 
     Raises:
-        WireError: It is no JSON object, of another version or device, or its topics cannot be topics.
+        WireError: It is not a JSON object, of another version or device, or its topics cannot be topics.
     """
     fields = parse_object(payload)
     if fields.get("ver") != 1:
@@ -106,7 +106,7 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
         raise WireError(f"config: mac is {shown(fields.get('mac'))}, but it was announced as {shown(mac)}")
     prefixes = _texts(fields, "tp", _MOST_PREFIXES)
     if len(prefixes) != _MOST_PREFIXES or not all(prefixes):
-        raise WireError(f"config: tp is {shown(fields.get('tp'))}, not three prefixes")
+        raise WireError(f"config: tp is {shown(fields.get('tp'))}, not a list of three prefixes")
     texts = _texts(fields, "state", len(_STATE_TEXTS))
     names = _texts(fields, "fn", _MOST_INPUTS)
     return TasmotaConfig(
@@ -157,7 +157,7 @@ def _topic(fields: Mapping[str, object], mac: str, prefix: str) -> str:
     try:
         validate_topic(topic)
     except InvalidNameError as error:
-        raise WireError(f"config: ft makes a topic that cannot be: {error}") from None
+        raise WireError(f"config: ft gives an invalid topic: {error}") from None
     return topic
 
 

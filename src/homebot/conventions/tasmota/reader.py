@@ -72,7 +72,7 @@ class TasmotaReader:
         if config == self._configs.get(mac):
             return (self._devices[mac],)
         if mac not in self._configs and len(self._configs) >= MAX_DEVICES:
-            raise WireError(f"{mac} is one device too many; {MAX_DEVICES} is the limit")
+            raise WireError(f"{mac} exceeds the limit of {MAX_DEVICES} devices")
         self._configs[mac] = config
         if mac in self._waiting:
             self._leaves[mac] = self._waiting.pop(mac)

@@ -145,7 +145,7 @@ def read_bridge_device(base: str, entry: Mapping[str, object]) -> BridgeDevice:
         raise WireError(f"friendly_name is {shown(name)}, not a name of at most {_MAX_NAME} characters")
     levels = name.split("/")
     if levels[0] == "bridge" or levels[-1] in _COMMANDS:
-        raise WireError(f"friendly_name {shown(name)} makes a topic of the bridge's own")
+        raise WireError(f"friendly_name {shown(name)} gives one of the bridge's own topics")
     topic = f"{base}/{name}"
     try:
         validate_topic(topic)

@@ -66,7 +66,7 @@ class Zigbee2MqttTopics:
             transition: Seconds that the change shall take, where the device takes that; 0 leaves it to the device.
 
         Raises:
-            RefusedError: *transition* is out of bounds, or a text cannot be written in UTF-8.
+            RefusedError: *transition* is out of bounds, or a text cannot be encoded as UTF-8.
         """
         seconds = require_transition(transition, _MOST_SECONDS)
         fields = self._plain(message)
@@ -75,7 +75,7 @@ class Zigbee2MqttTopics:
         try:
             payload = compact_json(fields).encode()
         except UnicodeEncodeError:
-            raise RefusedError(f"a command to {self.state}", "it cannot be written in UTF-8") from None
+            raise RefusedError(f"a command to {self.state}", "it cannot be encoded as UTF-8") from None
         return (Publication(self.command, payload),)
 
     def request_state(self, *features: Expose | None) -> Publications:

@@ -66,7 +66,7 @@ class Zigbee2MqttReader:
         """Return which bridges reported how they are set up, but not which devices they have: both are retained."""
         return tuple(
             f"{base}/bridge/info came, but {base}/bridge/devices did not: a list that is larger than max_announcement "
-            "is dropped by the broker without a word"
+            "is dropped silently by the broker"
             for base, has_info in self._listless.items()
             if has_info
         )
@@ -82,7 +82,7 @@ class Zigbee2MqttReader:
         for entry in parse_list(payload, MAX_BRIDGE_BYTES):
             entries.append(entry)
             if len(entries) > MAX_DEVICES:
-                raise WireError(f"{topic}: it lists more than {MAX_DEVICES} devices, which is the limit")
+                raise WireError(f"{topic}: it lists more than the limit of {MAX_DEVICES} devices")
             yield None
         devices: dict[str, _KnownDevice] = {}
         for _ in self._describe_all(base, topic, entries, devices):
@@ -167,9 +167,9 @@ def _read(base: str, entry: object, topics: set[str], *, is_known: bool, room: i
         raise WireError(f"ieee_address is {shown(address)}, not 0x and 16 digits")
     device = read_bridge_device(base, entry)
     if is_known or device.topic in topics:
-        raise WireError(f"{device.ieee} or its friendly_name {shown(device.name)} is there twice")
+        raise WireError(f"{device.ieee} or its friendly_name {shown(device.name)} occurs twice")
     if room <= 0:
-        raise WireError(f"{device.ieee}: the devices before it have {MAX_PARTS} parts, which is the limit")
+        raise WireError(f"{device.ieee}: the devices before it already have {MAX_PARTS} parts, the limit")
     return device
 
 

@@ -141,7 +141,7 @@ class Handle:
             LinkError: None of its gateways is running and connected; it may work later.
         """
         if not (0 <= transition < math.inf):
-            raise RefusedError(f"a transition of {transition} s", "it must be 0 or longer, and end")
+            raise RefusedError(f"a transition of {transition} s", "it must be a finite number of seconds, 0 or more")
         plain = plain_value(value)
         part = self._settable_part(capability, plain)
         if len(code) > _LONGEST_CODE:
@@ -150,7 +150,7 @@ class Handle:
 
     def _check_name(self, capability: str) -> None:
         if capability in EVENTS:
-            raise UsageError(f"{capability} is an event, not a state; `follow` tells of each")
+            raise UsageError(f"{capability} is an event, not a state; use `follow` to receive events")
         if capability not in CAPABILITIES and not any(one.name == capability for one in self.capabilities):
             known = ", ".join(one.name for one in self.capabilities) or "nothing"
             hint = did_you_mean(capability, CAPABILITIES, f"{self.id} tells {known}", cutoff=0.7)
@@ -160,14 +160,14 @@ class Handle:
         """Return the part, if *capability* of it can be set to *value*."""
         part = None if self._tracked.is_gone else self._tracked.part(self._part_id)
         if part is None:
-            raise RefusedError(f"{capability} of {self.id}", "it is gone")
+            raise RefusedError(f"{capability} of {self.id}", "it was removed")
         for one in part.part.capabilities:
             if one.name == capability and one.settable:
                 if not isinstance(value, bool):
                     self._check_value(one, value)
                 return part
         known = ", ".join(dict.fromkeys(one.name for one in part.part.capabilities if one.settable))
-        raise RefusedError(f"{capability} of {self.id}", f"it can be told {known}" if known else "it takes no commands")
+        raise RefusedError(f"{capability} of {self.id}", f"it takes {known}" if known else "it takes no commands")
 
     def _check_value(self, capability: Capability, value: PlainValue) -> None:
         name = capability.name

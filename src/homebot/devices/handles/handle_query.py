@@ -143,7 +143,7 @@ def _check(kind: type[Handle], filters: CommonFilters, terms: tuple[Term, ...]) 
     """Refuse an unknown condition, which would otherwise find the whole house."""
     for name, value in filters.items():
         if name not in _FILTER_TYPES:
-            raise TypeError(f"{kind.__name__} cannot be asked for by {name!r}: {_hint(kind, name)}")
+            raise TypeError(f"{kind.__name__} cannot be filtered by {name!r}: {_hint(kind, name)}")
         if not isinstance(value, _FILTER_TYPES[name]):
             raise TypeError(f"{name} is {_called(_FILTER_TYPES[name])}, not {value!r}")
     if (category := filters.get("category", "")) not in _CATEGORIES:

@@ -114,7 +114,7 @@ class CommandSender:
             LinkError: No gateway of the part is running and connected; it may work later.
         """
         if not part.routes:
-            why = "; ".join(device.conflicts) or "no way to it is known"
+            why = "; ".join(device.conflicts) or "it has no route for commands"
             raise RefusedError(f"a command to {device.id}", why)
         takes = [route for route in part.routes if capability in route.takes or route.takes == EVERYTHING]
         routes = takes or part.routes

@@ -97,7 +97,7 @@ class Light(Handle):
             LinkError: None of its gateways is running and connected; it may work later.
         """
         if level is not None and not 0 < level <= 100:
-            raise RefusedError(f"{level:g} as level of {self.id}", "turned on, it takes above 0 to 100 %")
+            raise RefusedError(f"{level:g} as level of {self.id}", "it takes a level above 0 and up to 100 %")
         settings: dict[str, PlainValue] = {"level": level, "color_temperature": kelvin}
         settings["color"] = None if color is None else self._checked_color(color)
         settings["effect"] = effect

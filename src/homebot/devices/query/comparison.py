@@ -66,7 +66,7 @@ def comparison(name: Token, operator: Token, value: Token) -> Query:
 
 def _not_ordered(spelled: str, name: Token) -> str:
     if spelled in FIELDS:
-        return f"{name.text} has no order; only = and != compare it"
+        return f"{name.text} cannot be ordered; compare it with = or !="
     numbers = "numbers are for example level, position and temperature"
     return f"{name.text} is not a capability; {did_you_mean(spelled, CAPABILITY_WORDS, numbers, _ALIKE)}"
 

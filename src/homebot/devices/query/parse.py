@@ -66,7 +66,7 @@ class _Parser:
             return And(())
         found = self._any()
         if (extra := self._peek()) is not None:
-            raise UsageError(f"{extra.text!r} at character {extra.at} closes no bracket")
+            raise UsageError(f"{extra.text!r} at character {extra.at} has no opening bracket")
         return found
 
     def _any(self) -> Query:
@@ -178,7 +178,7 @@ class _Parser:
             if word != "the" or words:
                 words.append(word)
         if not words:
-            raise UsageError(f"{token.text!r} at character {token.at} is not followed by a room")
+            raise UsageError(f"{token.text!r} at character {token.at} is not followed by an area")
         return " ".join(words)
 
     def _ability(self, token: Token) -> Query:
@@ -263,7 +263,7 @@ _ADJECTIVE_TERMS = frozenset(states[0] if len(states) == 1 else Or(states) for s
 def _all_words(text: str) -> Query:
     words = [HasText(word[:MAX_WORD]) for word in words_of(text)]
     if not words:
-        raise UsageError(f"{text[:40]!r} has no word to search for")
+        raise UsageError(f"{text[:40]!r} contains no search term")
     return words[0] if len(words) == 1 else And(tuple(words))
 
 

@@ -339,7 +339,7 @@ def read_terms(terms: Sequence[QueryTerm]) -> Query:
         read.append((joined, depth, number))
     if len(read) > 1:
         extra = read[-2][2]
-        raise UsageError(f"term {extra} of the query, {terms[extra - 1].kind!r}, is of no other term")
+        raise UsageError(f"term {extra} of the query, {terms[extra - 1].kind!r}, is not an operand of any other term")
     return read[0][0]
 
 

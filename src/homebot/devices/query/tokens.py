@@ -65,7 +65,7 @@ def tokens_of(text: str) -> tuple[Token, ...]:
         piece = _PIECE.match(text, place)
         if piece is None:
             rest = text[place:].lstrip()
-            problem = "a quotation mark that is never closed" if rest[0] in "\"'" else "nothing that a query has"
+            problem = "an unclosed quotation mark" if rest[0] in "\"'" else "not allowed in a query"
             raise UsageError(f"character {end - len(rest.rstrip()) + 1} of the query, {rest[:1]!r}, is {problem}")
         tokens.append(_token(piece))
         place = piece.end()

@@ -100,7 +100,7 @@ class SightingIntake:
             self._merger.describe(entry)
             table.note("changed", entry, "its description changed")
         if sighting.confirmed:
-            self._liveness.mark_seen(entry, source, sighting.seen_at, "it reported live")
+            self._liveness.mark_seen(entry, source, sighting.seen_at, "it sent a message")
         elif not source.confirmed and entry.freshness == "unconfirmed":
             source.seen_at, source.heard_at = sighting.seen_at, self._liveness.now
             entry.invalidate_device()

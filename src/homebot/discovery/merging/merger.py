@@ -73,7 +73,7 @@ class DeviceMerger:
         now = self._liveness.now
         for source in sources.values():
             self._liveness.extend(entry, source, now if source.heard_at == -math.inf else source.heard_at)
-        table.note("appeared", entry, f"it is back: {why}" if is_back else why)
+        table.note("appeared", entry, f"it returned: {why}" if is_back else why)
         return entry
 
     def join(self, entry: Entry, source: SourceRecord) -> None:

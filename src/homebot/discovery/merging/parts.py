@@ -251,7 +251,7 @@ def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) 
 
 
 def _left_out(count: int) -> str:
-    return f"{count} further parts are left out, for a device has {MAX_PARTS:,} at most"
+    return f"{count} further parts are ignored; a device may have at most {MAX_PARTS:,}"
 
 
 def _occurrences(sources: Sequence[SourceRecord], conflicts: list[str]) -> list[_Occurrence]:

@@ -16,7 +16,7 @@ __all__ = ["Ranked", "rank", "reasons"]
 Ranked: TypeAlias = tuple[float, str]
 """Score and id."""
 
-_FRESHNESS = {"fresh": (1.0, "it reported recently"), "unconfirmed": (0.0, "it has not reported live yet")}
+_FRESHNESS = {"fresh": (1.0, "it reported recently"), "unconfirmed": (0.0, "it has not sent a message yet")}
 _STALE = (-4.0, "it is stale: it has been silent for too long")
 _OFFLINE = (-2.0, "it is offline")
 _GUESSED = (-1.0, "its type was guessed")
@@ -113,7 +113,7 @@ def _weigh_text(word: str, facets: Facets) -> tuple[float, str]:
     if word in name:
         return 4.0, f"its name has {word}"
     if word in facets.words:
-        return 3.0, f"{word} is one of its facts"
+        return 3.0, f"{word} is in its facts"
     begun = [one for one in facets.words if one.startswith(word)]
     if begun:
         return 2.0, f"{min(begun)} begins with {word}"

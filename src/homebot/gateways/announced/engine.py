@@ -115,7 +115,7 @@ class GatewayEngine(Generic[MessageT]):
         """
         stored = self._devices.get(key)
         if stored is None:
-            why = "no device is announced by that key"
+            why = "no device was announced with that key"
         elif (part := stored.parts.get(part_id)) is not None:
             return part
         else:

@@ -67,7 +67,7 @@ class ExposedDevices:
 
     def _offer(self, offer: ExposedDevice) -> None:
         if offer.id not in self._offers and len(self._offers) >= MAX_OFFERS:
-            self._log(NOT_TAKEN, f"{offer.id} is one offer too many", offer.id)
+            self._log(NOT_TAKEN, f"{offer.id} exceeds the limit of exposed devices", offer.id)
             return
         before = self._offers.get(offer.id)
         if before is not None and before.parts != offer.parts:

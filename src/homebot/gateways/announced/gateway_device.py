@@ -85,7 +85,7 @@ class _NoCodec:
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
         del value, transition
-        raise RefusedError(capability, "its gateway writes its messages")
+        raise RefusedError(capability, "its gateway encodes its messages")
 
 
 _NO_CODEC = _NoCodec()
@@ -103,7 +103,7 @@ def simple_part(service_type: str, *, settable: tuple[str, ...] = (), readable: 
         UsageError: The vocabulary has no such type or capability.
     """
     if service_type not in DEVICE_TYPES:
-        raise UsageError(f"{service_type!r} is no device type; known are {', '.join(sorted(DEVICE_TYPES))}")
+        raise UsageError(f"{service_type!r} is not a device type; known are {', '.join(sorted(DEVICE_TYPES))}")
     for name in (*settable, *readable):
         if name not in CAPABILITIES:
             raise UsageError(f"{name!r} is not a capability; known are {', '.join(sorted(CAPABILITIES))}")

@@ -192,16 +192,14 @@ class DeviceRegistry:
     def _check_room(self, described: DeviceAnnounced, before: StoredAnnouncement | None) -> None:
         limits = self._limits
         if before is not None and before.described.convention != described.convention:
-            raise WireError(f"{described.full_key!r} is what {before.described.convention} calls a device already")
+            raise WireError(f"{described.full_key!r} is already the key of a device of {before.described.convention}")
         count = len(described.parts)
         if count > limits.parts_each:
-            raise WireError(f"{described.key!r} has {count} parts, more than {limits.parts_each:,}")
+            raise WireError(f"{described.key!r} has {count} parts; {limits.parts_each:,} is the limit")
         if before is None and len(self.by_key) >= limits.announcements:
-            raise WireError(
-                f"{described.key!r} is one too many: there are {limits.announcements:,} announcements already"
-            )
+            raise WireError(f"{described.key!r} exceeds the limit of {limits.announcements:,} announcements")
         if self._parts + count - (0 if before is None else len(before.described.parts)) > limits.parts:
-            raise WireError(f"{described.key!r} has too many parts: there are {limits.parts:,} parts already")
+            raise WireError(f"{described.key!r} exceeds the limit of {limits.parts:,} parts in all")
         self._memory.check(described, None if before is None else before.described)
 
 
@@ -244,11 +242,11 @@ class Excess:
             return
         if size > self._most_each:
             raise WireError(
-                f"{name!r} is {size:,} bytes longer than its parts explain; at most {self._most_each:,} are taken"
+                f"{name!r} is {size:,} bytes too long for its parts; at most {self._most_each:,} are allowed"
             )
         if self.total + size - before > self._most:
             raise WireError(
-                f"{name!r} is {size:,} bytes longer than its parts explain, and there are long announcements of "
+                f"{name!r} is {size:,} bytes too long for its parts, and there are long announcements of "
                 f"{self.total:,} bytes already; withdraw some of them or shorten it"
             )
 
@@ -279,7 +277,7 @@ class MemoryAccount:
             more += _DEVICE
         if more > 0 and self.total + more > self._most:
             raise WireError(
-                f"{described.key!r} is one too many: announcements take {self.total:,} bytes already, and "
+                f"{described.key!r} does not fit: announcements take {self.total:,} bytes already, and "
                 f"{self._most:,} is the limit; withdraw some, or raise max_memory of the gateway"
             )
 

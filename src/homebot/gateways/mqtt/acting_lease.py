@@ -191,7 +191,7 @@ class ActingLease:
         self._gateway.acts, self._gateway.observes_because = True, ONLY_OBSERVES
         self._gateway.publish_state("active")
         self._gateway.node.log.info(
-            RESUMED, message=f"sending commands again: the homebot {rival} is gone", rival=rival
+            RESUMED, message=f"sending commands again: the homebot {rival} has stopped", rival=rival
         )
 
     def _tell_rival(self, word: _Word) -> None:
@@ -204,5 +204,5 @@ class ActingLease:
     def _warn_once(self, exc: HomebotError) -> None:
         if self._limit.allows(NOT_ASKED) is not None:
             self._gateway.node.log.warning(
-                NOT_ASKED, message=f"cannot ask on {self._topic} whether another homebot sends commands: {exc}"
+                NOT_ASKED, message=f"cannot check on {self._topic} whether another homebot sends commands: {exc}"
             )

@@ -91,7 +91,9 @@ class CommandPublisher:
         validate_topic(topic)
         if topic not in announced_part.described.part.writes:
             raise RefusedError(
-                f"a command to {announced_part.stored.key[:100]}", f"it was not announced to listen on {topic}"
+                f"a command to {announced_part.stored.key[:100]}", f"it did not announce {topic} as a command topic"
             )
         if why := self._reserved.why(topic, announced_part.stored.described.convention):
-            raise RefusedError(f"a command to {announced_part.stored.key[:100]}", f"{topic} is not for devices: {why}")
+            raise RefusedError(
+                f"a command to {announced_part.stored.key[:100]}", f"{topic} is not a device topic: {why}"
+            )

@@ -105,7 +105,7 @@ class AnnouncementHandler:
             self._counters.announcements_ambiguous += 1
             keys = ", ".join(repr(key[:40]) for key in dict.fromkeys(repeated))
             self._quarantine.log_limited(
-                AMBIGUOUS, f"{message.topic} has {keys} twice; the last one counts", source=message.topic
+                AMBIGUOUS, f"{message.topic} contains {keys} twice; the last value is used", source=message.topic
             )
 
     def take_text(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
@@ -185,7 +185,9 @@ class AnnouncementHandler:
         described, reserved = self._reserved.without(described)
         for told in reserved:
             self._counters.topics_reserved += 1
-            self._quarantine.log_limited(RESERVED, f"{described.key} gets no commands on {told}", source=message.topic)
+            self._quarantine.log_limited(
+                RESERVED, f"{described.key} receives no commands on {told}", source=message.topic
+            )
         try:
             change = self._registry.put(described, length)
         except WireError:

@@ -89,7 +89,9 @@ class AnnouncementRegistry(DeviceRegistry):
         for topic_filter, reader in tuple(_readings(stored)):  # first all, because a plug-in may fail on the way
             count = self._reader_counts.get(topic_filter, 0)
             if count >= self._limits.readers and isinstance(reader, AnnouncedPart):
-                refused.append(WireError(f"topic {topic_filter!r} is read by {self._limits.readers:,} parts already"))
+                refused.append(
+                    WireError(f"topic {topic_filter!r} already has {self._limits.readers:,} readers, the limit")
+                )
                 continue
             try:
                 self._topics.use(topic_filter)

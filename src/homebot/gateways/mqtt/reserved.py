@@ -52,13 +52,13 @@ class ReservedTopics:
                 for topic_filter in one.filters():
                     self._rules.add(topic_filter, one)
                 continue
-            narrow = _Rule(f"it is for announcements to {one.name}")
+            narrow = _Rule(f"it is reserved for announcements to {one.name}")
             wide = replace(narrow, free_for=one.name)
             for topic_filter in one.filters():
                 self._rules.add(topic_filter, wide if "#" in topic_filter else narrow)
             if isinstance(one, ReservingConvention):
                 for topic_filter in one.reserved():
-                    self._rules.add(topic_filter, _Rule(f"it is {one.name}'s own"))
+                    self._rules.add(topic_filter, _Rule(f"it belongs to {one.name}"))
 
     def why(self, topic: str, convention: str = "") -> str:
         """Return why no device of *convention* may take commands on *topic*; empty where that is not reserved."""
@@ -82,11 +82,11 @@ class ReservedTopics:
 
     def _why(self, topic: str, convention: str) -> str:
         if topic.startswith("$"):
-            return "it is the broker's own"
+            return "it belongs to the broker"
         if topic == OWN or topic.startswith(f"{OWN}/"):
-            return "it is homebot's own"
+            return "it belongs to homebot"
         if _BRIDGE_REQUEST in topic:
-            return "it is for requests to a bridge"
+            return "it is reserved for requests to a bridge"
         why = ""
         for rule in self._rules.match(topic):
             if not isinstance(rule, _Rule):

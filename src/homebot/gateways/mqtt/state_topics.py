@@ -87,7 +87,7 @@ class StateTopics:
 
     def _check(self, topic_filter: str) -> None:
         if len(topic_filter) > LONGEST:
-            raise WireError(f"a state topic of {len(topic_filter)} characters is longer than {LONGEST}")
+            raise WireError(f"a state topic of {len(topic_filter)} characters is over the limit of {LONGEST}")
         try:
             validate_filter(topic_filter)
         except InvalidNameError as exc:
@@ -95,7 +95,7 @@ class StateTopics:
         if _asks_too_much(topic_filter):
             raise WireError(f"the state topic {topic_filter!r} does not belong to this device alone")
         if len(self._users) >= self._max_topics:
-            raise WireError(f"state topic {topic_filter!r} is one too many: {self._max_topics:,} are in use")
+            raise WireError(f"state topic {topic_filter!r} exceeds the limit of {self._max_topics:,} state topics")
 
 
 def prefix_of(filters: Iterable[str]) -> Callable[[str], str]:

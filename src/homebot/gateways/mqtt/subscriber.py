@@ -115,7 +115,7 @@ class Subscriber:
             await connection.subscribe(*[MqttSubscription(one, no_local=True) for one in filters], every_link=True)
         except RefusedError as exc:
             self._counters.topics_refused += sum(one in connection.refused for one in filters)
-            self._quarantine.log_limited(NOT_HEARD, f"some devices are not read: {exc}", source=filters[0])
+            self._quarantine.log_limited(NOT_HEARD, f"some devices are not received: {exc}", source=filters[0])
         if covered := [one for one in filters if self._topics.is_covered(one)]:
             await connection.unsubscribe(*covered)
 
@@ -156,7 +156,9 @@ class Subscriber:
         except LinkError:
             return False
         except HomebotError as exc:
-            self._quarantine.log_limited(NOT_ASKED, f"not asked on {message.topic}: {exc}", source=message.topic)
+            self._quarantine.log_limited(
+                NOT_ASKED, f"state not requested on {message.topic}: {exc}", source=message.topic
+            )
         return True
 
 

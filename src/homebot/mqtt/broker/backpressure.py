@@ -140,7 +140,7 @@ class Backpressure:
             state.warn(
                 "broker.client_stalled",
                 f"the broker cut off client {short(session.client_id)!r}: {session.queued} messages wait for it, and "
-                f"it acknowledged less than {enough} in {state.limits.hold_time:g} s",
+                f"it acknowledged fewer than {enough} in {state.limits.hold_time:g} s",
                 client_id=session.client_id,
                 queued=session.queued,
             )
@@ -152,7 +152,7 @@ class Backpressure:
             self._state.warn(
                 "broker.client_too_slow",
                 f"client {short(session.client_id)!r} is too slow: {session.queued} messages wait for it; "
-                "what does not fit any more is refused",
+                "messages that do not fit are refused",
                 client_id=session.client_id,
                 queued=session.queued,
             )

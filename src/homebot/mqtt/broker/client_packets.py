@@ -185,12 +185,12 @@ class ClientPackets:
         seconds = packet.properties.session_expiry_interval
         if seconds is not None:
             if seconds and not self._session.expiry:
-                raise _protocol_error("a session that was to end with the connection cannot be prolonged")
+                raise _protocol_error("a session that ends with its connection cannot be extended")
             self._session.expiry = expiry_of(seconds)
         self._on_disconnect(packet.reason is not ReasonCode.SUCCESS)
 
     def _auth(self, _packet: Auth) -> None:
-        raise PacketError("there is no extended authentication", code=ReasonCode.BAD_AUTHENTICATION_METHOD)
+        raise PacketError("extended authentication is not supported", code=ReasonCode.BAD_AUTHENTICATION_METHOD)
 
     def _resume(self) -> None:
         """Handle the packets that waited behind one that took long."""

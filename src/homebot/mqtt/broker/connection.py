@@ -45,7 +45,7 @@ class Sockets:
         if len(self._open) >= _PER_CLIENT * state.limits.max_connections and not self._end_one():
             state.warn(
                 "broker.too_many_sockets",
-                f"the broker turned {socket.address} away: {len(self._open)} connections are open already",
+                f"the broker refused {socket.address}: {len(self._open)} connections are already open",
                 address=socket.address,
                 sockets=len(self._open),
             )
@@ -153,7 +153,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
             self.peer.end(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)
             self._state.warn(
                 "broker.internal_error",
-                f"the broker itself failed over what {self.peer.client_text} sent, and cut it off: {error!r}",
+                f"the broker failed on a packet from {self.peer.client_text} and disconnected it: {error!r}",
                 address=self.address,
                 error=repr(error),
                 exc_info=True,
@@ -263,7 +263,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self._state.counters.connections_failed += 1
         self._state.warn(
             "broker.tls_failed",
-            f"{self.address} and the broker did not agree on TLS: {reason.lower().replace('_', ' ')}",
+            f"{self.address} and the broker could not establish TLS: {reason.lower().replace('_', ' ')}",
             address=self.address,
             reason=reason,
         )

@@ -68,7 +68,7 @@ class Inbound:
             if packet.packet_id in self._open:
                 return
             raise PacketError(
-                f"more than {self._state.limits.receive_maximum} messages without an answer",
+                f"more than {self._state.limits.receive_maximum} unacknowledged messages",
                 code=ReasonCode.RECEIVE_MAXIMUM_EXCEEDED,
             )
 
@@ -160,7 +160,7 @@ class Inbound:
         if packet.topic:
             self._alias_text += len(packet.topic) - len(self._aliases.get(alias, ""))
             if self._alias_text > self._state.limits.max_alias_text:
-                raise PacketError("its topic aliases are too long", code=ReasonCode.QUOTA_EXCEEDED)
+                raise PacketError("the topics of its aliases are too long", code=ReasonCode.QUOTA_EXCEEDED)
             self._aliases[alias] = packet.topic
         elif alias not in self._aliases:
             raise PacketError(f"topic alias {alias} was not set", code=ReasonCode.PROTOCOL_ERROR)

@@ -115,8 +115,8 @@ def checked_keep_alive(seconds: int | None) -> int | None:
     """Return the keep-alive interval that a broker is to impose; None imposes none.
 
     Raises:
-        UsageError: It is not in 1 to 65535.
+        UsageError: It is not from 1 to 65535.
     """
     if seconds is not None and not 1 <= seconds <= 65_535:
-        raise UsageError(f"a keep-alive of {seconds} s is not in 1 to 65535")
+        raise UsageError(f"a keep-alive of {seconds} s is not from 1 to 65535")
     return seconds

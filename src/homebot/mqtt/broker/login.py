@@ -157,7 +157,7 @@ def _note_wrong_password(applicant: Applicant, state: BrokerState) -> None:
     if delay:
         state.warn(
             "broker.logins_slowed",
-            f"{failures} wrong passwords came from {applicant.host}; the next is looked at in {delay:g} s",
+            f"{failures} wrong passwords came from {applicant.host}; the next attempt is answered after {delay:g} s",
             host=applicant.host,
             failures=failures,
             delay=delay,

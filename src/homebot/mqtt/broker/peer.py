@@ -69,7 +69,7 @@ class PeerLog:
         """Log that *client_id* was not let in."""
         self._state.warn(
             "broker.login_refused",
-            f"the broker did not let {_client_text(client_id, self._link.address)} in: {reason.text}",
+            f"the broker refused {_client_text(client_id, self._link.address)}: {reason.text}",
             address=self._link.address,
             client_id=client_id,
             reason=reason.name.lower(),
@@ -80,7 +80,7 @@ class PeerLog:
         address = self._link.address
         self._state.warn(
             "broker.login_pushed_out",
-            f"the broker closed the connection of {address}, which had not logged in: too many wait for that",
+            f"the broker closed the connection of {address}, without CONNECT: too many are waiting to log in",
             address=address,
         )
 
@@ -89,7 +89,7 @@ class PeerLog:
         self._state.warn(
             "broker.message_too_large",
             f"{self.client_text} missed a message on {short(topic)!r}: it has {size} bytes, "
-            f"the client takes at most {limit}",
+            f"the client accepts at most {limit}",
             address=self._link.address,
             client_id=self.client_id,
             topic=topic,
@@ -287,7 +287,7 @@ class Peer:
             self._received_at = now
         due = self._received_at + limit
         if due <= now:
-            self._fail(PacketError("nothing came for too long", code=ReasonCode.KEEP_ALIVE_TIMEOUT))
+            self._fail(PacketError("keep-alive timeout", code=ReasonCode.KEEP_ALIVE_TIMEOUT))
         else:
             self._silence = self._state.deadlines.at(due, self._expect_signs_of_life)
 
@@ -295,14 +295,14 @@ class Peer:
         if self._connect is not None:
             self._refuse(self._connect, ReasonCode.QUOTA_EXCEEDED)
             return
-        self._fail(PacketError("no CONNECT came", code=ReasonCode.KEEP_ALIVE_TIMEOUT))
+        self._fail(PacketError("no CONNECT was received in time", code=ReasonCode.KEEP_ALIVE_TIMEOUT))
 
     def _give_up_unread(self) -> None:
         self._state.counters.unread_given_up += 1
         if self._client is None:
             self._push_out()
         else:
-            self._fail(PacketError("its packet was incomplete for too long", code=ReasonCode.QUOTA_EXCEEDED))
+            self._fail(PacketError("a packet stayed incomplete for too long", code=ReasonCode.QUOTA_EXCEEDED))
 
     def _push_out(self) -> None:
         """Close without a reason: a client without a password is not owed one, and many may have to go at once."""

@@ -88,11 +88,11 @@ class BrokerStats(Counters):
 
 
 _TEXTS: Final = {
-    "dropped_qos0": "of QoS 0 for clients that read too slowly",
+    "dropped_qos0": "at QoS 0 for clients that read too slowly",
     "dropped_offline": "for clients that were away too long",
     "dropped_overrun": "for clients that stayed too slow",
     "dropped_too_large": "too large for their clients",
-    "retained_refused": "that were to be retained, for want of room",
+    "retained_refused": "to be retained, because the limit was reached",
 }
 """What counts as a loss; an expired message, or one that a policy refused, does not."""
 
@@ -102,7 +102,7 @@ Losses = tuple[int, ...]
 
 
 def loss_text(counters: Counters, before: Losses = ()) -> str:
-    """Return such as ``5 messages (3 of QoS 0 for clients that read too slowly, 2 too large for their clients)``.
+    """Return such as ``5 messages (3 at QoS 0 for clients that read too slowly, 2 too large for their clients)``.
 
     Args:
         counters: What was counted.

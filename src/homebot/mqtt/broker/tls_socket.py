@@ -1,7 +1,7 @@
 """TLS on one socket of the broker.
 
 asyncio's own takes 300 KiB for each socket from the moment it is accepted, and does not report those whose
-hand-shake does not end. Here they count, and go, as all that have not logged in.
+handshake does not end. Here they count, and go, as all that have not logged in.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class TlsSocket(asyncio.BufferedProtocol):
     Args:
         context: The server's side of TLS.
         user: What is on top.
-        on_failure: Called with the reason why a hand-shake, or what came after it, was no TLS.
+        on_failure: Called with the reason why a handshake, or what came after it, was no TLS.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class TlsSocket(asyncio.BufferedProtocol):
         self._user.connection_lost(exc)
 
     def write(self, data: bytes) -> None:
-        """Encrypt *data* and send it; nothing before the hand-shake."""
+        """Encrypt *data* and send it; nothing before the handshake."""
         if not self._is_ready or self._is_over:
             return
         view = memoryview(data)

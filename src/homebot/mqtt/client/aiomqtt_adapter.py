@@ -8,7 +8,7 @@ callers that wait for an answer hear at once that the link dropped, and what wai
 
 Promises of the port that it does not keep, and the native client does:
 
-- QoS 2 goes out as QoS 1, because paho's hand-shakes end with its link. So a message may come twice.
+- QoS 2 goes out as QoS 1, because paho's handshakes end with its link. So a message may come twice.
 - A cancelled connect leaves a thread behind until the connection stands or fails, `MqttOptions.timeout` at most.
 
 Concurrency: all but the connecting runs in the loop's own thread. Any number of tasks publish, as many of QoS 1 at once
@@ -59,7 +59,7 @@ class AiomqttClient(BaseClient):
     @property
     def limits(self) -> tuple[str, ...]:
         """Promises of the port that it does not keep; see `MqttClient.limits`."""
-        return ('aiomqtt publishes QoS 2 as QoS 1, so a message may come twice; client = "native" keeps it',)
+        return ('aiomqtt publishes QoS 2 as QoS 1, so a message may arrive twice; client = "native" keeps QoS 2',)
 
     async def _open(self, options: MqttOptions, version: MqttVersion, receiver: Receiver) -> ClientLink:
         tls = await make_tls_context(options) if options.tls else None  # each time: certificates are renewed
@@ -220,5 +220,5 @@ class _AiomqttLink(ClientLink):
 
 _ENDS: Final[dict[int, str]] = {
     ReasonCode.PROTOCOL_ERROR: UNREADABLE,
-    ReasonCode.KEEP_ALIVE_TIMEOUT: "the broker does not answer any more",
+    ReasonCode.KEEP_ALIVE_TIMEOUT: "the broker stopped responding",
 }

@@ -145,7 +145,7 @@ class BaseClient(ABC):
     @asynccontextmanager
     async def _connected(self) -> AsyncIterator[SessionGrant]:
         if self._is_taken:
-            raise UsageError("this MQTT client is connected already")
+            raise UsageError("this MQTT client is already connected")
         self._is_taken = True
 
         async def open_as(version: MqttVersion) -> ClientLink:

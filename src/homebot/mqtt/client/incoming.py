@@ -169,7 +169,7 @@ class PublishReader:
             topic = name.decode()
             validate_topic(topic)
         except (UnicodeDecodeError, InvalidNameError) as error:
-            raise WireError("a PUBLISH with a topic that is none", body) from error
+            raise WireError("a PUBLISH with an invalid topic", body) from error
         if len(name) <= _LONGEST_CACHED:
             if len(self._topics) >= _TOPIC_CACHE:
                 self._topics.clear()

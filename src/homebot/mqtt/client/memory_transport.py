@@ -106,7 +106,7 @@ class MemoryLink:
             self.peer.end(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)
             self._state.warn(
                 "broker.internal_error",
-                f"the broker itself failed over what {self.peer.client_text} sent, and cut it off: {error!r}",
+                f"the broker failed on a packet from {self.peer.client_text} and disconnected it: {error!r}",
                 address=self.address,
                 error=repr(error),
                 exc_info=True,

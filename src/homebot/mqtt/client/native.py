@@ -105,7 +105,7 @@ class ClientProtocol(ClientLink):
         super().__init__(options, version, receiver, requests)
         self._version: Final = ProtocolVersion.V5 if self._is_v5 else ProtocolVersion.V311
         self._greeting: asyncio.Future[None] = self._loop.create_future()
-        self._unfinished: set[int] = set()  # hand-shakes of an earlier link that take up a place each
+        self._unfinished: set[int] = set()  # handshakes of an earlier link that take up a place each
         self._keep_alive: KeepAlive | None = None
         self._check: asyncio.TimerHandle | None = None
 
@@ -230,7 +230,7 @@ class ClientProtocol(ClientLink):
         keep_alive.heard_at = self._heard_at
         match keep_alive.check(self._loop.time()):
             case LifeSign.LOST:
-                self.cut(LinkError("the broker does not answer any more"))
+                self.cut(LinkError("the broker stopped responding"))
                 return
             case LifeSign.PING:
                 self._send(Pingreq())

@@ -39,7 +39,7 @@ class PahoSocket:
         link: Is given the transport, and hands to `feed` what is paho's.
 
     Attributes:
-        check_hostname: True, so that paho leaves the check to the hand-shake.
+        check_hostname: True, so that paho leaves the check to the handshake.
         is_open: True once paho may speak.
     """
 
@@ -141,7 +141,7 @@ class PahoSocket:
         assert sock is not None  # noqa: S101 - private; paho has just given it
         if self._is_over:
             sock.close()
-            raise ConnectionAbortedError("the connect was given up")
+            raise ConnectionAbortedError("the connection attempt was abandoned")
         transport = TcpTransport(self._link)
         with anyio.fail_after(self._options.timeout):
             await transport.carry(sock, self._options, self._tls)

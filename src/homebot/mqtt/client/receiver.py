@@ -84,7 +84,7 @@ class Receiver:
         self.counters.received += 1
         if self._inbox.dropped != self.counters.dropped_overflow:
             self.counters.dropped_overflow = self._inbox.dropped
-            self._say("the inbox is full; the oldest messages of QoS 0 go")
+            self._say("the inbox is full; the oldest messages of QoS 0 are dropped")
         return answer
 
     def release(self, packet: Frame) -> bytes:

@@ -20,7 +20,7 @@ _LAST = 65_535
 
 @final
 class Requests:
-    """Packet identifiers, who waits for which answer, and the hand-shakes of QoS 2; over all links of a client.
+    """Packet identifiers, who waits for which answer, and the handshakes of QoS 2; over all links of a client.
 
     Args:
         random: Chooses the first identifier: a process that starts anew must not meet the open identifiers of the one
@@ -40,7 +40,7 @@ class Requests:
                 return self._last
 
     def begin_link(self, *, resumed: bool) -> tuple[Publish | Pubrel, ...]:
-        """Return the packets to send again on a new link: hand-shakes of QoS 2 that the broker still has."""
+        """Return the packets to send again on a new link: handshakes of QoS 2 that the broker still has."""
         if not resumed:
             self._open.clear()
         return tuple(
@@ -59,7 +59,7 @@ class Requests:
         self._answers.pop(packet_id, None)
 
     def hold(self, publish: Publish) -> None:
-        """Hold a hand-shake of QoS 2: it must be brought to an end, also on a later link."""
+        """Hold a handshake of QoS 2: it must be brought to an end, also on a later link."""
         if publish.packet_id is not None:
             self._open[publish.packet_id] = publish
 

@@ -92,7 +92,7 @@ class TcpTransport(asyncio.BufferedProtocol):
         """Carry the connected socket *sock*, which is closed where that fails; with *context* shake hands first.
 
         Raises:
-            LinkError: The hand-shake failed.
+            LinkError: The handshake failed.
             RefusedError: One side does not trust the other's certificate.
         """
         try:
@@ -278,7 +278,7 @@ async def make_tls_context(options: MqttOptions) -> ssl.SSLContext:
 
 
 def socket_error(error: OSError) -> LinkError | RefusedError:
-    """Interpret a failure of a socket: a no of the TLS hand-shake is a no, all else is the link.
+    """Interpret a failure of a socket: a no of the TLS handshake is a no, all else is the link.
 
     The texts do not name the broker: who reports them does.
     """
@@ -287,25 +287,25 @@ def socket_error(error: OSError) -> LinkError | RefusedError:
     if isinstance(error, ssl.SSLEOFError | ssl.SSLZeroReturnError):
         return LinkError("the broker closed the connection")
     if isinstance(error, ssl.SSLError):
-        reason = error.reason or "hand-shake failed"
+        reason = error.reason or "handshake failed"
         plain = reason.lower().replace("_", " ")
         return RefusedError("TLS", next((words for part, words in _TLS_WORDS if part in reason), plain))
     return LinkError(_words(error))
 
 
 def dial_error(error: OSError, *, in_tls: bool) -> LinkError | RefusedError:
-    """Interpret the failure to connect; *in_tls* where it may have ended in the TLS hand-shake."""
+    """Interpret the failure to connect; *in_tls* where it may have ended in the TLS handshake."""
     if in_tls and isinstance(error, _CUT):
         return LinkError(
-            "the broker closed the connection during the TLS hand-shake; is this its port for TLS, "
-            "and does it want a client certificate (cert_file)?"
+            "the broker closed the connection during the TLS handshake; is this its port for TLS, "
+            "and does the broker require a client certificate (cert_file)?"
         )
     return socket_error(error)
 
 
 async def _connect(options: MqttOptions) -> socket.socket:
     loop = asyncio.get_running_loop()
-    failure: OSError = OSError("the name has no address")
+    failure: OSError = OSError("the host name has no address")
     for family, address in await _resolve(options):
         sock = socket.socket(family, socket.SOCK_STREAM)
         try:
@@ -348,7 +348,7 @@ def _load_context(options: MqttOptions) -> ssl.SSLContext:
 def _words(error: OSError) -> str:
     if isinstance(error, socket.gaierror):
         known = error.errno not in _UNKNOWN_NAME
-        return f"the name cannot be looked up now ({error.strerror})" if known else "the name is not known"
+        return f"the host name cannot be looked up now ({error.strerror})" if known else "the host name is unknown"
     if error.errno in _WORDS:
         return _WORDS[error.errno]
     # asyncio puts the address into the text, as a tuple of Python.
@@ -361,7 +361,7 @@ _WORDS: Final = {
     errno.ENETUNREACH: "no route to that network",
     errno.EHOSTUNREACH: "no route to that host",
     errno.ETIMEDOUT: "no answer",
-    errno.ECONNRESET: "the broker cut the connection",
+    errno.ECONNRESET: "the broker reset the connection",
     errno.EPIPE: "the broker closed the connection",
 }
 _UNKNOWN_NAME: Final = {getattr(socket, name, socket.EAI_NONAME) for name in ("EAI_NONAME", "EAI_NODATA")}
@@ -369,8 +369,8 @@ _UNKNOWN_NAME: Final = {getattr(socket, name, socket.EAI_NONAME) for name in ("E
 _NO_TLS: Final = "the server there does not use TLS; is it the port for mqtt://?"
 _TLS_WORDS: Final = (
     ("CERTIFICATE_REQUIRED", "client certificate required; set cert_file and key_file"),
-    ("HANDSHAKE_FAILURE", "hand-shake failure; does the broker want a client certificate (cert_file)?"),
-    ("UNKNOWN_CA", "the broker does not know the authority of the client certificate (cert_file)"),
+    ("HANDSHAKE_FAILURE", "handshake failure; does the broker require a client certificate (cert_file)?"),
+    ("UNKNOWN_CA", "the broker does not trust the issuer of the client certificate (cert_file)"),
     ("WRONG_VERSION_NUMBER", _NO_TLS),
     ("RECORD_LAYER_FAILURE", _NO_TLS),  # the same since OpenSSL 3.2
 )

@@ -73,5 +73,9 @@ def early_end(reason: LinkError | RefusedError, options: MqttOptions) -> LinkErr
     """Interpret the end of a link before the answer to CONNECT; *reason* is how it ended."""
     if isinstance(reason, RefusedError | ClosedEarlyError):
         return reason
-    hint = "does it want a client certificate (cert_file)?" if options.tls else "is this a port for TLS (mqtts://)?"
+    hint = (
+        "does the broker require a client certificate (cert_file)?"
+        if options.tls
+        else "is this a port for TLS (mqtts://)?"
+    )
     return ClosedEarlyError(f"{reason} instead of answering; {hint}")

@@ -146,5 +146,5 @@ def encode_text(text: str) -> bytes:
     try:
         raw = text.encode()
     except UnicodeEncodeError:
-        raise UsageError(f"text cannot be written in UTF-8: {text[:40]!r}") from None
+        raise UsageError(f"text cannot be encoded as UTF-8: {text[:40]!r}") from None
     return len(raw).to_bytes(2, "big") + raw if len(raw) <= MAX_UINT16 else encode_binary(raw)  # which says why

@@ -172,7 +172,7 @@ class TestBroker(BrokerView):
             if quiet > 0:
                 await self._thread.run(self._core.silence, quiet)
             return
-        raise AssertionError(f"the clients did not come to rest within {_TIMEOUT:g} s")
+        raise AssertionError(f"the clients were not idle within {_TIMEOUT:g} s")
 
     async def restart(self, *, keep_sessions: bool) -> None:
         """Cut all connections and start again on the same port.
@@ -240,7 +240,7 @@ class BlockingTestBroker(BrokerView):
         with anyio.move_on_after(_TIMEOUT + quiet):
             await self._core.silence(quiet)
             return
-        raise AssertionError(f"the clients did not come to rest within {_TIMEOUT:g} s")
+        raise AssertionError(f"the clients were not idle within {_TIMEOUT:g} s")
 
 
 _DEFAULTS = BrokerSettings()

@@ -82,7 +82,7 @@ class BrokerCore:
 
     def __init__(self, settings: BrokerSettings, tls: TestTls | None = None) -> None:
         if settings.tls and tls is None:
-            raise UsageError("a broker that is to speak TLS needs a certificate: give it a TestTls")
+            raise UsageError("a broker with TLS needs a certificate: give it a TestTls")
         loop = asyncio.get_running_loop()
         self.settings = settings
         self.ca_file = tls.ca_file if tls is not None and settings.tls else None

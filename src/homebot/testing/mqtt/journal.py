@@ -183,10 +183,10 @@ class Journal:
         taken = [each.message for each in here if each.taken and payload_matches(wanted, each.message)]
         similar = get_close_matches(filter, elsewhere, n=_MAX_SHOWN, cutoff=0.5)
         what = "a message" if wanted is None else getattr(wanted, "__name__", None) or repr(wanted)
-        lines = [f"nobody published {what} on {filter} within {timeout:g} s"]
-        lines += _section("there came, with another payload", other)
+        lines = [f"no client published {what} on {filter} within {timeout:g} s"]
+        lines += _section("received with another payload", other)
         lines += _section("an earlier expect() has taken already", taken)
-        lines += _section("on similar topics came", [elsewhere[topic] for topic in similar])
+        lines += _section("received on similar topics", [elsewhere[topic] for topic in similar])
         if len(lines) == 1:
             lines += _section("the last messages on other topics", list(elsewhere.values()))
         if len(lines) == 1:

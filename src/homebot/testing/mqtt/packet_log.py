@@ -78,7 +78,7 @@ def _publish(packet: Publish) -> str:
 def _connect(packet: Connect) -> str:
     user = "" if packet.username is None else f", user {packet.username!r}"
     will = "" if packet.will is None else f", will on {packet.will.topic}"
-    clean = "clean start" if packet.clean_start else "session to be kept"
+    clean = "clean start" if packet.clean_start else "persistent session"
     name = f"{packet.client_id!r} MQTT {PROTOCOL_NAMES[packet.version]}"
     return f" {name}, {clean}, keep-alive {packet.keep_alive} s{user}{will}"
 

@@ -76,7 +76,7 @@ class Tap:
         """Note what came and pass it on."""
         if self._in is not None and not self._begun and data[0] >> 4 != PacketType.CONNECT:
             self._in = None
-            self._note("note", f"sent what is no MQTT: {data[:40]!r}")
+            self._note("note", f"sent invalid MQTT: {data[:40]!r}")
         self._begun = True
         if self._in is not None:
             self._read(self._in, data)
@@ -150,7 +150,7 @@ class Tap:
                 self._note("in", packet)
         except PacketError as error:
             self._in = None  # the peer finds the same
-            self._note("note", f"sent what is no MQTT: {error.problem}")
+            self._note("note", f"sent invalid MQTT: {error.problem}")
 
     def _write_packet(self, piece: bytes) -> None:
         rules = self._duties.rules

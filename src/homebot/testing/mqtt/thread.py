@@ -64,7 +64,7 @@ class BrokerThread:
             RuntimeError: The thread has ended, or is the caller's own.
         """
         if threading.get_ident() == self._ident:
-            raise RuntimeError("this would block the thread of the brokers, which it runs on")
+            raise RuntimeError("this would block the broker thread, in which it runs")
         answer: Future[Callable[[], _T]] = Future()
         job = _Job(lambda: function(*args), answer.set_result)
         loop = self._start(job)
@@ -99,7 +99,7 @@ class BrokerThread:
     def _start(self, job: _Job[_T]) -> asyncio.AbstractEventLoop:
         loop = self._loop
         if loop is None:
-            raise RuntimeError("the thread of the brokers does not run")
+            raise RuntimeError("the broker thread is not running")
         loop.call_soon_threadsafe(self._spawn, job)
         return loop
 
@@ -126,7 +126,7 @@ class _Job(Generic[_T]):
         self._cancelled = False
 
     async def work(self) -> None:
-        outcome: Callable[[], _T] = _raiser(RuntimeError("the thread of the brokers has ended"))
+        outcome: Callable[[], _T] = _raiser(RuntimeError("the broker thread has ended"))
         try:
             with anyio.CancelScope() as self._scope:
                 if self._cancelled:
@@ -136,7 +136,7 @@ class _Job(Generic[_T]):
             self._ended(outcome)
 
     def abandon(self) -> None:
-        self._ended(_raiser(RuntimeError("the thread of the brokers has ended")))
+        self._ended(_raiser(RuntimeError("the broker thread has ended")))
 
     def cancel(self) -> None:
         self._cancelled = True

@@ -118,7 +118,7 @@ def _encode(capability: Capability, affordance: Affordance, value: PlainValue) -
             raise RefusedError(what, f"it takes {bounds[0]:g} to {bounds[-1]:g}")
         number = on_the_wire(name, affordance, value)
         if not math.isfinite(number):
-            raise RefusedError(what, "it takes a number that it can spell")
+            raise RefusedError(what, "it takes a number that its format can express")
         return int(number) if number.is_integer() else number
     if not isinstance(value, str) or (capability.options and value not in capability.options):
         raise RefusedError(what, f"it takes {', '.join(capability.options[:20])}" if capability.options else "a text")

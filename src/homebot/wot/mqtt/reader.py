@@ -45,7 +45,7 @@ class ThingReader:
         if name is None:
             return ()
         if not payload:
-            return (DeviceWithdrawn(name, "its description was taken back"),)
+            return (DeviceWithdrawn(name, "its description was withdrawn"),)
         return (self._described(name, topic, read_thing(parse_object(payload))),)
 
     def _name(self, topic: str) -> str | None:
@@ -120,5 +120,5 @@ def _checked(name: str, topic: str, check: Callable[[str], None]) -> str:
     except InvalidNameError as exc:
         raise WireError(f"the topic of {clean_text(name, 60)}: {exc}") from exc
     if topic[0] in "+#$":
-        raise WireError(f"the topic of {clean_text(name, 60)}: {topic[:60]!a} is about more than one thing")
+        raise WireError(f"the topic of {clean_text(name, 60)}: {topic[:60]!a} names more than one Thing")
     return topic
