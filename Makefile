@@ -21,70 +21,70 @@ SLOW_KINDS = *_against_* *_any_* *_fuzz* *_hostile*
 
 .PHONY: help run test test-fast fuzz houses check format docs bench lock test-lowest clean
 
-## This list.
+## Prints this list.
 help:
 	@awk '/^## / { what = substr($$0, 4) } /^[a-z-]+:/ && what { sub(":.*", ""); printf "  make %-12s %s\n", $$0, what; what = "" }' Makefile
-	@echo "ARGS=\"…\" goes on to the program of each: make test ARGS=\"tests/graph -k topic\""
+	@echo "ARGS=\"…\" is passed on to the program of a target: make test ARGS=\"tests/graph -k topic\""
 
-## homebot with a simulated house, until Ctrl-C.
+## Runs homebot with a simulated house, until Ctrl-C.
 run: $(VENV)/.run
 	@$(BIN)/python -m homebot run $(ARGS)
 
-## All tests, with coverage: about seven minutes on two cores.
+## Runs all tests, with coverage: about seven minutes on two cores.
 test: $(VENV)/.dev
 	$(BIN)/python -m pytest -n 3 --dist worksteal --cov --cov-report=term $(ARGS)
 
-# Where Python is told to keep no compiled modules, each worker would compile all of homebot: a third of the time.
-## The tests that are quick: no programs, no floods, no generated cases; under a minute.
+# With PYTHONDONTWRITEBYTECODE set, each worker would compile all of homebot: a third of the time.
+## Runs the quick tests (no other programs, no load, no generated cases): under a minute.
 test-fast: $(VENV)/.dev
 	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n auto --dist worksteal -m "not system" $(SLOW:%=--ignore=%) $(SLOW_KINDS:%=--ignore-glob="%") $(ARGS)
 
-# Generated cases for all that strangers say, 100,000 for each of 14 targets; `make fuzz SEED=...` repeats a run.
-## Generated cases for all that strangers send: about half an hour.
+# 100,000 cases for each of 14 targets; `make fuzz SEED=...` repeats a run.
+## Runs generated cases against everything that handles untrusted input: about half an hour.
 fuzz: $(VENV)/.dev
 	@echo "seed $(SEED), $(CASES) cases for each target"
 	@FUZZ_SEED=$(SEED) FUZZ_CASES=$(CASES) $(BIN)/python -m pytest -n 2 --timeout 7200 --show-capture no tests/fuzz tests/mqtt/broker/test_fuzz_seeded.py $(ARGS)
 
-# Days of the family home, a hundred of them; `make houses HOUSES=1000` takes more.
-## A hundred days in simulated houses.
+# Days of the family home; `make houses HOUSES=1000` runs more.
+## Simulates a hundred random days of a house.
 houses: $(VENV)/.dev
 	@HOUSES=$(HOUSES) $(BIN)/python -m pytest -n auto --timeout 600 --show-capture no tests/testing/test_family_day.py $(ARGS)
 
-## Format, lint, types, and which package may import which.
+## Checks format, lint, types, and which package may import which.
 check: $(VENV)/.dev
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-## Formats the code, and mends what can be mended.
+## Formats the code, and applies automatic lint fixes.
 format: $(VENV)/.dev
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-## The documentation as a site, in site/; a broken link or cross reference is an error.
+## Builds the documentation as a site, in site/; a broken link or cross reference is an error.
 docs: $(DOCS)/.ready
 	@NO_MKDOCS_2_WARNING=1 $(DOCS)/bin/mkdocs build --strict $(ARGS)
 	@echo "open site/index.html, or: $(DOCS)/bin/mkdocs serve"
 
-## Speed and memory, beside Home Assistant where it can be installed.
+## Measures speed and memory, compared with Home Assistant if it can be installed.
 bench: $(BENCH)/.ready $(BENCH)-ha/.tried
 	@$(BENCH)/bin/python benchmarks/run.py --home-assistant $(BENCH)-ha/bin/python $(ARGS)
 
-## Moves the versions that CI installs forward to the newest.
+## Updates the versions that CI installs to the newest.
 lock:
 	rm -rf .venv-lock && $(PYTHON) -m venv .venv-lock
 	.venv-lock/bin/pip install --quiet --disable-pip-version-check -e ".[dev,all,docs]"
 	.venv-lock/bin/pip freeze --exclude-editable > constraints.txt
 	rm -rf .venv-lock
 
-## All tests with the lower bounds of pyproject.toml.
+## Runs all tests with the lower bounds of pyproject.toml.
 test-lowest:
 	$(PYTHON) -m venv .venv-lowest
 	.venv-lowest/bin/pip install --quiet --disable-pip-version-check -c constraints-lowest.txt -e ".[dev,all]"
 	.venv-lowest/bin/python -m pytest -n 3 -p no:cacheprovider $(ARGS)
 
-## Removes what the targets made.
+## Removes everything that these targets created.
 clean:
 	rm -rf $(VENV) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha $(DOCS) site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 
@@ -104,7 +104,7 @@ $(DOCS)/.ready: pyproject.toml constraints.txt
 	@$(DOCS)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
 	@touch $@
 
-# Nothing but what users install, so that start-up and memory are theirs.
+# Only what users install, so that start-up and memory are those of a user's installation.
 $(BENCH)/.ready: pyproject.toml constraints.txt
 	@$(PYTHON) -m venv $(BENCH)
 	@$(BENCH)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
@@ -117,5 +117,5 @@ $(BENCH)-ha/.tried:
 	@$(BENCH)-ha/bin/python -m pip install --quiet --disable-pip-version-check homeassistant \
 		&& $(BENCH)-ha/bin/python benchmarks/home_assistant_requirements.py > $(BENCH)-ha/mqtt.txt \
 		&& $(BENCH)-ha/bin/python -m pip install --quiet --disable-pip-version-check -r $(BENCH)-ha/mqtt.txt \
-		|| { echo "Home Assistant cannot be installed here: the benchmarks go without it"; rm -rf $(BENCH)-ha/bin; }
+		|| { echo "Home Assistant cannot be installed here: the benchmarks skip it"; rm -rf $(BENCH)-ha/bin; }
 	@touch $@

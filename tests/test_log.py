@@ -123,7 +123,9 @@ def test_lines_below_the_level_are_not_shown() -> None:
 
 
 def test_an_unknown_level_is_refused() -> None:
-    with pytest.raises(UsageError, match="no log level 'loud'; there are debug, info, warning, error, critical"):
+    with pytest.raises(
+        UsageError, match="'loud' is not a log level; choose one of debug, info, warning, error, critical"
+    ):
         configure_logging(level="loud")
 
 

@@ -33,7 +33,7 @@ def parse_duration(text: str | float) -> float:
             raise UsageError(f"{text!r} is not a duration; write it like 90s, 8h or 1h30m (d, h, m, s, ms)")
         return sum(float(part) * unit for part, unit in zip(parts.groups("0"), _UNITS.values(), strict=True))
     if not 0 <= text < math.inf:
-        raise UsageError(f"{text} is not a duration: it must be a number of seconds, 0 or more")
+        raise UsageError(f"{text} is not a duration: it must be a finite number of seconds, 0 or more")
     return float(text)
 
 

@@ -465,5 +465,5 @@ async def test_a_connection_can_be_opened_again_but_not_twice_at_once() -> None:
     for _ in range(2):
         async with connection:
             await connection.wait_connected()
-            with pytest.raises(UsageError, match="open already"):
+            with pytest.raises(UsageError, match="already open"):
                 await connection.__aenter__()

@@ -136,7 +136,7 @@ async def test_a_day_that_has_begun_already_cannot_be_lived() -> None:
     """It says when it begins, and what time it is."""
     day = a_day()
     async with virtual_house_of(world=day.world(), start="2026-01-01 08:30") as house:
-        with pytest.raises(UsageError, match=r"begins at 08:00, and in the house it is 08:30:00"):
+        with pytest.raises(UsageError, match=r"begins at 08:00, but the house is already at 08:30:00"):
             await day.live(house)
 
 

@@ -37,7 +37,7 @@ def test_what_is_no_moment_is_refused_with_an_example(when: str) -> None:
 
 
 def test_the_past_is_refused() -> None:
-    with pytest.raises(UsageError, match="2025-12-31 00:00:00 is past"):
+    with pytest.raises(UsageError, match="2025-12-31 00:00:00 is in the past"):
         next_moment(NOW, "2025-12-31")
 
 

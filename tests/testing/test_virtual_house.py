@@ -125,11 +125,11 @@ async def test_hands_cannot_do_what_the_device_does_not_know() -> None:
     """A misspelt word used to be silence, and the test looked elsewhere for what was wrong."""
     world = World.of(SimulatedLamp("hall"), SimulatedDoorLock("door"), LuxSensor("lux"))
     async with virtual_house_of(world=world) as house:
-        with pytest.raises(UsageError, match=r"hall knows no 'onn'; it takes: on, off, 0 to 1, \d+ K to \d+ K"):
+        with pytest.raises(UsageError, match=r"hall does not know 'onn'; it takes: on, off, 0 to 1, \d+ K to \d+ K"):
             await house.press("hall", "onn")
-        with pytest.raises(UsageError, match="door knows no 'open'; it takes: lock, unlock"):
+        with pytest.raises(UsageError, match="door does not know 'open'; it takes: lock, unlock"):
             await house.press("door", "open")
-        with pytest.raises(UsageError, match="lux knows no '5'; it takes: nothing by hand"):
+        with pytest.raises(UsageError, match="lux does not know '5'; it takes: nothing by hand"):
             await house.press("lux", "5")
         for word in ("on", "0.5", "3000 K"):
             await house.press("hall", word)

@@ -128,7 +128,7 @@ def test_a_program_that_is_always_busy_ends_with_the_name_of_what_is(monkeypatch
 
     monkeypatch.setattr(virtual_time, "HOT_AFTER", 0.05)
     monkeypatch.setattr(virtual_time, "HOT_TURNS", 1_000)
-    told = rf"time stands still: .*; now: the hot one in .*never_waits, {re.escape(__file__)}:\d+$"
+    told = rf"virtual time cannot advance: .*; now: the hot one in .*never_waits, {re.escape(__file__)}:\d+$"
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner, pytest.raises(UsageError, match=told):
         runner.run(program())
 

@@ -192,7 +192,9 @@ class Day:
         if not 0.0 <= self.start < DAY:
             raise ConfigError(self.source, f"{HEAD}.start", f"must be from 00:00 to 23:59, got {self.start} s")
         if not 0.0 < self.length <= LONGEST - self.start:
-            raise ConfigError(self.source, f"{HEAD}.length", f"must be above 0 and at most a week, got {self.length} s")
+            raise ConfigError(
+                self.source, f"{HEAD}.length", f"must be above 0 and less than a week, got {self.length} s"
+            )
         if both := {HEAD, HAPPENINGS} & set(self.house):
             raise ConfigError(self.source, min(both), "is not a table of a house")
         devices = self.world().devices

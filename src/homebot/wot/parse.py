@@ -209,7 +209,7 @@ def _check_context(fields: Fields) -> None:
     value = fields.plain("@context")
     named = value if isinstance(value, list) else [value]
     if not any(isinstance(one, str) and one in _CONTEXTS for one in named):
-        raise fields.problem("@context", f"is not a Thing Description: its @context must contain {CONTEXT}")
+        raise fields.problem("@context", f"must contain {CONTEXT}, the context of Thing Descriptions")
 
 
 def _check_security(fields: Fields) -> None:

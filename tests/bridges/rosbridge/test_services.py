@@ -191,4 +191,4 @@ async def test_a_second_server_is_refused(open_house: Any) -> None:
         house.node("lamp").create_service(SetBool, "/switch", echo)
         await peer.send("set_level", level="error")
         await peer.send("advertise_service", id="a", service="/switch", type="std_srvs/SetBool")
-        assert "served by /lamp already" in (await peer.receive())["msg"]
+        assert "already served by /lamp" in (await peer.receive())["msg"]

@@ -297,7 +297,7 @@ async def test_only_this_broker_can_be_reached_and_only_while_it_runs(options: M
 async def test_a_client_has_one_link_at_a_time(broker: MemoryBroker, options: MqttOptions) -> None:
     client = broker.make_client(options)
     async with client.connected():
-        with pytest.raises(UsageError, match="connected already"):
+        with pytest.raises(UsageError, match="already connected"):
             async with client.connected():
                 pass
 

@@ -104,7 +104,7 @@ async def test_a_failed_expect_shows_other_payloads_and_similar_topics(mqtt_brok
     with pytest.raises(AssertionError) as caught:
         await mqtt_broker.expect("lamp/kitchen/state", "on", timeout=0.05)
     assert str(caught.value).splitlines() == [
-        "nobody published 'on' on lamp/kitchen/state within 0.05 s",
+        "no client published 'on' on lamp/kitchen/state within 0.05 s",
         "  received with another payload:",
         "    lamp/kitchen/state 'off' (QoS 0, from lamp)",
         "  received on similar topics:",
@@ -192,7 +192,7 @@ async def test_bytes_that_are_no_mqtt_are_told_in_the_log(mqtt_broker: TestBroke
         await stream.send(b"GET / HTTP/1.1\r\n\r\n")
         with pytest.raises(anyio.EndOfStream):
             await stream.receive()
-    assert "sent what is no MQTT" in mqtt_broker.packet_log.text()
+    assert "sent invalid MQTT" in mqtt_broker.packet_log.text()
 
 
 async def test_the_session_broker_serves_on_the_loop_of_one_test(mqtt_broker_session: TestBroker) -> None:

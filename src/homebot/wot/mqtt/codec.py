@@ -199,7 +199,7 @@ def _write(
     """Write a value; a Thing Description has no transitions."""
     if affordance.kind == "action":
         if value is not True:
-            raise RefusedError(f"{capability.name} {shown(value)}", "it takes true")
+            raise RefusedError(f"{capability.name} {shown(value)}", "it takes only true")
         return (Publication(form.topic, b"", form.qos, form.retain),)
     payload = _encode_value(capability, affordance, value, form.content_type)
     return (Publication(form.topic, payload, form.qos, form.retain),)
