@@ -25,7 +25,7 @@ test.
 
 *Key* is what the gateway calls a device, or one announcement of it: unique in the gateway, and the same after a
 restart. *Address* is a place in the protocol where the device reports or takes commands (MQTT: a topic); a protocol
-without any has the text addresses of its parts (:func:`homebot.devices.text.address.text_address`), which the
+without any has the text addresses of its parts (:func:`homebot.devices.names.text_address`), which the
 engine makes. *expires_at* is when silence begins to count: the gateway alone knows how often its devices report, and
 sends a new sighting each time one does; the directory calls a device stale that was not sighted until then.
 

@@ -37,7 +37,7 @@ class Kind:
         service_type: Of what it controls; empty where it only reports.
         roles: What each property does, by its id.
         condition: What its first truth reports, whatever its id.
-        tag: See :attr:`homebot.devices.Part.tag`.
+        tag: See :attr:`homebot.devices.part.Part.tag`.
     """
 
     service_type: str = ""

@@ -33,7 +33,7 @@ class Gen1Sensor:
         is_number: Whether a payload that is none of *values* is a number.
         least: Smallest number that can be.
         most: Largest number that can be; another is *unknown*.
-        category: See :attr:`homebot.devices.Part.category`.
+        category: See :attr:`homebot.devices.part.Part.category`.
         unit: Where the capability has none.
         service_type: Of its part, where that is not the usual one of the capability.
     """
