@@ -200,6 +200,20 @@ async def test_a_socket_that_is_full_costs_qos_0_messages_but_no_qos_1_message(d
         assert broker.stats.dropped_qos0 == 101 - len(messages) > 0
 
 
+async def test_one_message_that_fills_the_socket_does_not_cost_those_behind_it(dial: Dial) -> None:
+    async with Broker(limits=BrokerLimits(write_buffer=100_000)) as broker:
+        slow, publisher = await dial(broker, "s"), await dial(broker, "p")
+        await slow.call(Subscribe(1, (FilterRequest("t", 0),)))
+        await publisher.send(Publish("t", bytes(12_000_000)))
+        for _ in range(10):
+            await publisher.send(Publish("t", bytes(5_000)))
+        assert await publisher.call(Publish("t", b"last", 1, packet_id=1)) == Puback(1)
+        messages = [await slow.take() for _ in range(12)]
+        sizes = [len(message.payload) for message in messages if isinstance(message, Publish)]
+        assert sizes == [12_000_000, *[5_000] * 10, 4]
+        assert broker.stats.dropped_qos0 == 0
+
+
 async def test_a_large_message_arrives_whole(dial: Dial) -> None:
     async with Broker() as broker:
         client = await dial(broker)

@@ -122,6 +122,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self._tcp: socket.socket | None = None
         self._out: list[bytes] = []
         self._out_size = 0
+        self._large = 0  # bytes of the one message that fills the socket's buffer
         self._closing = False
         self._is_slow = False
         self._lingering: asyncio.TimerHandle | None = None
@@ -181,6 +182,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
     def resume_writing(self) -> None:
         """Go on: the socket's buffer is almost empty again."""
         self.write_blocked = False
+        self._large = 0
         self._note_unsent(self.unsent)
         self.peer.writable()
 
@@ -194,6 +196,10 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self._out_size += len(data)
         if self._out_size > _JOIN_AT_MOST:
             self._flush()
+
+    def has_room_for(self, size: int) -> bool:
+        """Tell whether *size* bytes have room behind the one message that fills the socket's buffer."""
+        return self._large > 0 and self.unsent + self._out_size + size <= self._state.limits.write_buffer + self._large
 
     def pause_reading(self) -> None:
         """Leave what comes in the kernel, so that the far side has to wait."""
@@ -286,6 +292,8 @@ class BrokerConnection(asyncio.BufferedProtocol):
             data = self._out[0] if len(self._out) == 1 else b"".join(self._out)
             self._out.clear()
             self._out_size = 0
+            if len(data) > self._state.limits.write_buffer and not self.write_blocked:
+                self._large = len(data)
             self._transport.write(data)
             unsent = self._transport.get_write_buffer_size()
             if unsent:

@@ -53,7 +53,8 @@ class BrokerLimits:
             wait on; a client that acknowledges less than max_inflight messages in this time is then cut off (0x97).
         max_held_packets: Packets of a publisher that is held back; beyond it the socket is not read.
         max_held_bytes: The same in bytes of topic and payload.
-        write_buffer: Bytes waiting for a client's socket; beyond it QoS 0 messages for it are dropped.
+        write_buffer: Bytes waiting for a client's socket, besides one larger message; beyond it QoS 0 messages for
+            it are dropped.
         max_retained_messages: Retained messages; one more is delivered but not retained (0x97).
         max_retained_bytes: The same in bytes of topic, payload and properties.
         connect_timeout: How long a socket may be open without a CONNECT.

@@ -22,6 +22,13 @@ class Transport(Protocol):
         """True if the far side takes bytes slower than they come: nothing more should be written that can wait."""
         ...
 
+    def has_room_for(self, size: int) -> bool:
+        """Tell whether *size* bytes more may be written although the far side is slow.
+
+        True only behind a single message that fills the buffer alone: it must not cost those that follow it.
+        """
+        ...
+
     @property
     def address(self) -> str:
         """The far side as text, for the log."""

@@ -146,7 +146,9 @@ class BrokerSession:
                 return TAKEN
             if queue.holds_qos0 and not queue.full:
                 queue.append(parcel)  # not past the retained message it replaces
-            elif outbound.link.write_blocked or queue.holds_qos0:
+            elif queue.holds_qos0 or (
+                outbound.link.write_blocked and not outbound.link.has_room_for(parcel.message.size)
+            ):
                 self._counters.dropped_qos0 += 1
             else:
                 outbound.publish(parcel)

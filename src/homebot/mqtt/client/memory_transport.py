@@ -52,13 +52,20 @@ class MemoryLink:
         self._down = _Pipe(loop, self._hand_down, self._tell_end)
         self._up = _Pipe(loop, self._take_up, self.abort)
         self._closing = False
+        self._large = 0  # bytes of the one message that fills the buffer
         self.socket = MemorySocket(self._up, self._down)
 
     def write(self, data: bytes) -> None:
         """Send *data* with all else of this turn of the loop."""
         if not self._closing:
+            if len(data) > self._state.limits.write_buffer and not self.write_blocked:
+                self._large = len(data)
             self._down.write(data)
             self.write_blocked = self._down.size > self._state.limits.write_buffer
+
+    def has_room_for(self, size: int) -> bool:
+        """Tell whether *size* bytes have room behind the one message that fills the buffer."""
+        return self._large > 0 and self._down.size + size <= self._state.limits.write_buffer + self._large
 
     def pause_reading(self) -> None:
         """Let the client's bytes wait at its end."""
@@ -121,6 +128,7 @@ class MemoryLink:
         self._user.data_received(data)
         if self.write_blocked:
             self.write_blocked = False
+            self._large = 0
             self.peer.writable()
 
 

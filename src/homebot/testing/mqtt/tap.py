@@ -72,6 +72,10 @@ class Tap:
         """True if nothing more should be written that can wait."""
         return self._stalled or self._link.write_blocked
 
+    def has_room_for(self, size: int) -> bool:
+        """Tell whether *size* bytes more may be written although the far side is slow."""
+        return not self._stalled and self._link.has_room_for(size)
+
     def receive(self, data: bytes) -> None:
         """Note what came and pass it on."""
         if self._in is not None and not self._begun and data[0] >> 4 != PacketType.CONNECT:
