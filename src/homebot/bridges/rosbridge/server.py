@@ -237,7 +237,7 @@ class _LibraryLog(logging.Handler):
             )
         else:
             problem = str(error or record.msg)
-            message = f"a client of the rosbridge server sent invalid WebSocket:  {problem}"
+            message = f"a client of the rosbridge server sent invalid WebSocket: {problem}"
             self._error_log.log(record.msg, "door.handshake_failed", message, problem=problem)
 
 
