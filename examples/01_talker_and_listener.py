@@ -7,7 +7,7 @@ from homebot.messages import String
 
 
 async def main() -> None:
-    """Say three things and hear them."""
+    """Publish three messages and receive them."""
     graph = Graph()
     async with Node(graph, "talker") as talker, Node(graph, "listener") as listener:
         heard = listener.create_subscription(String, "chatter")

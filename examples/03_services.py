@@ -8,7 +8,7 @@ from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse
 
 
 async def switch(request: SetBoolRequest) -> SetBoolResponse:
-    """Do as told, but never on a Sunday."""
+    """Switch, but never off on a Sunday."""
     if not request.data:
         raise RuntimeError("it is Sunday")
     await asyncio.sleep(0.2)

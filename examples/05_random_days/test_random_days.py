@@ -11,7 +11,7 @@ from homebot.testing.strategies import days, houses
 FAULTS = ["deaf", "liar", "slow", "reverter", "lossy", "unplugged", "flapper"]  # the others talk much: slow to test
 HOMES = houses(kinds=["lamp", "motion", "contact"], faults=FAULTS, max_rooms=3, min_devices=1, max_devices=4)
 PATIENCE = 600.0
-"""Seconds in which a lamp is told off, two of its heartbeats."""
+"""Seconds within which a lamp must be sent `off`: two of its heartbeats."""
 
 
 def lamps_left_on(day: Day, world: World) -> list[str]:
@@ -41,4 +41,4 @@ def test_a_saved_day_is_lived_again() -> None:
     world = live_day(day, "light_service")
     assert lamps_left_on(day, world) == []
     told = [str(event) for event in world.event_log.since(0) if event.verb == "told"]
-    assert told[0] == "0 18:30:00.000 lamp told off"  # when the cable was in again
+    assert told[0] == "0 18:30:00.000 lamp told off"  # when it was plugged in again
