@@ -34,7 +34,12 @@ from homebot.errors import UsageError
 
 _texts = st.text(max_size=8)
 _types = st.frozensets(st.sampled_from(["light", "plug", "switch"]))
-_values = st.booleans() | st.floats(allow_nan=False) | _texts | st.tuples(st.floats(0, 1), st.floats(0, 1))
+_values = (
+    st.booleans()
+    | st.floats(allow_nan=False, allow_infinity=False)
+    | _texts
+    | st.tuples(st.floats(0, 1), st.floats(0, 1))
+)
 _leaves: st.SearchStrategy[Query] = st.one_of(
     st.builds(TypeIs, _texts, _types, st.sampled_from(["", "window"]), st.booleans()),
     st.builds(CanDo, _texts, st.booleans()),

@@ -198,7 +198,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
             self._flush()
 
     def has_room_for(self, size: int) -> bool:
-        """Tell whether *size* bytes have room behind the one message that fills the socket's buffer."""
+        """Return whether *size* bytes have room behind the one message that fills the socket's buffer."""
         return self._large > 0 and self.unsent + self._out_size + size <= self._state.limits.write_buffer + self._large
 
     def pause_reading(self) -> None:

@@ -23,7 +23,7 @@ class Transport(Protocol):
         ...
 
     def has_room_for(self, size: int) -> bool:
-        """Tell whether *size* bytes more may be written although the far side is slow.
+        """Return whether *size* bytes more may be written although the far side is slow.
 
         True only behind a single message that fills the buffer alone: it must not cost those that follow it.
         """

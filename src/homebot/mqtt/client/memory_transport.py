@@ -64,7 +64,7 @@ class MemoryLink:
             self.write_blocked = self._down.size > self._state.limits.write_buffer
 
     def has_room_for(self, size: int) -> bool:
-        """Tell whether *size* bytes have room behind the one message that fills the buffer."""
+        """Return whether *size* bytes have room behind the one message that fills the buffer."""
         return self._large > 0 and self._down.size + size <= self._state.limits.write_buffer + self._large
 
     def pause_reading(self) -> None:

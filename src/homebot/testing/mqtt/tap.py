@@ -73,7 +73,7 @@ class Tap:
         return self._stalled or self._link.write_blocked
 
     def has_room_for(self, size: int) -> bool:
-        """Tell whether *size* bytes more may be written although the far side is slow."""
+        """Return whether *size* bytes more may be written although the far side is slow."""
         return not self._stalled and self._link.has_room_for(size)
 
     def receive(self, data: bytes) -> None:
