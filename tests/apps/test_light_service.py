@@ -150,7 +150,7 @@ async def test_a_lamp_that_takes_no_commands_is_told_about_and_the_others_are_se
             await gateway.says("lights/deaf", "on", takes_commands=False)
             await gateway.says("lights/a", "on")
     told = [line["message"] for line in lines if line["event"] == "light_service.not_turned_off"]
-    assert told == ["lights/deaf: a command to lights/deaf was refused: it takes none"]
+    assert told == ["lights/deaf: a command to lights/deaf was refused: it takes no commands"]
     assert gateway.told == [("lights/a/in", "off")]
 
 

@@ -230,14 +230,14 @@ async def test_a_device_that_takes_no_commands_refuses_them(gateway_on: RunGatew
     async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
         gateway.sees("sensors/t", takes_commands=False)
         devices = Devices(node)
-        with pytest.raises(RefusedError, match="a command to sensors/t was refused: it takes none"):
+        with pytest.raises(RefusedError, match="a command to sensors/t was refused: it takes no commands"):
             await devices.tell(await find(devices, "sensors/t"), "off")
 
 
 async def test_a_command_for_a_gateway_that_is_away_is_not_lost_in_silence() -> None:
     """It is an error that may pass."""
     async with Node(Graph(), "app") as node:
-        with pytest.raises(LinkError, match="lights/x was not told 'off': its gateway fake is not running"):
+        with pytest.raises(LinkError, match="'off' was not sent to lights/x: its gateway fake is not running"):
             await Devices(node).tell(_device("fake"), "off")
 
 

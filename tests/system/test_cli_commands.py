@@ -45,7 +45,7 @@ def test_a_command_that_the_gateway_refuses_is_told_with_its_reason(acting: Atta
         out, err = capsys.readouterr()
         assert out == ""
         assert err.startswith("homebot: the command to home425/# was refused: ")
-        assert "has a wildcard" in err or "log says why" in err
+        assert "has a wildcard" in err or "see the gateway's log" in err
 
 
 def test_a_gateway_that_only_observes_is_told(observing: Attacked, capsys: Text) -> None:

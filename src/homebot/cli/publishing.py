@@ -108,7 +108,7 @@ class GatewayPublisher:
     def _reason(self, gateway: str, command: Mapping[str, object]) -> str:
         """Return what the gateway's log says of *command*; the last lines are kept for late joiners."""
         self._door.subscribe("/rosout")
-        beginning, reason = f"not sent to {command.get('address')}: ", "the gateway's log says why"
+        beginning, reason = f"not sent to {command.get('address')}: ", "see the gateway's log"
         for message in self._door.until(_LOG_WAIT):
             text = str(message.message.get("msg", ""))
             if message.message.get("name") == f"gateway.{gateway}" and text.startswith(beginning):

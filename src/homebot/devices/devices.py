@@ -194,8 +194,8 @@ class Devices:
         if problem is not None:
             raise problem
         if not gateway:
-            raise RefusedError(f"a command to {device.id}", "it takes none")
-        raise LinkError(f"{device.id} was not told {payload!r}: its gateway {gateway} is not running")
+            raise RefusedError(f"a command to {device.id}", "it takes no commands")
+        raise LinkError(f"{payload!r} was not sent to {device.id}: its gateway {gateway} is not running")
 
     async def _listen_at(self, endpoint: Endpoint, handler: MessageHandler) -> None:
         _check(endpoint)

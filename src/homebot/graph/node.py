@@ -250,7 +250,7 @@ class Node:
         self._check_open()
 
         def on_failure(error: BaseException) -> None:
-            self._take_failure(f"timer of {timer.period:g} s", error, "it goes on")
+            self._take_failure(f"timer of {timer.period:g} s", error, "it continues")
 
         timer = Timer(timer_period_sec, callback, self.graph.clock, on_failure)
         self._start(timer.run)

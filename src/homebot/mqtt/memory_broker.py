@@ -115,7 +115,7 @@ class MemoryBroker(EmbeddedBroker):
             raise LinkError("the connection was refused: the broker in memory is not running")
         if len(self._links) >= _LINKS_PER_CLIENT * self._limits.max_connections:
             state.counters.connections_refused += 1
-            raise LinkError("the broker in memory has too many links")
+            raise LinkError("the broker in memory has too many connections")
         state.counters.connections_accepted += 1
         self._dialled += 1
         link = MemoryLink(state, user, f"memory:{self._dialled}", self._closed)

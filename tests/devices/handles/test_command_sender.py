@@ -43,5 +43,5 @@ async def test_a_command_goes_by_the_best_way_that_can_do_it(house: House) -> No
     with pytest.raises(RefusedError, match="on_off of a was refused: no such word"):
         await light.turn_on()
     house.answers["third"] = SendCommandResponse(success=False, message="no link", problem="unreachable")
-    with pytest.raises(LinkError, match="a was not told on_off: no link"):
+    with pytest.raises(LinkError, match="on_off was not sent to a: no link"):
         await light.turn_on()

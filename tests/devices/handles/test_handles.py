@@ -401,7 +401,7 @@ async def test_a_command_goes_by_the_first_gateway_that_is_there(house: House) -
     """And by the next one when that has no link; never by two."""
     house.has(house.device("a", house.part("plug", "on_off", gateways=["native", "other"])))
     (plug,) = await house.devices.find(Plug)
-    with pytest.raises(LinkError, match="a was not told on_off: its gateway native is not running"):
+    with pytest.raises(LinkError, match="on_off was not sent to a: its gateway native is not running"):
         await plug.turn_on()
     house.gateway("other")
     await plug.turn_on()
@@ -410,7 +410,7 @@ async def test_a_command_goes_by_the_first_gateway_that_is_there(house: House) -
     house.answers["native"] = SendCommandResponse(success=False, message="no link", problem="unreachable")
     await plug.turn_on()
     house.answers["other"] = house.answers["native"]
-    with pytest.raises(LinkError, match="a was not told on_off: no link"):
+    with pytest.raises(LinkError, match="on_off was not sent to a: no link"):
         await plug.turn_on()
     native.close()
     assert [(one[0], one[3]) for one in house.told] == [("other", True), ("native", False), ("other", True)]
@@ -456,7 +456,7 @@ async def test_a_gateway_that_fails_is_a_link_that_is_not_there(house: House) ->
     house.gateway("native")
     house.failing.add("native")
     (plug,) = await house.devices.find(Plug)
-    with pytest.raises(LinkError, match=r"a was not told on_off: service /gateway/native/send_command failed: "):
+    with pytest.raises(LinkError, match=r"on_off was not sent to a: service /gateway/native/send_command failed: "):
         await plug.turn_on()
     house.gateway("other")
     await plug.turn_on()

@@ -305,7 +305,7 @@ async def test_a_client_has_one_link_at_a_time(broker: MemoryBroker, options: Mq
 async def test_too_many_links_are_turned_away(options: MqttOptions) -> None:
     async with MemoryBroker(limits=BrokerLimits(max_connections=1)) as broker:
         strangers = [RawClient(broker) for _ in range(2)]
-        with pytest.raises(LinkError, match="too many links"):
+        with pytest.raises(LinkError, match="too many connections"):
             async with broker.make_client(options).connected():
                 pass
         assert len(strangers) == len(broker.links) == 2

@@ -84,7 +84,7 @@ async def test_a_broker_that_does_not_speak_5_is_asked_with_3_1_1(make: MakeClie
                 async with client.connected() as session:
                     assert session.protocol == "3.1.1"
     said = [line["message"] for line in lines if line["event"] == "mqtt.fell_back"]
-    assert said == [f"mqtt://127.0.0.1:{port} speaks MQTT 3.1.1, not 5"]
+    assert said == [f"mqtt://127.0.0.1:{port} supports MQTT 3.1.1, not 5"]
 
 
 @pytest.mark.parametrize(

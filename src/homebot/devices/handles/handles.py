@@ -138,7 +138,7 @@ class CommandSender:
                 unable = unable or response.message
         if unable and not is_away:
             raise RefusedError(f"{capability} of {device.id}", unable)
-        raise LinkError(f"{device.id} was not told {capability}: {problem}")
+        raise LinkError(f"{capability} was not sent to {device.id}: {problem}")
 
     async def _call(self, gateway: str, command: Command) -> SendCommandResponse:
         client = self._clients.get(gateway)

@@ -119,7 +119,7 @@ class TopicOwnership:
     def _conflict_text(self, source: SourceRecord, topic: str, owner: str) -> str:
         wants = f"{source.label} takes commands on {topic},"
         if owner == NOBODY:
-            return f"{wants} as too many others do"
+            return f"{wants} which too many other devices use"
         if owner == self._uses[source.key].device:
             return f"{wants} where another announcement of the device takes different ones"
         return f"{wants} which belongs to {owner}"

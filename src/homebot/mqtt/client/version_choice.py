@@ -55,7 +55,7 @@ class VersionChoice:
         self._has_spoken = True
         _log.info(
             "mqtt.fell_back",
-            message=f"{self._options.url} speaks MQTT 3.1.1, not 5",
+            message=f"{self._options.url} supports MQTT 3.1.1, not 5",
             broker=self._options.url,
             reason=reason,
         )

@@ -92,7 +92,7 @@ class Cursor:
     def finish(self) -> None:
         """Make sure that nothing is left."""
         if self.position != self.end:
-            raise PacketError(f"the packet has {self.left} bytes too many", self.body)
+            raise PacketError(f"the packet has {self.left} extra bytes", self.body)
 
 
 def encode_varint(value: int) -> bytes:
