@@ -14,7 +14,7 @@ def test_a_reserved_topic_is_reserved_whatever_its_length() -> None:
     topics = reserved_topics()
     for name in ("x", "x" * 1000):
         assert topics.why(f"homebot/{name}") == "it belongs to homebot"
-        assert topics.why(f"$SYS/{name}") == "it is the broker's own"
+        assert topics.why(f"$SYS/{name}") == "it belongs to the broker"
         assert topics.why(f"lamps/{name}/set") == ""
         assert topics.why(f"zigbee2mqtt/{name}/set", "zigbee2mqtt") == ""
 
