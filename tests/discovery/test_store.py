@@ -165,7 +165,7 @@ def test_a_full_disk_costs_nothing_that_was_there(path: Path) -> None:
 
 def test_a_file_that_another_homebot_uses_is_left_to_it(path: Path) -> None:
     """Until that one ends."""
-    first, second = IndexFile(path), IndexFile(path, patience=0.01)
+    first, second = IndexFile(path), IndexFile(path, busy_timeout=0.01)
     first.open(0.0)
     with pytest.raises(UsageError, match=r"is in use by another homebot; .*--ephemeral"):
         second.open(0.0)

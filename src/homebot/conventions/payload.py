@@ -12,7 +12,7 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import NoReturn, TypeAlias, TypeVar
 
-from homebot.devices.text.states import says_unknown
+from homebot.devices.text.states import means_unknown
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.numbers import to_number
@@ -300,7 +300,7 @@ def is_unknown(value: object) -> bool:
     That is null, a number that is none or has no end, and the words that firmware has for these.
     """
     if isinstance(value, str):
-        return says_unknown(value)
+        return means_unknown(value)
     return value is None or (isinstance(value, float) and not math.isfinite(value))
 
 

@@ -95,7 +95,7 @@ class Sighting(Message):
     heard_at: float = 0.0
 
     @property
-    def speaks_plainly(self) -> bool:
+    def is_plain_text(self) -> bool:
         """True if it publishes text on an address of its own, as in the thesis's layout."""
         return bool(self.address) and not is_text_address(self.address)
 

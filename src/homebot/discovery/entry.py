@@ -232,7 +232,7 @@ def _describe(sources: tuple[SourceRecord, ...], topics: TopicOwnership, known_i
     return _Description(
         name=first.name,
         names=(first.name,) if is_single else tuple(dict.fromkeys(source.sighting.name for source in ordered)),
-        service_type=first.service_type if main is None or first.speaks_plainly else main.part.service_type,
+        service_type=first.service_type if main is None or first.is_plain_text else main.part.service_type,
         service_types=_service_types(ordered, merged.parts),
         area=first.area or next((source.sighting.area for source in ordered if source.sighting.area), ""),
         identifiers=_identifiers(ordered),
@@ -307,7 +307,7 @@ def _endpoints(sources: Sequence[SourceRecord], main: DevicePart | None) -> tupl
             if route.gateway in found:
                 continue
             sighting = sightings[route.gateway, route.key]
-            if sighting.speaks_plainly:
+            if sighting.is_plain_text:
                 address, command_address = sighting.address, sighting.command_address
             else:
                 address = text_address(route.key, route.part)

@@ -34,7 +34,7 @@ def new_id(sighting: Sighting, known: Container[str], gone: Container[str]) -> s
         known: Ids of the devices that are known.
         gone: Ids of those that went.
     """
-    if not sighting.identifiers and (sighting.speaks_plainly or not sighting.parts):
+    if not sighting.identifiers and (sighting.is_plain_text or not sighting.parts):
         found = sighting.key
         while found in known or found in gone:
             found = f"{found}@{sighting.gateway}"

@@ -14,12 +14,12 @@ from homebot.messages import Time
 __all__ = ["PendingReports"]
 
 _MAX_KEYS = 1000
-_MAX_BURIED = 10_000
+_MAX_FORGOTTEN = 10_000
 _MAX_ADDRESSES = 16
-_PATIENCE = 60.0
+_REPORT_WAIT = 60.0
 """Seconds for which a report is kept for its device: the two come on two topics, and either may be first."""
 
-_PATIENCE_OF_EVENT = 5.0
+_EVENT_WAIT = 5.0
 """The same for an event: a press that is published a minute late opens a door that nobody stands at any more."""
 
 
@@ -53,7 +53,7 @@ class PendingReports:
         """Keep how a device that was forgotten is announced; the newest, of the last ten thousand."""
         self._forgotten[key] = sighting
         self._forgotten.move_to_end(key)
-        if len(self._forgotten) > _MAX_BURIED:
+        if len(self._forgotten) > _MAX_FORGOTTEN:
             self._forgotten.popitem(last=False)
 
     def revive(self, report: Report) -> Sighting | None:
@@ -74,12 +74,12 @@ class PendingReports:
         found = self._reports.pop(key, None)
         if found is None:
             return ()
-        return tuple(report for came, report in found.values() if now - came <= _patience(report))
+        return tuple(report for came, report in found.values() if now - came <= _wait_of(report))
 
 
 def _is_event(report: Report) -> bool:
     return any(reading.capability in EVENTS for reading in report.readings)
 
 
-def _patience(report: Report) -> float:
-    return _PATIENCE_OF_EVENT if _is_event(report) else _PATIENCE
+def _wait_of(report: Report) -> float:
+    return _EVENT_WAIT if _is_event(report) else _REPORT_WAIT

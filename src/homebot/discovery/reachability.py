@@ -65,7 +65,7 @@ def _combined(reports: list[_SourceReach]) -> Reachability:
             continue
         source, part, reach = max(answers, key=lambda one: one[2].heard_at)
         label = f"{source.label} ({part})" if part and part not in source.label else source.label
-        if value is False and (later := _heard_later(reports, reach.heard_at)) is not None:
+        if value is False and (later := _reported_later(reports, reach.heard_at)) is not None:
             why = f"{label} is offline, but {later.label} reported since"
             return Reachability(state="unknown", since=later.seen_at, why=why)
         if value is None:
@@ -77,7 +77,7 @@ def _combined(reports: list[_SourceReach]) -> Reachability:
     return _NOT_REPORTED
 
 
-def _heard_later(reports: list[_SourceReach], since: float) -> SourceRecord | None:
+def _reported_later(reports: list[_SourceReach], since: float) -> SourceRecord | None:
     """Return an announcement of unknown or doubtful reachability that the device used later than *since*."""
     undecided = (source for source, _, one in reports if one is None or one.value is None)
     return next((source for source in undecided if source.confirmed and source.heard_at > since), None)

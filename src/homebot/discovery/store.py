@@ -79,12 +79,12 @@ class IndexFile:
 
     Args:
         path: Where it is; directories are made.
-        patience: Seconds to wait for another homebot that uses it and may be about to end.
+        busy_timeout: Seconds to wait for another homebot that uses it and may be about to end.
     """
 
-    def __init__(self, path: Path, patience: float = _BUSY) -> None:
+    def __init__(self, path: Path, busy_timeout: float = _BUSY) -> None:
         self.path = path
-        self._patience = patience
+        self._busy_timeout = busy_timeout
         self._connection: sqlite3.Connection | None = None
 
     def open(self, now: float) -> Path | None:
@@ -184,7 +184,9 @@ class IndexFile:
 
     def _open(self) -> None:
         self._make_private()
-        connection = sqlite3.connect(self.path, timeout=self._patience, check_same_thread=False, isolation_level=None)
+        connection = sqlite3.connect(
+            self.path, timeout=self._busy_timeout, check_same_thread=False, isolation_level=None
+        )
         try:
             # Two homebots of one file would overwrite each other's devices.
             connection.execute("PRAGMA locking_mode = EXCLUSIVE")

@@ -60,7 +60,7 @@ class RawDelivery:
         self._by_topic: dict[str, Publisher[RawMessage]] = {}
         self._mirrored: dict[str, str] = {}
         self._askers: dict[str, _Asker] = {}
-        self._no_patience_until: dict[str, float] = {}
+        self._no_wait_until: dict[str, float] = {}
 
     def has(self, address: str, listener: str) -> bool:
         """Return whether the node *listener*, as it is now on the graph, asked for *address* before."""
@@ -122,11 +122,11 @@ class RawDelivery:
         """
         for publisher in tuple(self._by_address.get(message.address, ())):
             try:
-                if wait_if_full and publisher.is_full and self._has_patience(publisher.topic_name):
+                if wait_if_full and publisher.is_full and self._may_wait(publisher.topic_name):
                     with anyio.move_on_after(FULL_INBOX_WAIT):
                         await publisher.send(message)
                         continue
-                    self._lose_patience(publisher.topic_name)
+                    self._stop_waiting_for(publisher.topic_name)
                 publisher.publish(message)
             except ClosedError:
                 continue  # the listener left while somebody was waited for
@@ -163,7 +163,7 @@ class RawDelivery:
     def _drop(self, listener: str) -> list[str]:
         asker = self._askers.pop(listener, None)
         publisher = self._by_topic.pop(f"{listener}/inbox", None)
-        self._no_patience_until.pop(f"{listener}/inbox", None)
+        self._no_wait_until.pop(f"{listener}/inbox", None)
         if asker is None or publisher is None:
             return []
         publisher.close()
@@ -171,11 +171,11 @@ class RawDelivery:
             self._by_address[address].remove(publisher)
         return [address for address in asker.addresses if not self._by_address[address]]
 
-    def _has_patience(self, topic: str) -> bool:
-        return self._node.graph.clock.monotonic() >= self._no_patience_until.get(topic, 0.0)
+    def _may_wait(self, topic: str) -> bool:
+        return self._node.graph.clock.monotonic() >= self._no_wait_until.get(topic, 0.0)
 
-    def _lose_patience(self, topic: str) -> None:
-        self._no_patience_until[topic] = self._node.graph.clock.monotonic() + SLOW_READER_PENALTY
+    def _stop_waiting_for(self, topic: str) -> None:
+        self._no_wait_until[topic] = self._node.graph.clock.monotonic() + SLOW_READER_PENALTY
         if self._limit.allows(topic) is not None:
             self._node.log.warning(
                 SLOW_LISTENER,

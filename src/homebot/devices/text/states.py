@@ -30,8 +30,8 @@ __all__ = [
     "decoder_for",
     "encode_state",
     "encode_value",
+    "means_unknown",
     "percent",
-    "says_unknown",
 ]
 
 
@@ -134,7 +134,7 @@ class TextDecoder:
                 return self._values("color_temperature", number)
         if self._text_capability:
             return self._any_text(text)
-        return {self._measured: None} if self._measured and says_unknown(text) else _NOTHING
+        return {self._measured: None} if self._measured and means_unknown(text) else _NOTHING
 
     def _learn(self, name: str, capability: Capability) -> None:
         known = CAPABILITIES.get(name)
@@ -186,7 +186,7 @@ def bounds_of(capability: Capability) -> tuple[float, float]:
     return (bounds[0], bounds[-1]) if bounds else (-math.inf, math.inf)
 
 
-def says_unknown(text: str | bytes) -> bool:
+def means_unknown(text: str | bytes) -> bool:
     """Return whether *text*, in the place of a number, means that there is none: NaN and its like, or a word."""
     if len(text) > _LONGEST_UNKNOWN:
         return False

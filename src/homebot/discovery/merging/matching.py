@@ -230,11 +230,11 @@ def _can_be_one(one: Part, other: Part) -> bool:
     shared = mine.keys() & theirs.keys()
     if (mine and theirs and not shared) or not all(_agree(mine[name], theirs[name]) for name in shared):
         return False
-    is_told = bool(one.writes or other.writes)
+    is_settable = bool(one.writes or other.writes)
     if one.service_type != other.service_type:
         is_setting = SETTING in (one.service_type, other.service_type)
-        return bool(shared) and mine.keys() == theirs.keys() and (is_setting or not is_told)
-    if one.service_type.startswith("x_") or not is_told:
+        return bool(shared) and mine.keys() == theirs.keys() and (is_setting or not is_settable)
+    if one.service_type.startswith("x_") or not is_settable:
         return mine.keys() <= theirs.keys() or theirs.keys() <= mine.keys()
     return (not one.category) == (not other.category)
 

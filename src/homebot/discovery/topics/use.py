@@ -178,7 +178,7 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
     else:
         writes = tuple(dict.fromkeys([topic for part in parts for topic in part.writes]))
         reads = tuple(dict.fromkeys([topic for part in parts for topic in part.reads]))
-    if sighting.command_address and sighting.speaks_plainly:
+    if sighting.command_address and sighting.is_plain_text:
         writes = _once((*writes, sighting.command_address))
     bridge = ""
     for fact in sighting.metadata:

@@ -12,7 +12,7 @@ from homebot.devices.value import PlainValue
 from homebot.gateways.base import Gateway
 from homebot.graph import DurabilityPolicy, QoSProfile
 
-__all__ = ["ExposedDevices", "KnownStates", "TellState"]
+__all__ = ["ExposedDevices", "KnownStates", "PublishStates"]
 
 NOT_TAKEN = "gateway.offer_not_taken"
 
@@ -24,7 +24,7 @@ _COMMANDS = 100
 KnownStates: TypeAlias = Mapping[tuple[str, str], PlainValue]
 """Values by part and capability."""
 
-TellState: TypeAlias = Callable[[ExposedDevice, KnownStates, Collection[tuple[str, str]]], None]
+PublishStates: TypeAlias = Callable[[ExposedDevice, KnownStates, Collection[tuple[str, str]]], None]
 """Publishes the states that are known of a device, now that some of them changed, by part and capability."""
 
 
@@ -42,7 +42,7 @@ class ExposedDevices:
         self,
         gateway: Gateway,
         show: Callable[[ExposedDevice], None],
-        tell: TellState,
+        tell: PublishStates,
         log: Callable[[str, str, str], None],
     ) -> None:
         self._show = show
@@ -63,7 +63,7 @@ class ExposedDevices:
         """Publish all of it anew, as on a new link; what happened is over and not told again."""
         for offer in self._offers.values():
             self._show(offer)
-            self._tell_all(offer)
+            self._publish_all(offer)
 
     def _offer(self, offer: ExposedDevice) -> None:
         if offer.id not in self._offers and len(self._offers) >= MAX_OFFERS:
@@ -81,7 +81,7 @@ class ExposedDevices:
             offered = _offered(offer)
             known = self._known.get(offer.id, {})
             self._known[offer.id] = {key: value for key, value in known.items() if key in offered}
-            self._tell_all(offer)
+            self._publish_all(offer)
 
     def _report(self, report: ExposedState) -> None:
         offer = self._offers.get(report.id)
@@ -96,7 +96,7 @@ class ExposedDevices:
         for key in [key for key in changed if key[1] in EVENTS]:
             del known[key]
 
-    def _tell_all(self, offer: ExposedDevice) -> None:
+    def _publish_all(self, offer: ExposedDevice) -> None:
         known = self._known.get(offer.id, {})
         self._tell(offer, known, known)
 

@@ -76,7 +76,7 @@ class StateReader:
             said = read[id(source)]
             if said is not None:
                 reachability.hear(availability_reader.index, said, retained=retained)
-                self._tell_reachable(stored, part, address, retained=retained)
+                self._report_reachable(stored, part, address, retained=retained)
 
     async def read(
         self,
@@ -202,9 +202,9 @@ class StateReader:
         for part in parts:
             if stored.reachable.get(part) is False and (reachability := stored.reachability.get(part)) is not None:
                 reachability.doubt()
-                self._tell_reachable(stored, part, address, retained=False)
+                self._report_reachable(stored, part, address, retained=False)
 
-    def _tell_reachable(self, stored: StoredAnnouncement, part: str, address: str, *, retained: bool) -> None:
+    def _report_reachable(self, stored: StoredAnnouncement, part: str, address: str, *, retained: bool) -> None:
         reachable = stored.reachability[part].value
         if part in stored.reachable and reachable is stored.reachable[part]:
             return
@@ -239,10 +239,10 @@ class StateReader:
         name = ("fade", announced_part.stored.key, announced_part.described.part.id, fade.capability)
         if value == fade.value or (fade.only is not None and value != fade.only):
             self._scheduler.drop(name)
-        elif not self._scheduler.plan(name, fade.after, partial(self._fade, *name[1:], fade)):
+        elif not self._scheduler.plan(name, fade.after, partial(self._expire, *name[1:], fade)):
             self._counters.fades_dropped += 1
 
-    def _fade(self, key: str, part: str, capability: str, fade: AutoExpiry) -> None:
+    def _expire(self, key: str, part: str, capability: str, fade: AutoExpiry) -> None:
         stored = self._devices.get(key)
         announced_part = None if stored is None else stored.parts.get(part)
         if announced_part is None or fade not in announced_part.described.expiries:

@@ -26,7 +26,7 @@ __all__ = ["ActingLease"]
 
 YIELDED = "gateway.another_acts"
 RESUMED = "gateway.acts_again"
-RIVAL = "gateway.another_observes"
+OTHER_OBSERVES = "gateway.another_observes"
 NOT_ASKED = "gateway.lease_not_asked"
 
 ANSWER_WITHIN = 2.0
@@ -38,7 +38,7 @@ ASK_EVERY = 5.0
 _LONGEST = 1000
 
 
-class _Word(BaseModel):
+class _LeaseMessage(BaseModel):
     """The message on the lease's topic."""
 
     model_config = ConfigDict(frozen=True, extra="ignore")
@@ -101,7 +101,7 @@ class ActingLease:
                 self._restate.set()
             return
         try:
-            word = _Word.model_validate_json(message.payload)
+            word = _LeaseMessage.model_validate_json(message.payload)
         except ValidationError:
             return
         if word.id == self._id or not self._wants:
@@ -113,7 +113,7 @@ class ActingLease:
         elif self._is_sure or (self._is_candidate and is_first):
             self._answer.set()
             if word.says == "ask" and self._is_sure:
-                self._tell_rival(word)
+                self._log_other(word)
         elif self._is_candidate:  # it may have come too late to hear our question, and would hear nothing of us
             self._is_candidate = False
             self._yield_to(word)
@@ -170,13 +170,13 @@ class ActingLease:
             await self._connection.announce_online()
 
     async def _say(self, says: Literal["ask", "act"]) -> None:
-        word = _Word(says=says, id=self._id, name=self._name)
+        word = _LeaseMessage(says=says, id=self._id, name=self._name)
         try:
             await self._connection.publish(self._topic, word.model_dump_json().encode(), qos=1)
         except HomebotError as exc:
             self._warn_once(exc)
 
-    def _yield_to(self, word: _Word) -> None:
+    def _yield_to(self, word: _LeaseMessage) -> None:
         is_new = not self.rival
         self.rival = word.name or word.id
         if is_new:
@@ -194,11 +194,11 @@ class ActingLease:
             RESUMED, message=f"sending commands again: the homebot {rival} has stopped", rival=rival
         )
 
-    def _tell_rival(self, word: _Word) -> None:
-        if self._limit.allows(RIVAL) is not None:
+    def _log_other(self, word: _LeaseMessage) -> None:
+        if self._limit.allows(OTHER_OBSERVES) is not None:
             name = word.name or word.id
             self._gateway.node.log.warning(
-                RIVAL, message=f"another homebot ({name}) started here as well; it only observes", rival=name
+                OTHER_OBSERVES, message=f"another homebot ({name}) started here as well; it only observes", rival=name
             )
 
     def _warn_once(self, exc: HomebotError) -> None:

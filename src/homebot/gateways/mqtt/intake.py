@@ -37,7 +37,7 @@ Zigbee2MQTT renames a device by taking it back and announcing it two seconds lat
 """
 
 
-MOST_HEARD = 100_000
+MAX_STEPS = 100_000
 """Steps of one message: a convention that never ends must not hold the gateway."""
 
 _END = object()
@@ -138,16 +138,16 @@ class AnnouncementHandler:
     async def _take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
         for convention in conventions:
             steps = _steps(convention, message)
-            work, told = TimeSlice(self._clock), 0
-            while told <= MOST_HEARD and self._step(steps, convention, message):
-                told += 1
+            work, taken = TimeSlice(self._clock), 0
+            while taken <= MAX_STEPS and self._step(steps, convention, message):
+                taken += 1
                 if work.is_over:
                     # Out of the reach of the faults of conventions: a cancellation here is meant for the gateway.
                     await work.pause()
-            if told > MOST_HEARD:
+            if taken > MAX_STEPS:
                 self._counters.announcements_rejected += 1
                 self._record_offence(
-                    message, f"{convention.name} found more than {MOST_HEARD:,} announcements in one message"
+                    message, f"{convention.name} found more than {MAX_STEPS:,} announcements in one message"
                 )
         if self._accepted:
             is_valid = not self._offended

@@ -18,7 +18,7 @@ UNAVAILABLE = "gateway.unavailable"
 NOT_HEARD = "gateway.subscription_refused"
 NO_ANSWER = "gateway.no_answer"
 
-PATIENCE = 2.0
+ANSWER_WAIT = 2.0
 """Seconds for which the start of homebot waits for a broker that does not answer; the gateway goes on trying."""
 
 _MAX_NAMES = 10
@@ -50,7 +50,7 @@ class LinkReport:
 
     async def wait_for_first_try(self) -> None:
         """Wait until the first try to connect has ended, for 2 s at most."""
-        with anyio.move_on_after(PATIENCE):
+        with anyio.move_on_after(ANSWER_WAIT):
             await self._tried.wait()
             return
         self._gateway.node.log.warning(

@@ -90,7 +90,7 @@ class ReservedTopics:
         why = ""
         for rule in self._rules.match(topic):
             if not isinstance(rule, _Rule):
-                why = "another device publishes there" if _speaks(rule, topic) else why
+                why = "another device publishes there" if _is_state_topic(rule, topic) else why
             elif not convention or rule.free_for != convention:
                 return rule.why
         return why
@@ -109,7 +109,7 @@ def _only_read(part: Part) -> Part:
     return part.model_copy(update={"capabilities": capabilities, "writes": ()})
 
 
-def _speaks(convention: TextConvention, topic: str) -> bool:
+def _is_state_topic(convention: TextConvention, topic: str) -> bool:
     try:
         return convention.announced(topic) is not None
     except WireError:

@@ -49,7 +49,7 @@ class MemoryLink:
         self._loop = loop
         self._user = user
         self._on_closed = on_closed
-        self._down = _Pipe(loop, self._hand_down, self._tell_end)
+        self._down = _Pipe(loop, self._hand_down, self._notify_end)
         self._up = _Pipe(loop, self._take_up, self.abort)
         self._closing = False
         self._large = 0  # bytes of the one message that fills the buffer
@@ -121,7 +121,7 @@ class MemoryLink:
         if not self._up.size:
             self._user.drained()
 
-    def _tell_end(self) -> None:
+    def _notify_end(self) -> None:
         self._user.link_ended(LinkError("the broker closed the connection"))
 
     def _hand_down(self, data: bytes) -> None:

@@ -289,7 +289,7 @@ def socket_error(error: OSError) -> LinkError | RefusedError:
     if isinstance(error, ssl.SSLError):
         reason = error.reason or "handshake failed"
         plain = reason.lower().replace("_", " ")
-        return RefusedError("TLS", next((words for part, words in _TLS_WORDS if part in reason), plain))
+        return RefusedError("TLS", next((words for part, words in _TLS_PROBLEMS if part in reason), plain))
     return LinkError(_words(error))
 
 
@@ -367,7 +367,7 @@ _WORDS: Final = {
 _UNKNOWN_NAME: Final = {getattr(socket, name, socket.EAI_NONAME) for name in ("EAI_NONAME", "EAI_NODATA")}
 
 _NO_TLS: Final = "the server there does not use TLS; is it the port for mqtt://?"
-_TLS_WORDS: Final = (
+_TLS_PROBLEMS: Final = (
     ("CERTIFICATE_REQUIRED", "client certificate required; set cert_file and key_file"),
     ("HANDSHAKE_FAILURE", "handshake failure; does the broker require a client certificate (cert_file)?"),
     ("UNKNOWN_CA", "the broker does not trust the issuer of the client certificate (cert_file)"),

@@ -31,7 +31,7 @@ class VersionChoice:
 
     def __init__(self, options: MqttOptions) -> None:
         self._options = options
-        self._has_spoken = False
+        self._has_answered = False
         self._version: MqttVersion = "3.1.1" if options.protocol == "3.1.1" else "5"
 
     async def open(self, open_as: Callable[[MqttVersion], Awaitable[T]]) -> T:
@@ -48,11 +48,11 @@ class VersionChoice:
                 raise
             reason = str(error)
         else:
-            self._has_spoken = True
+            self._has_answered = True
             return opened
         opened = await open_as("3.1.1")
         self._version = "3.1.1"  # from now on the first, so this is said once
-        self._has_spoken = True
+        self._has_answered = True
         _log.info(
             "mqtt.fell_back",
             message=f"{self._options.url} supports MQTT 3.1.1, not 5",
@@ -66,7 +66,7 @@ class VersionChoice:
             return False
         if isinstance(error, RefusedError):
             return error.code == ReasonCode.UNSUPPORTED_PROTOCOL_VERSION
-        return not self._has_spoken  # a broker that has spoken 5 before closed for another reason
+        return not self._has_answered  # a broker that has spoken 5 before closed for another reason
 
 
 def early_end(reason: LinkError | RefusedError, options: MqttOptions) -> LinkError | RefusedError:

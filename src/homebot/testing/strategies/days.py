@@ -24,7 +24,7 @@ __all__ = ["days", "saved_if_failing"]
 HOUR = 3600.0
 MAX_HAPPENINGS = 100
 
-_lasts = st.sampled_from((0.0, 10.0, 60.0, 600.0, 3600.0))
+_durations = st.sampled_from((0.0, 10.0, 60.0, 600.0, 3600.0))
 
 
 def days(
@@ -87,12 +87,12 @@ def _happenings(draw: DrawFn, whats: tuple[What, ...], kinds: Mapping[str, str],
     what = draw(one_of((*whats, *whats[:2])))  # the first are likelier: most of what goes wrong needs commands
     at = draw(moments(length))
     if what == "restart":
-        return DayEvent(at, what, lasts=draw(_lasts), forget=draw(st.booleans()))
+        return DayEvent(at, what, lasts=draw(_durations), forget=draw(st.booleans()))
     device = draw(target(tuple(kinds)))
     if what == "cut":
         return DayEvent(at, what, device)
     if what == "pull":
-        return DayEvent(at, what, device, lasts=draw(_lasts))
+        return DayEvent(at, what, device, lasts=draw(_durations))
     return DayEvent(at, what, device, draw(commands(kinds[device])))
 
 
