@@ -8,8 +8,9 @@ import pytest
 from pydantic import ValidationError
 
 from homebot.errors import UsageError
-from homebot.messages import Bool, Float64, Int32, Int64, Message, String
+from homebot.messages import Bool, Float64, Int32, Int64, Message, String, Time
 from homebot.messages import message as fields
+from homebot.messages.rcl_interfaces import ParameterValue
 from homebot.messages.std_srvs import SetBool, Trigger
 
 
@@ -99,6 +100,22 @@ def test_messages_of_checked_values_share_no_value() -> None:
 
     assert (one.data, other.data) == ("one", "other")
     assert Int32.of_checked(data=1).model_fields_set == {"data"} == one.model_fields_set
+
+
+def test_a_message_with_checked_changes_differs_from_the_one_it_was_made_of() -> None:
+    before = Time(sec=1, nanosec=2)
+    after = before.with_checked(sec=3)
+
+    assert (after, before) == (Time(sec=3, nanosec=2), Time(sec=1, nanosec=2))
+    assert after.model_fields_set == {"sec", "nanosec"}
+
+
+def test_slimmed_messages_of_a_type_share_the_names_of_their_fields() -> None:
+    one, other = (ParameterValue(type=kind).slimmed() for kind in (1, 2))
+
+    assert one == ParameterValue(type=1)
+    assert one.model_fields_set is other.model_fields_set
+    assert one.model_fields_set == set(ParameterValue.model_fields)
 
 
 def test_a_type_is_named_after_its_package_and_class() -> None:

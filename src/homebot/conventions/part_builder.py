@@ -123,9 +123,12 @@ class PartBuilder(Generic[MessageT]):
             reads=codec.topics(),
             writes=tuple(self._writes),
         )
-        slim = Part.of_checked(**part.__dict__)  # without a set of its fields of its own, which is 700 bytes
         return DescribedPart(
-            slim, codec, state_requests=tuple(self._state_requests), expiries=self._expiries, remembers=self._remembers
+            part.slimmed(),
+            codec,
+            state_requests=tuple(self._state_requests),
+            expiries=self._expiries,
+            remembers=self._remembers,
         )
 
 

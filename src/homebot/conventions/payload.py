@@ -6,7 +6,6 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import lru_cache
 from types import MappingProxyType
@@ -23,6 +22,7 @@ __all__ = [
     "MAX_LONG_STATE_BYTES",
     "MAX_STATE_BYTES",
     "NO_READINGS",
+    "DuplicateNotes",
     "JsonMessage",
     "Readings",
     "as_fields",
@@ -31,7 +31,6 @@ __all__ = [
     "fields_of",
     "is_unknown",
     "meaning_reader",
-    "noting_duplicates",
     "number_of",
     "numbers_of",
     "parse_json",
@@ -63,7 +62,7 @@ _MAX_SHOWN = 60
 def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bool = False) -> object:
     """Return what *payload* says in JSON.
 
-    Of keys that are there twice the last one counts, see :func:`noting_duplicates`. Numbers are ``int``, or ``float``
+    Of keys that are there twice the last one counts, see :class:`DuplicateNotes`. Numbers are ``int``, or ``float``
     with an end.
 
     Args:
@@ -197,15 +196,20 @@ _noted: ContextVar[list[str] | None] = ContextVar("_noted", default=None)
 _MOST_NOTED = 10
 
 
-@contextmanager
-def noting_duplicates() -> Iterator[list[str]]:
-    """Give the list of the keys that were there twice in what :func:`parse_json` read meanwhile, the first ten."""
-    keys: list[str] = []
-    token = _noted.set(keys)
-    try:
-        yield keys
-    finally:
-        _noted.reset(token)
+class DuplicateNotes:
+    """A context that gives the keys that were twice in what :func:`parse_json` read meanwhile, the first ten."""
+
+    __slots__ = ("_token",)
+
+    def __enter__(self) -> list[str]:
+        """Note from now on."""
+        keys: list[str] = []
+        self._token = _noted.set(keys)
+        return keys
+
+    def __exit__(self, *error: object) -> None:
+        """Note no more."""
+        _noted.reset(self._token)
 
 
 def _note(key: str) -> None:

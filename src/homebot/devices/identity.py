@@ -31,11 +31,12 @@ def identifiers(declared: Iterable[str]) -> tuple[str, ...]:
     others: dict[str, None] = {}
     for text in declared:
         spelled = text.strip()
-        address = _address(spelled.casefold())
+        folded = spelled.casefold()
+        address = _address(folded)
         if address:
             kind = "mac" if len(address) == _MAC_DIGITS else "eui64"
             hardware[f"{kind}:{address}"] = None
-        if spelled and spelled.casefold().replace(":", "").replace("-", "").removeprefix("0x") != address:
+        if spelled and folded.replace(":", "").replace("-", "").removeprefix("0x") != address:
             others[f"id:{spelled}"] = None
     return (*hardware, *others)
 

@@ -67,15 +67,15 @@ class Part(Message):
 
 def size_of_texts(texts: Iterable[str]) -> int:
     """Return the size of *texts* in bytes, about."""
-    lengths = [*map(len, texts)]
-    return sum(lengths) + _EACH * len(lengths)
+    known = tuple(texts)
+    return len("".join(known)) + _EACH * len(known)
 
 
 def size_of_parts(parts: Iterable[Part]) -> int:
     """Return the size of the topics and options of *parts* in bytes, about; the rest of a part is short."""
     size = 0
     for part in parts:
-        size += sum(map(len, part.reads)) + sum(map(len, part.writes)) + _EACH * (len(part.reads) + len(part.writes))
+        size += size_of_texts(part.reads + part.writes)
         for capability in part.capabilities:
             if capability.options:
                 size += size_of_texts(capability.options)

@@ -127,6 +127,21 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of what is 
         _set_private(message, None)
         return message
 
+    def with_checked(self, **changes: object) -> Self:
+        """Return the message with *changes*, without a look at their values; see :meth:`of_checked`."""
+        kind = type(self)
+        message = _new(kind)
+        _set_fields(message, {**self.__dict__, **changes})
+        _set_names(message, _ALL_FIELDS[kind])
+        _set_extra(message, None)
+        _set_private(message, None)
+        return message
+
+    def slimmed(self) -> Self:
+        """Return this message, which forgets which of its fields were given: up to 2 kB, and nobody asks for them."""
+        _set_names(self, _ALL_FIELDS[type(self)])
+        return self
+
     def __eq__(self, other: object) -> bool:
         """Return whether *other* is of the same type and has equal fields; there is nothing else in a message."""
         if type(self) is not type(other):

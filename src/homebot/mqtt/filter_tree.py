@@ -147,8 +147,13 @@ class FilterIndex(Generic[Key]):
 
     def match(self, topic: str) -> tuple[Key, ...]:
         """Return the items of every filter that matches *topic*, each once."""
-        found = dict(self._exact.get(topic, ()))
-        if self._wild.nodes:
-            for items in self._wild.matching(topic.split("/"))[0]:
-                found.update(items)
+        exact = self._exact.get(topic, ())
+        wild = self._wild.matching(topic.split("/"))[0] if self._wild.nodes else ()
+        if not wild:
+            return tuple(exact)
+        if not exact and len(wild) == 1:
+            return tuple(wild[0])
+        found = dict.fromkeys(exact)
+        for items in wild:
+            found.update(items)
         return tuple(found)

@@ -26,6 +26,7 @@ MAX_TOPIC_BYTES = 65_535
 
 _SHORT = MAX_TOPIC_BYTES // 4
 _SHARE_PREFIX = "$share/"
+_PLAIN_TEXT = re.compile(r"[ -\"%-*,-~]{1,1024}").fullmatch  # as nearly every topic is: no rule can find a fault
 _PLAIN_FILTER = re.compile(r"(?:(?:\+|[^/+#]*)/)*(?:\+|#|[^/+#]*)").fullmatch  # level by level takes far longer
 _TOPIC = "topic"
 _FILTER = "topic filter"
@@ -56,6 +57,8 @@ def validate_topic(topic: str) -> None:
         InvalidNameError: The name is empty, longer than 65,535 bytes in UTF-8, or holds a wildcard, U+0000 or
             a surrogate.
     """
+    if _PLAIN_TEXT(topic) is not None:
+        return
     _check_text(_TOPIC, topic)
     if "+" in topic or "#" in topic:
         position = next(place for place, character in enumerate(topic) if character in "+#")
@@ -71,6 +74,8 @@ def validate_filter(filter: str) -> None:  # noqa: A002 - the protocol's own wor
             has a wildcard that is not a whole level, has ``#`` before the last level, or starts with
             ``$share/`` without a usable group and filter behind it.
     """
+    if _PLAIN_TEXT(filter) is not None:
+        return
     _check_text(_FILTER, filter)
     if filter.startswith(_SHARE_PREFIX):
         _check_levels(filter, parse_shared_filter(filter))

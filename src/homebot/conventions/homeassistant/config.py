@@ -135,9 +135,9 @@ class DiscoveryConfig:
         if len(entries) > MAX_OPTIONS:
             raise self._refusal(key, value, f"a list of at most {MAX_OPTIONS} texts")
         options = tuple([one if type(one) is str else self._as_text(key, one) for one in entries])
-        for option in options:
-            if len(option) > _MAX_OPTION:
-                raise self._refusal(key, option, f"texts of at most {_MAX_OPTION} characters")
+        if options and max(map(len, options)) > _MAX_OPTION:
+            longest = max(options, key=len)
+            raise self._refusal(key, longest, f"texts of at most {_MAX_OPTION} characters")
         return options
 
     def template(self, key: str) -> Template | None:

@@ -113,7 +113,8 @@ def _facts(fields: Mapping[str, object], names: Mapping[str, str]) -> dict[str, 
 
 def _as_text(value: object, limit: int) -> str:
     if isinstance(value, str):
-        return clean_text(value, limit)
+        # As clean_text says it, for most texts of an announcement without that call.
+        return value.strip() if len(value) <= limit and value.isprintable() else clean_text(value, limit)
     if isinstance(value, (bool, float)) or (isinstance(value, int) and abs(value) < _HUGE):
         return str(value)
     return ""
@@ -228,9 +229,10 @@ def _source(config: DiscoveryConfig, topic: str, template_key: str) -> _PayloadA
     )
 
 
+_MODES: Mapping[str, AvailabilityMode] = {mode: mode for mode in get_args(AvailabilityMode)}
+
+
 def _mode(text: str) -> AvailabilityMode:
-    for mode in get_args(AvailabilityMode):
-        if mode == text:
-            known: AvailabilityMode = mode
-            return known
+    if text in _MODES:
+        return _MODES[text]
     raise WireError(f"availability_mode is {shown(text)}, not all, any or latest")

@@ -99,10 +99,10 @@ class LightFeatures:
     color_mode: str = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "has_level", bool(self.modes - {"onoff"}))
+        object.__setattr__(self, "has_level", not self.modes <= _NO_LEVEL)
         object.__setattr__(self, "has_white", "color_temp" in self.modes)
-        colors = [mode for mode in _PREFERRED if mode in self.modes]
-        object.__setattr__(self, "color_mode", colors[0] if colors else "")
+        color_mode = "" if self.modes.isdisjoint(_PREFERRED) else next(one for one in _PREFERRED if one in self.modes)
+        object.__setattr__(self, "color_mode", color_mode)
 
     def add_to(self, entity: Entity, readable: Container[str]) -> None:
         """Give *entity* its capabilities, of which those that *readable* names are reported."""
@@ -176,6 +176,7 @@ def _white_range(most: int, least: int, low: int, high: int) -> WhiteRange:
 
 _WHITE_FIELDS = frozenset({"max_mireds", "min_mireds", "min_kelvin", "max_kelvin"})
 _USUAL_WHITE = WhiteRange((2_000, 6_535), (2_000.0, 6_535.0))
+_NO_LEVEL = frozenset({"onoff"})
 _PREFERRED = ("hs", "rgb", "rgbw", "rgbww", "xy")
 _MOST_MIRED = 1_000_000
 _MOST_KELVIN = 1_000_000

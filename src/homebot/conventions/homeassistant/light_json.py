@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
@@ -50,9 +50,16 @@ def build_json_light(config: DiscoveryConfig) -> DescribedPart:
 
 
 def _modes(config: DiscoveryConfig) -> frozenset[str]:
-    modes = frozenset(config.options("supported_color_modes"))
-    if not modes:
+    options = config.options("supported_color_modes")
+    if not options:
         return frozenset({"brightness" if config.flag("brightness") else "onoff"})
+    return _listed_modes(options) if len(options) <= len(_MODES) else _listed_modes.__wrapped__(options)
+
+
+@lru_cache(maxsize=64)
+def _listed_modes(options: tuple[str, ...]) -> frozenset[str]:
+    """Return the modes of a kind of lamp, of which a house has many."""
+    modes = frozenset(options)
     alone = len(modes) > 1 and modes & {"brightness", "onoff"}
     if modes - _MODES or alone or ("white" in modes and not modes & CHANNELS.keys()):
         raise WireError(f"light: supported_color_modes are {shown(', '.join(sorted(modes)))}, which cannot be combined")

@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 from homebot.conventions.description import (
     AnnouncementEvent,
+    Availability,
     DescribedPart,
     DeviceAnnounced,
     DeviceWithdrawn,
@@ -96,7 +97,7 @@ def _described(
     if whole is None and described and (len(described) == 1 or _have_one_availability(described)):
         whole = described[0].availability
     if whole is not None:
-        described = tuple([replace(one, availability=None) if one.availability == whole else one for one in described])
+        described = tuple([_without(whole, one) for one in described])
     return DeviceAnnounced(
         key=where.key,
         convention="homeassistant",
@@ -108,6 +109,10 @@ def _described(
         facts={**device.facts, **_facts(parts)},
         availability=whole,
     )
+
+
+def _without(whole: Availability, part: DescribedPart) -> DescribedPart:
+    return part if part.availability is None or part.availability != whole else replace(part, availability=None)
 
 
 def _have_one_availability(parts: tuple[DescribedPart, ...]) -> bool:

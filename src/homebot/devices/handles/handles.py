@@ -81,7 +81,7 @@ class TrackedDevice:
     def current(self) -> Device:
         """Return the device with the newest values of its parts."""
         states = tuple([state for _, state in self._states.values()])
-        return Device.of_checked(**{**vars(self.device), "states": states})
+        return self.device.with_checked(states=states)
 
     def _put(self, state: State, sequence: int) -> None:
         """Put *state* in place of an older one by its number, as the clock of its stamp may have been set back."""

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 from homebot.conventions.description import AutoExpiry, DescribedPart, DeviceAnnounced, Publication
 from homebot.conventions.payload import NO_READINGS, Readings
-from homebot.devices import Sighting
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Part
@@ -70,7 +69,7 @@ class GatewayDevice:
         own = {name: getattr(self, name) for name in ("service_type", "address", "command_address")}
         given = {name: text for name, text in own.items() if text}
         if given:
-            stored.template = Sighting.of_checked(**stored.template.__dict__ | given)
+            stored.template = stored.template.with_checked(**given)
 
 
 class _NoCodec:

@@ -58,12 +58,16 @@ class DeviceReporter:
         self._seconds = max(0.0, min(self._clock.now(), _LAST - self._stale_after))
         self.now = self._clock.monotonic()
         self.stamp = Time.from_seconds(self._seconds)
+        self._until = 0.0, self.stamp
 
     def publish_sighting(self, device: StoredAnnouncement, kind: SightingKind, why: str, *, confirmed: bool) -> None:
         """Publish that a device is there, still there, or gone."""
         device.refresh_at = self.now + REFRESH
         device.is_confirmed = confirmed
-        until = Time.from_seconds(min(self._seconds + (device.stale_after or self._stale_after), _LAST))
+        stale_after = device.stale_after or self._stale_after
+        if stale_after != self._until[0]:  # nearly all devices have the same
+            self._until = stale_after, Time.from_seconds(min(self._seconds + stale_after, _LAST))
+        until = self._until[1]
         self._gateway.publish_sighting(
             device.sighting(kind, why, at=self.stamp, until=until, heard_at=self.now, confirmed=confirmed)
         )

@@ -9,7 +9,7 @@ from typing import TypeGuard
 from homebot.clock import Clock, TimeSlice
 from homebot.conventions.convention import Convention, SlicedConvention
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceRequest, DeviceWithdrawn
-from homebot.conventions.payload import noting_duplicates
+from homebot.conventions.payload import DuplicateNotes
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.gateways.announced.counters import GatewayCounters
@@ -99,7 +99,7 @@ class AnnouncementHandler:
         """
         self._accepted = self._offended = False
         self._counters.announcements += 1
-        with noting_duplicates() as repeated:
+        with DuplicateNotes() as repeated:
             await self._take(message, conventions)
         if repeated:
             self._counters.announcements_ambiguous += 1
@@ -138,8 +138,10 @@ class AnnouncementHandler:
     async def _take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
         for convention in conventions:
             steps = _steps(convention, message)
+            # Of a list of devices nobody knows here which bytes are whose.
+            length = 0 if _is_sliced(convention) else len(message.payload)
             work, taken = TimeSlice(self._clock), 0
-            while taken <= MAX_STEPS and self._step(steps, convention, message):
+            while taken <= MAX_STEPS and self._step(steps, convention, message, length):
                 taken += 1
                 if work.is_over:
                     # Out of the reach of the faults of conventions: a cancellation here is meant for the gateway.
@@ -153,13 +155,13 @@ class AnnouncementHandler:
             is_valid = not self._offended
             self._quarantine.budgets.accept(message.topic, message.payload, self._reporter.now, is_valid=is_valid)
 
-    def _step(self, steps: Iterator[AnnouncementEvent | None], convention: Convention, message: MqttMessage) -> bool:
+    def _step(
+        self, steps: Iterator[AnnouncementEvent | None], convention: Convention, message: MqttMessage, length: int
+    ) -> bool:
         """Handle the next of what a message tells; return whether more may come."""
         try:
             match next(steps, _END):
                 case DeviceAnnounced() as described:
-                    # Of a list of devices nobody knows here which bytes are whose.
-                    length = 0 if _is_sliced(convention) else len(message.payload)
                     self._describe(described, message, length)
                 case DeviceWithdrawn() as withdrawn:
                     self._withdraw(convention, withdrawn)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 from homebot.conventions.convention import Convention, TextConvention
 from homebot.conventions.text_codec import TextCodec
@@ -16,6 +17,8 @@ from homebot.mqtt.filter_tree import FilterIndex, has_wildcard
 __all__ = ["AnnouncementRegistry", "TopicReaders"]
 
 _MAX_ROUTES = 50_000
+_MAX_GROUPS = 64
+"""Groups of conventions that find announcements on the same topics: few, however many topics there are."""
 
 
 _BOUNDS = RegistryLimits()
@@ -74,6 +77,7 @@ class AnnouncementRegistry(DeviceRegistry):
                 self._announcements.add(topic_filter, convention)
         self._readers: FilterIndex[AnnouncedPart | AvailabilityReader] = FilterIndex()
         self._reader_counts: dict[str, int] = {}
+        self._announcement_readers = lru_cache(_MAX_GROUPS)(TopicReaders)
         self._routes = _Routes(self._find)
         self.route = self._routes.__getitem__
 
@@ -86,7 +90,7 @@ class AnnouncementRegistry(DeviceRegistry):
     ) -> tuple[tuple[WireError, ...], Readers]:
         refused: list[WireError] = []
         readers: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
-        for topic_filter, reader in tuple(_readings(stored)):  # first all, because a plug-in may fail on the way
+        for topic_filter, reader in _readings(stored):
             count = self._reader_counts.get(topic_filter, 0)
             if count >= self._limits.readers and isinstance(reader, AnnouncedPart):
                 refused.append(
@@ -154,7 +158,7 @@ class AnnouncementRegistry(DeviceRegistry):
             conventions = tuple(one for one in conventions if one not in self._text_conventions)
         if not readers and text is None:  # announcements are many, and few of them come again
             if conventions or texts:
-                return TopicReaders(conventions, texts)
+                return self._announcement_readers(conventions, texts)
             route = None
         else:
             availability_readers = tuple(one for one in readers if isinstance(one, AvailabilityReader))
@@ -196,11 +200,13 @@ def _is_new(availability_reader: AvailabilityReader, before: StoredAnnouncement)
     )
 
 
-def _readings(stored: StoredAnnouncement) -> Iterator[tuple[str, AnnouncedPart | AvailabilityReader]]:
-    """Yield each filter that something of *stored* is read on, with what is."""
+def _readings(stored: StoredAnnouncement) -> list[tuple[str, AnnouncedPart | AvailabilityReader]]:
+    """Return each filter that something of *stored* is read on, with what is; all at once, as a plug-in may fail."""
+    found: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
     for announced_part in stored.parts.values() if stored.described.text is None else ():
         for topic_filter in dict.fromkeys(announced_part.described.codec.topics()):
-            yield topic_filter, announced_part
+            found.append((topic_filter, announced_part))  # noqa: PERF401 - a list for each part costs more
     for part, reachability in stored.reachability.items():
         for index, source in enumerate(reachability.availability.sources):
-            yield source.topic, AvailabilityReader(stored, part, index)
+            found.append((source.topic, AvailabilityReader(stored, part, index)))
+    return found

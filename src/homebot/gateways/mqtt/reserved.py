@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from operator import attrgetter
 
 from homebot.conventions.convention import Convention, ReservingConvention, TextConvention
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
@@ -21,7 +20,6 @@ __all__ = ["ReservedTopics"]
 OWN = "homebot"
 _BRIDGE_REQUEST = "/bridge/request/"
 
-_TOPIC = attrgetter("topic")
 _CACHED = 1024
 """Topics whose reason is kept: devices get commands on the same ones again and again."""
 
@@ -69,12 +67,8 @@ class ReservedTopics:
 
         Such a part stays, and can be read; it cannot be told anything.
         """
-        reason, convention = self.why, described.convention
-        if not any(
-            reason(topic, convention)
-            for one in described.parts
-            for topic in (*one.part.writes, *map(_TOPIC, one.state_requests))
-        ):
+        convention = described.convention
+        if not any(self._has_reserved(convention, part) for part in described.parts):
             return described, ()
         refused: dict[str, str] = {}
         parts = tuple([self._part(convention, part, refused) for part in described.parts])
@@ -94,6 +88,13 @@ class ReservedTopics:
             elif not convention or rule.free_for != convention:
                 return rule.why
         return why
+
+    def _has_reserved(self, convention: str, described: DescribedPart) -> bool:
+        for topic in described.part.writes:
+            if self.why(topic, convention):
+                return True
+        asks = described.state_requests
+        return bool(asks) and any(self.why(ask.topic, convention) for ask in asks)
 
     def _part(self, convention: str, described: DescribedPart, refused: dict[str, str]) -> DescribedPart:
         found = {one: why for one in described.part.writes if (why := self.why(one, convention))}
