@@ -29,6 +29,7 @@ def test_a_topic_finds_exactly_what_matches_and_was_not_removed(
     found = tree.match(topic)
     assert set(found) == wanted
     assert len(found) == len(wanted)
+    assert tree.has_match(topic) is bool(wanted)
 
 
 def test_removing_what_is_not_there_changes_nothing() -> None:

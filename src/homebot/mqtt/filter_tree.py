@@ -145,6 +145,10 @@ class FilterIndex(Generic[Key]):
             if not items:
                 del self._exact[topic_filter]
 
+    def has_match(self, topic: str) -> bool:
+        """Return whether *topic* finds any item."""
+        return topic in self._exact or (self._wild.nodes > 0 and bool(self._wild.matching(topic.split("/"))[0]))
+
     def match(self, topic: str) -> tuple[Key, ...]:
         """Return the items of every filter that matches *topic*, each once."""
         exact = self._exact.get(topic, ())

@@ -83,7 +83,7 @@ class AnnouncementRegistry(DeviceRegistry):
 
     def is_read(self, topic: str) -> bool:
         """Return whether a part, or an availability reader, reads *topic* now."""
-        return topic in self._texts or bool(self._readers.match(topic))
+        return topic in self._texts or self._readers.has_match(topic)
 
     def _enter(
         self, stored: StoredAnnouncement, before: StoredAnnouncement | None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import struct
+from functools import lru_cache
 from typing import Any, Final
 
 import aiomqtt
@@ -110,7 +111,10 @@ def subscribe_options(wanted: MqttSubscription, version: MqttVersion) -> int | S
     """Return how paho subscribes to it."""
     if version != "5":
         return wanted.qos
-    return SubscribeOptions(wanted.qos, wanted.no_local, wanted.retain_as_published, wanted.retain_handling)
+    return _options(wanted.qos, wanted.no_local, wanted.retain_as_published, wanted.retain_handling)
+
+
+_options = lru_cache(maxsize=64)(SubscribeOptions)  # paho only reads them, and takes long to make one
 
 
 def grant_of(version: MqttVersion, flags: paho.ConnectFlags, properties: Properties | None) -> SessionGrant:
