@@ -29,7 +29,7 @@ def parse_strict(text: str | bytes) -> object:
 
 
 def in_ascii(text: str) -> str:
-    """Return the JSON *text* as :mod:`json` writes it, with all but visible ASCII and blanks as escapes.
+    """Return the JSON *text* as the module `json` writes it, with all but visible ASCII and blanks as escapes.
 
     Characters of the C1 set and half a surrogate pair are among them.
     """
@@ -40,7 +40,7 @@ def in_ascii(text: str) -> str:
 def object_noting(note: Callable[[str], None]) -> Callable[[list[tuple[str, Any]]], dict[str, Any]]:
     """Return what makes objects of pairs and calls *note* with each key that is there again; the last one counts.
 
-    It is for :class:`json.JSONDecoder`, as ``object_pairs_hook``.
+    It is for `json.JSONDecoder`, as ``object_pairs_hook``.
     """
 
     def made(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
