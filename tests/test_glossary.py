@@ -34,7 +34,7 @@ PLAIN = """
 account ack base choice memory paho version
 ahead alive applicant authentication backoff blocking budget byte cached candidate clean
 completion connect console context conversion core count counter deadline deferred delayed descriptor dial
-dict dropped dutie entity excess expiring fact fake feed find flight forget frame grant group half health
+dict dropped duplicate dutie entity excess expiring fact fake feed find flight forget frame grant group half health
 held history host hosted housekeeping inbound inbox info intake journal keeper keyed lazy life limit
 liveliness liveness loaded login loss manual mark merger open option outbound output parser phase place
 planned policy pool problem production publish publishing pulse quantity queued reach receipt received receiver

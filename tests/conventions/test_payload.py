@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.conventions.payload import (
-    DuplicateNotes,
+    DuplicateKeys,
     as_fields,
     clean_text,
     compact_json,
@@ -31,13 +31,13 @@ def test_keys_that_are_there_twice_are_noted_or_refused() -> None:
     """The last one counts where that is not asked for."""
     text = '{"a": 1, "b": {"c": 1, "c": 2}, "a": 3}'
     assert parse_json(text) == {"a": 3, "b": {"c": 2}}
-    with DuplicateNotes() as keys:
+    with DuplicateKeys() as keys:
         assert parse_json(text) == {"a": 3, "b": {"c": 2}}
         parse_json('{"a": [{"a": 1}, {"a": 2}]}')
     assert keys == ["c", "a"]
     with pytest.raises(WireError, match="the key 'c' occurs twice"):
         parse_json(text, unique=True)
-    with DuplicateNotes() as keys:
+    with DuplicateKeys() as keys:
         parse_json("[" + ",".join(['{"x": 1, "x": 2}'] * 1000) + "]")
     assert len(keys) == 10
 

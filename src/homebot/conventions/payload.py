@@ -22,7 +22,7 @@ __all__ = [
     "MAX_LONG_STATE_BYTES",
     "MAX_STATE_BYTES",
     "NO_READINGS",
-    "DuplicateNotes",
+    "DuplicateKeys",
     "JsonMessage",
     "Readings",
     "as_fields",
@@ -62,7 +62,7 @@ _MAX_SHOWN = 60
 def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bool = False) -> object:
     """Return what *payload* says in JSON.
 
-    Of keys that are there twice the last one counts, see :class:`DuplicateNotes`. Numbers are ``int``, or ``float``
+    Of keys that are there twice the last one counts, see :class:`DuplicateKeys`. Numbers are ``int``, or ``float``
     with an end.
 
     Args:
@@ -196,7 +196,7 @@ _noted: ContextVar[list[str] | None] = ContextVar("_noted", default=None)
 _MOST_NOTED = 10
 
 
-class DuplicateNotes:
+class DuplicateKeys:
     """A context that gives the keys that were twice in what :func:`parse_json` read meanwhile, the first ten."""
 
     __slots__ = ("_token",)

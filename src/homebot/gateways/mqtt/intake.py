@@ -9,7 +9,7 @@ from typing import TypeGuard
 from homebot.clock import Clock, TimeSlice
 from homebot.conventions.convention import Convention, SlicedConvention
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceRequest, DeviceWithdrawn
-from homebot.conventions.payload import DuplicateNotes
+from homebot.conventions.payload import DuplicateKeys
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.gateways.announced.counters import GatewayCounters
@@ -99,7 +99,7 @@ class AnnouncementHandler:
         """
         self._accepted = self._offended = False
         self._counters.announcements += 1
-        with DuplicateNotes() as repeated:
+        with DuplicateKeys() as repeated:
             await self._take(message, conventions)
         if repeated:
             self._counters.announcements_ambiguous += 1
