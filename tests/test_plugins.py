@@ -33,8 +33,20 @@ def test_a_package_that_comes_onto_the_path_later_is_found(tmp_path: Path, monke
 
 def test_an_unknown_name_is_told_with_what_is_installed() -> None:
     """So that a slip of the pen is seen at once."""
-    with pytest.raises(PluginError, match=r"plug-in 'lightservice': is not installed \(installed: .*light_service"):
+    with pytest.raises(PluginError, match=r"plug-in 'lightservice' is not installed \(installed: .*light_service"):
         load_plugin("homebot.apps", "lightservice")
+
+
+def test_a_module_without_its_class_is_told_how_it_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "window_light.py").write_text("class WindowLight: pass\n")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(PluginError, match=r"is not installed .*; did you mean window_light:CLASS, with the name of"):
+        load_plugin("homebot.apps", "window_light")
+
+
+def test_a_misspelt_plug_in_is_told_with_the_one_that_is_like_it() -> None:
+    with pytest.raises(PluginError, match=r"'light_servce' is not installed .*; did you mean light_service\?"):
+        load_plugin("homebot.apps", "light_servce")
 
 
 def test_a_class_of_your_own_is_found_in_the_working_directory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,24 +26,38 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, TypeAlias, TypeVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, ValidationInfo
-from pydantic_core import PydanticSerializationError, to_json
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    SecretStr,
+    ValidationError,
+    ValidationInfo,
+)
+from pydantic_core import ErrorDetails, PydanticSerializationError, to_json
 
 from homebot.errors import ConfigError, InvalidNameError, UsageError
 from homebot.file_access import readable_by_others, why_not_private, why_not_trusted
 from homebot.logger import get_logger
 from homebot.names import validate_node_name
+from homebot.similar import unknown_key
 from homebot.toml_file import TomlTable, read_toml
 
 __all__ = [
+    "UNNAMED",
     "Config",
     "FilePath",
     "HomeSettings",
     "Table",
     "check_secret_file",
+    "folder_of",
+    "in_folder",
     "load_config",
+    "load_tables",
     "parse_config",
     "parse_settings",
+    "read_password",
     "read_secret",
 ]
 
@@ -56,17 +70,31 @@ _HERE = Path()
 _FOLDER = "folder"
 _LONGEST_SECRET = 65_536
 _LONGEST_SHOWN = 200
+_MOST_ERRORS = 100
+
+
+def folder_of(context: object) -> Path:
+    """Return the folder that relative paths start from, by the *context* with which a model is validated."""
+    return Path(context.get(_FOLDER, _HERE)) if isinstance(context, dict) else _HERE
+
+
+def in_folder(folder: Path) -> dict[str, object]:
+    """Return the context with which a model is validated whose relative paths start from *folder*."""
+    return {_FOLDER: folder}
 
 
 def _in_folder(path: Path, info: ValidationInfo) -> Path:
-    folder = info.context.get(_FOLDER, _HERE) if isinstance(info.context, dict) else _HERE
-    return Path(folder) / path
+    return folder_of(info.context) / path
 
 
 FilePath: TypeAlias = Annotated[Path, AfterValidator(_in_folder)]
 """The path of a file in a configuration; a relative one begins at the folder of the configuration's file."""
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
+
+
+UNNAMED = "home"
+"""The name of a home without one."""
 
 
 class HomeSettings(BaseModel):
@@ -78,7 +106,7 @@ class HomeSettings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    name: str = Field(default="home", min_length=1)
+    name: str = Field(default=UNNAMED, min_length=1)
 
 
 class Config(BaseModel):
@@ -112,14 +140,23 @@ def load_config(path: Path) -> Config:
         ConfigError: It cannot be read, is invalid TOML, may be changed by other users, or has an unknown key or an
             invalid value; the message names file, key and reason.
     """
+    return parse_config(load_tables(path), str(path), path.parent)
+
+
+def load_tables(path: Path) -> dict[str, object]:
+    """Read the TOML file *path* without a look at the keys in its tables.
+
+    Raises:
+        ConfigError: It cannot be read, is invalid TOML, or may be changed by other users.
+    """
     source = str(path)
     tables = read_toml(path)
     if problem := why_not_trusted(path):
         raise ConfigError(source, "", f"names the code that runs, so others must not be able to change it: {problem}")
     for name in ("source", "folder"):
         if name in tables:
-            raise ConfigError(source, name, "is unknown; known are home, gateways, apps, door and discovery")
-    return parse_config(tables, source, path.parent)
+            raise ConfigError(source, name, "unknown key; known are home, gateways, apps, door and discovery")
+    return tables
 
 
 def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE) -> Config:
@@ -156,19 +193,18 @@ def parse_settings(
         folder: Where the paths in it begin that are of the type :data:`FilePath`.
 
     Raises:
-        ConfigError: The first thing that is wrong: an unknown key, a wrong type, a value that may not be.
+        ConfigError: The first thing that is wrong: an unknown key, a wrong type, a value that may not be. What else
+            is wrong is in its ``others``.
     """
     try:
         text = to_json({name: value for name, value in table.items() if name != "class"}, inf_nan_mode="constants")
-        return model.model_validate_json(text, strict=True, context={_FOLDER: folder})
+        return model.model_validate_json(text, strict=True, context=in_folder(folder))
     except ValidationError as exc:
-        first = exc.errors(include_url=False, include_context=False)[0]
-        path = ".".join(part for part in (key, *(str(part) for part in first["loc"])) if part)
-        reason = _reason(_model_at(model, first["loc"][:-1]), first["type"], first["msg"])
-        is_secret = any(word in path.lower() for word in _SECRET_KEYS)
-        shown = "" if is_secret or first["type"] in _COMPLETE_ERRORS else f", got {_shortened(first.get('input'))}"
+        found = exc.errors(include_url=False, include_context=False)[:_MOST_ERRORS]
+        error, *others = [_config_error(model, one, source, key) for one in found]
+        error.others = tuple(others)
         # The cause is left out: it would show the value of a secret.
-        raise ConfigError(source, path, f"{reason}{shown}") from None
+        raise error from None
     except PydanticSerializationError:
         raise ConfigError(source, key, "is nested too deep") from None
 
@@ -190,6 +226,29 @@ def read_secret(path: Path) -> str:
     if not secret:
         raise UsageError(f"the first line of {path} is empty")
     return secret
+
+
+def read_password(password_file: Path | None, password_env: str | None, name: str = "password") -> SecretStr | None:
+    """Return the password, or other secret, that a table names by one of these keys; None where it names none.
+
+    Args:
+        password_file: File whose first line is the password.
+        password_env: Environment variable that holds the password.
+        name: What the keys begin with.
+
+    Raises:
+        UsageError: It cannot be read; names the key.
+    """
+    if password_env is not None:
+        if password_env not in os.environ:
+            raise UsageError(f"{name}_env: the environment variable {password_env} is not set")
+        return SecretStr(os.environ[password_env])
+    if password_file is not None:
+        try:
+            return SecretStr(read_secret(password_file))
+        except UsageError as exc:
+            raise UsageError(f"{name}_file: {exc}") from exc
+    return None
 
 
 def check_secret_file(path: Path, found: os.stat_result) -> None:
@@ -219,6 +278,15 @@ def _shortened(value: object) -> str:
     return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…"
 
 
+def _config_error(model: type[BaseModel], error: ErrorDetails, source: str, key: str) -> ConfigError:
+    """Return *error*, which is about a value in the table *key*, in words."""
+    path = ".".join(part for part in (key, *(str(part) for part in error["loc"])) if part)
+    reason = _reason(_model_at(model, error["loc"][:-1]), error)
+    is_secret = any(word in path.lower() for word in _SECRET_KEYS)
+    shown = "" if is_secret or error["type"] in _COMPLETE_ERRORS else f", got {_shortened(error.get('input'))}"
+    return ConfigError(source, path, f"{reason}{shown}")
+
+
 def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseModel]:
     """Return the model of the table at *path*, as far as tables are models."""
     for part in path:
@@ -229,12 +297,13 @@ def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseM
     return model
 
 
-def _reason(model: type[BaseModel], kind: str, message: str) -> str:
-    if kind == "extra_forbidden":
-        known = ", ".join(name for name in model.model_fields if name not in {"source", "folder"})
-        return f"is unknown; known are {known or 'none'}"
-    if kind == "missing":
+def _reason(model: type[BaseModel], error: ErrorDetails) -> str:
+    """Return what is wrong in the table of *model*, in words."""
+    if error["type"] == "extra_forbidden":
+        known = [name for name in model.model_fields if name not in {"source", "folder"}]
+        return unknown_key(str(error["loc"][-1]), known)
+    if error["type"] == "missing":
         return "is missing"
-    message = message.removeprefix("Value error, ")
+    message = error["msg"].removeprefix("Value error, ")
     is_word = message[1:2].islower()  # and not MQTT
     return f"{message[:1].lower()}{message[1:]}" if is_word else message

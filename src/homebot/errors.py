@@ -106,14 +106,16 @@ class ConfigError(UsageError):
     Attributes:
         source: The file (or the option) the value came from.
         key: Dotted path of the culprit, for example ``gateways.mqtt.url``; empty for the whole file.
-        reason: What is wrong, and what to do.
+        reason: What is wrong, and what to do; begins with a verb where it is about the whole file.
+        others: What else is wrong in the same table.
     """
 
     def __init__(self, source: str, key: str, reason: str) -> None:
-        super().__init__(f"{source}: {key}: {reason}" if key else f"{source}: {reason}")
+        super().__init__(f"{source}: {key}: {reason}" if key else f"{source} {reason}")
         self.source = source
         self.key = key
         self.reason = reason
+        self.others: tuple[ConfigError, ...] = ()
 
 
 class PluginError(UsageError):
@@ -124,7 +126,7 @@ class PluginError(UsageError):
     """
 
     def __init__(self, name: str, reason: str) -> None:
-        super().__init__(f"plug-in {name!r}: {reason}")
+        super().__init__(f"plug-in {name!r} {reason}")
         self.name = name
 
 

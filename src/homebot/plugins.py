@@ -14,6 +14,7 @@ from typing import Any
 
 from homebot.errors import PluginError
 from homebot.file_access import why_not_trusted
+from homebot.similar import did_you_mean
 
 __all__ = ["load_plugin", "plugin_names"]
 
@@ -56,8 +57,15 @@ def _load_entry_point(group: str, name: str) -> object:
                 return point.load()
             except Exception as exc:
                 raise PluginError(name, f"cannot be loaded: {_error_text(exc)}") from exc
-    known = ", ".join(plugin_names(group)) or "none"
-    raise PluginError(name, f"is not installed (installed: {known}); a class of your own is written module:Class")
+    known = plugin_names(group)
+    raise PluginError(name, f"is not installed (installed: {', '.join(known) or 'none'}); {_hint(name, known)}")
+
+
+def _hint(name: str, known: tuple[str, ...]) -> str:
+    """Return what somebody may have meant by *name*: a module without its class, or another plug-in."""
+    if name.isidentifier() and (Path(f"{name}.py").exists() or _is_installed(name)):
+        return f"did you mean {name}:CLASS, with the name of a class in that module?"
+    return did_you_mean(name, known, "a class of your own is written module:Class", cutoff=0.6)
 
 
 def _load_class(path: str) -> object:
@@ -69,11 +77,13 @@ def _load_class(path: str) -> object:
     except PluginError:
         raise
     except Exception as exc:
-        raise PluginError(path, f"the module {module_name!r} cannot be imported: {_error_text(exc)}") from exc
+        raise PluginError(
+            path, f"cannot be loaded: the module {module_name!r} cannot be imported: {_error_text(exc)}"
+        ) from exc
     try:
         return getattr(module, class_name)
     except AttributeError:
-        raise PluginError(path, f"the module {module_name!r} has no {class_name!r}") from None
+        raise PluginError(path, f"cannot be loaded: the module {module_name!r} has no {class_name!r}") from None
 
 
 def _is_installed(module_name: str) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-__all__ = ["did_you_mean", "similar_to"]
+__all__ = ["did_you_mean", "similar_to", "unknown_key"]
 
 _CUTOFF = 0.5
 _MOST = 3
@@ -31,3 +31,10 @@ def did_you_mean(name: str, known: Iterable[str], otherwise: str, cutoff: float 
     """Return ``did you mean …?`` where a *known* name is similar to *name*, and *otherwise* where none is."""
     similar = similar_to(name, known, cutoff)
     return f"did you mean {' or '.join(similar)}?" if similar else otherwise
+
+
+def unknown_key(name: str, known: Iterable[str]) -> str:
+    """Return what is said of the key *name* of a table that has only the *known* ones."""
+    keys = [*known]
+    all_known = f"known are {', '.join(keys) or 'none'}"
+    return f"unknown key; {did_you_mean(name, keys, all_known)}"

@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["DuplicateKeyError", "in_ascii", "object_noting", "parse_strict"]
+__all__ = ["DuplicateKeyError", "duplicate_key_hook", "in_ascii", "parse_strict"]
 
 _ESCAPE = "homebot.json"
 
@@ -24,7 +24,7 @@ def parse_strict(text: str | bytes) -> object:
         ValueError: It is no JSON.
         RecursionError: It is nested too deep.
     """
-    value: object = json.loads(text, object_pairs_hook=_only_once)
+    value: object = json.loads(text, object_pairs_hook=_reject_duplicates)
     return value
 
 
@@ -37,22 +37,22 @@ def in_ascii(text: str) -> str:
     return plain.replace("\x7f", "\\u007f")
 
 
-def object_noting(note: Callable[[str], None]) -> Callable[[list[tuple[str, Any]]], dict[str, Any]]:
-    """Return what makes objects of pairs and calls *note* with each key that is there again; the last one counts.
+def duplicate_key_hook(note: Callable[[str], None]) -> Callable[[list[tuple[str, Any]]], dict[str, Any]]:
+    """Return a hook that builds objects and calls *note* with each key that is there again; the last one counts.
 
     It is for `json.JSONDecoder`, as ``object_pairs_hook``.
     """
 
-    def made(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    def build_object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         found = dict(pairs)
         if len(found) < len(pairs):
             note(_repeated(pairs))
         return found
 
-    return made
+    return build_object
 
 
-def _only_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+def _reject_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
         raise DuplicateKeyError(f"the key {_repeated(pairs)[:60]!r} occurs twice")

@@ -32,6 +32,8 @@ def read_toml(path: Path, *, any_text: bool = False) -> TomlTable:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as exc:
         raise ConfigError(source, "", "cannot be read: it is not UTF-8 text") from exc
+    except FileNotFoundError as exc:
+        raise ConfigError(source, "", "does not exist") from exc
     except (OSError, ValueError) as exc:  # a path may hold what no path can
         raise ConfigError(source, "", f"cannot be read: {getattr(exc, 'strerror', None) or exc}") from exc
     return parse_toml(text, source, any_text=any_text)

@@ -105,5 +105,5 @@ async def test_an_app_finds_the_lamp_reads_it_and_sends_it_a_command(homebot: Te
 
 
 def test_a_setting_that_the_convention_does_not_have_is_an_error_that_names_it() -> None:
-    with pytest.raises(ValidationError, match=r"acme\.colour\n.*unknown; known are prefix"):
+    with pytest.raises(ValidationError, match=r"acme\.colour\n.*unknown key; known are prefix"):
         MqttGatewaySettings.model_validate({"conventions": ["acme"], "acme": {"colour": "red"}})

@@ -1,0 +1,84 @@
+"""A parser of arguments that says which option or command somebody may have meant by one that does not exist."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NoReturn
+
+from homebot.similar import similar_to
+
+__all__ = ["CommandParser"]
+
+_WRONG_COMMAND_LINE = 2
+_CUTOFF = 0.6
+
+
+class CommandParser(argparse.ArgumentParser):
+    """A parser of ``homebot`` or of a command below it; one that needs a command and gets nothing prints its help."""
+
+    _given: Sequence[str] = ()
+
+    def parse_known_args(  # type: ignore[override]  # a namespace of another class is never given
+        self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
+    ) -> tuple[argparse.Namespace, list[str]]:
+        """Parse *args*, all of which must be known; the command that does not know one reports it.
+
+        Raises:
+            SystemExit: *args* are wrong (code 2), or ask for help (code 0).
+        """
+        self._given = sys.argv[1:] if args is None else args
+        if not self._given and self._commands() is not None:
+            self.print_help()
+            self.exit(_WRONG_COMMAND_LINE)
+        found, unknown = super().parse_known_args(self._given, namespace)
+        if unknown:
+            option = next((one for one in unknown if one.startswith("-")), "")
+            stray = f"unexpected argument {unknown[0]!r}; {self._hint}"
+            self._refuse(self._unknown_option(option) if option else stray)
+        return found, unknown
+
+    def error(self, message: str) -> NoReturn:
+        """End the program because of *message*, or of an unknown option, which may be the cause of it."""
+        if option := next(self._unknown_options(), ""):
+            self._refuse(self._unknown_option(option))
+        super().error(message)
+
+    def _check_value(self, action: argparse.Action, value: str) -> None:
+        commands = self._commands()
+        if commands is not None and action is commands and value not in commands.choices:
+            self._refuse(f"no command {value!r}; {self._meant(value, commands.choices)}")
+        super()._check_value(action, value)
+
+    @property
+    def _hint(self) -> str:
+        return f"see `{self.prog} --help`"
+
+    def _commands(self) -> argparse._SubParsersAction[argparse.ArgumentParser] | None:
+        kind = argparse._SubParsersAction  # noqa: SLF001 - argparse has no other way
+        return next((one for one in self._actions if isinstance(one, kind)), None)
+
+    def _unknown_options(self) -> Iterator[str]:
+        """Yield the long options that were given here, and not to a command below, and do not exist."""
+        commands = self._commands()
+        for one in self._given:
+            if one == "--" or (commands is not None and one in commands.choices):
+                return
+            name = one.partition("=")[0]
+            is_known = any(option.startswith(name) for option in self._option_string_actions)
+            if name.startswith("--") and " " not in name and not is_known:
+                yield name
+
+    def _unknown_option(self, option: str) -> str:
+        name = option.partition("=")[0]
+        known = [one[2:] for one in self._option_string_actions if one.startswith("--")]
+        return f"unknown option {name}; {self._meant(name.lstrip('-'), known, '--')}"
+
+    def _meant(self, name: str, known: Iterable[str], prefix: str = "") -> str:
+        """Return what was most likely meant, or where to look."""
+        similar = similar_to(name, known, _CUTOFF)
+        return f"did you mean {prefix}{similar[0]}?" if similar else self._hint
+
+    def _refuse(self, problem: str) -> NoReturn:
+        self.exit(_WRONG_COMMAND_LINE, f"{self.prog}: {problem}\n")
