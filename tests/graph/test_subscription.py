@@ -86,6 +86,28 @@ async def test_a_concurrent_callback_runs_side_by_side_up_to_the_depth(node: Nod
     assert (running, most) == (0, 3)
 
 
+async def test_concurrent_callbacks_begin_in_order_each_in_a_task_of_its_own(node: Node) -> None:
+    """Whether a message comes alone or with others, and while earlier ones are still handled."""
+    begun: list[str] = []
+    tasks: set[int] = set()
+    done = anyio.Event()
+
+    async def slow(message: String) -> None:
+        begun.append(message.data)
+        tasks.add(anyio.get_current_task().id)
+        await done.wait()
+
+    publisher = node.create_publisher(String, "t")
+    node.create_subscription(String, "t", slow, concurrent=True)
+    for burst in (["1"], ["2", "3", "4"], ["5"], ["6", "7"]):
+        for word in burst:
+            publisher.publish(text(word))
+        await anyio.wait_all_tasks_blocked()
+    assert begun == list("1234567")
+    assert len(tasks) == 7
+    done.set()
+
+
 async def test_a_concurrent_plain_function_is_called_too(node: Node) -> None:
     got: list[String] = []
     subscription = node.create_subscription(String, "t", got.append, concurrent=True)

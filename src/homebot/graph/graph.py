@@ -106,11 +106,11 @@ class Graph:
 
     def get_service_types(self) -> tuple[ServiceType[Any, Any], ...]:  # as above
         """Return the types of the services that have a server, each once; costs what there are of types."""
-        firsts = (
+        first_endpoints = (
             self._endpoints.first_of_type(EntityKind.SERVICE, ros_type)
             for ros_type in self._endpoints.types(EntityKind.SERVICE)
         )
-        return tuple(self._services[first.name].service_type for first in firsts if first)
+        return tuple(self._services[first.name].service_type for first in first_endpoints if first)
 
     def get_topics_of_type(self, ros_type: str) -> tuple[str, ...]:
         """Return the full names of the topics that carry the type with the full name *ros_type*, sorted."""

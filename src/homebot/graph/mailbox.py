@@ -33,7 +33,11 @@ class Queue(Protocol[T]):
         ...
 
     def popleft(self) -> T:
-        """Remove and return the oldest item."""
+        """Remove and return the oldest item.
+
+        Raises:
+            LookupError: There is none.
+        """
         ...
 
     def __len__(self) -> int: ...

@@ -49,6 +49,7 @@ class Publisher(Generic[MessageT]):
         self._mailboxes: tuple[Mailbox[MessageT | Expiring[MessageT]], ...] = ()
         self._history = _history(message_type, qos)
         self._is_plain = self._history is None and not qos.lifespan
+        self._is_keyed = message_type.key_field is not None
         self._closed = False
 
     @property
@@ -84,7 +85,13 @@ class Publisher(Generic[MessageT]):
         if not self._is_plain:
             self._publish_kept(message)
             return
-        # Written out rather than calling Mailbox.put: this loop is what a delivery costs.
+        # Written out rather than calling Mailbox.put: these loops are what a delivery costs.
+        if self._is_keyed:  # its queues keep their own bounds
+            for mailbox in self._mailboxes:
+                mailbox.queue.append(message)
+                if mailbox.waiter is not None:
+                    mailbox.wake()
+            return
         for mailbox in self._mailboxes:
             queue = mailbox.queue
             if len(queue) >= mailbox.depth:
@@ -177,5 +184,5 @@ def _history(
         return None
     if message_type.key_field is None:
         return deque(maxlen=qos.queue_depth)
-    read_key = attrgetter(message_type.key_field)
-    return keyed_queue(qos.queue_depth, lambda item: read_key(item.message if isinstance(item, Expiring) else item))
+    read_key = attrgetter(f"message.{message_type.key_field}" if qos.lifespan else message_type.key_field)
+    return keyed_queue(qos.queue_depth, read_key)

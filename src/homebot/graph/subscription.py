@@ -158,14 +158,15 @@ class Subscription(Generic[MessageT]):
 
     async def _run_in_turn(self, callback: Callback[MessageT]) -> None:
         mailbox = self.mailbox
-        queue, senders = mailbox.queue, mailbox.senders
+        take, senders = mailbox.queue.popleft, mailbox.senders
         task = asyncio.current_task()
         while True:
-            while queue:
+            while mailbox.queue:
                 for _ in range(TURN):
-                    if not queue:
+                    try:
+                        item = take()
+                    except LookupError:  # it is empty; to ask first would be a call for each message
                         break
-                    item = queue.popleft()
                     if senders:
                         mailbox.admit_senders()
                     if type(item) is Expiring:
@@ -190,6 +191,11 @@ class Subscription(Generic[MessageT]):
                 return
 
     async def _run_concurrently(self, callback: Callback[MessageT]) -> None:
+        """Let the task that takes a message handle it, while the next one goes on to read.
+
+        So a lone message, as nearly all are, waits for no task to begin. Those that lie there already get their tasks
+        in one go, and begin in their order.
+        """
         limit = anyio.Semaphore(self.qos.queue_depth, fast_acquire=True)
 
         async def handle(message: MessageT) -> None:
@@ -205,15 +211,23 @@ class Subscription(Generic[MessageT]):
             finally:
                 limit.release()
 
-        async with anyio.create_task_group() as tasks:
+        async def read() -> None:
             while True:
                 await limit.acquire()  # before the message is taken: until then it waits where losses are counted
+                is_first = not self.mailbox.queue
                 try:
                     await self.mailbox.wait()  # here, because each wake-up goes through all that wait
                     message = await self.receive()
                 except ClosedError:
                     return
+                if is_first and not self.mailbox.queue:
+                    tasks.start_soon(read)
+                    await handle(message)
+                    return
                 tasks.start_soon(handle, message)
+
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(read)
 
     def _unexpired(self, item: Expiring[MessageT]) -> MessageT | None:
         if self._clock.monotonic() < item.expires_at:
@@ -229,7 +243,7 @@ def key_of(message_type: type[MessageT]) -> Callable[[MessageT | Expiring[Messag
     read_key = attrgetter(message_type.key_field)
 
     def key(item: MessageT | Expiring[MessageT]) -> Hashable:
-        found: Hashable = read_key(item.message if isinstance(item, Expiring) else item)
+        found: Hashable = read_key(item.message if type(item) is Expiring else item)
         return found
 
     return key

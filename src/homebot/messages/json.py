@@ -95,12 +95,15 @@ def validation_problem(error: ValidationError, secrets: frozenset[str] = frozens
 
     Of the fields *secrets* the value is not shown.
     """
-    first = error.errors(include_url=False)[0]
+    all_errors = error.errors(include_url=False)
+    first = all_errors[0]
     if first["loc"] and first["loc"][0] in secrets:
         return f"field {first['loc'][0]!r}: {first['msg'][:1].lower()}{first['msg'][1:]}"
     path = ".".join(str(part) for part in first["loc"])
     if first["type"] == "missing":
-        return f"field {path!r} is missing"
+        unknown = [one["loc"] for one in all_errors if one["type"] == "extra_forbidden"]
+        instead = f", and field {'.'.join(map(str, unknown[0]))!r} is unknown" if unknown else ""
+        return f"field {path!r} is missing{instead}"
     if first["type"] == "extra_forbidden":
         return f"field {path!r} is unknown"
     if first["type"] == "bytes_type":

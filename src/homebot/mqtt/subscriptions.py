@@ -87,7 +87,7 @@ class SubscriptionSet:
     async def make(self, names: Iterable[str]) -> dict[str, RefusedError]:
         """Subscribe to those of *names* that are wanted, and return what was refused; see also `batches`."""
         refused: dict[str, RefusedError] = {}
-        for batch in batches([self._wanted[name] for name in names if name in self._wanted]):
+        for batch in batches(filter(None, map(self._wanted.get, names))):
             try:
                 await self._subscribe(*batch)
             except RefusedError as error:

@@ -209,7 +209,7 @@ def test_a_slow_reader_of_many_retained_messages_costs_no_memory_for_them(
         client.send(Subscribe(number + 1, tuple(FilterRequest(f"{'+/' * deep}#") for deep in range(20))))
     served(client, clock)
     assert state.stats.queued_messages == 100
-    assert len(state.sessions._sessions["client"]._queue.parcels) == 100
+    assert len(state.sessions._sessions["client"]._queue.messages) == 100
 
 
 @pytest.mark.parametrize("kind", [Subscribe, Unsubscribe])

@@ -168,10 +168,10 @@ class MessageRouter:
             self.unsubscribe(session, name)
         self._ended.append(session)
         self._remove_some()
-        for parcel in session.unsent_shares():
-            group = None if parcel.share is None else self.subscriptions.group(parcel.share)
+        for queued in session.unsent_shares():
+            group = None if queued.share is None else self.subscriptions.group(queued.share)
             if group is not None:
-                _deliver_to_one(group, parcel.message, parcel.message.size >= BULKY)
+                _deliver_to_one(group, queued.message, queued.message.size >= BULKY)
 
     def _remove_some(self) -> None:
         """Remove as many subscriptions of ended sessions as may be removed now."""
@@ -211,11 +211,11 @@ def _deliver_to_all(
 ) -> bool:
     """Deliver to *targets*; True if one refused it. Those that took it but want no more for now go to *slow*.
 
-    Receivers with the same options share one parcel.
+    Receivers with the same options share one QueuedMessage.
     """
     refused = False
     highest = message.qos
-    parcel: QueuedMessage | None = None
+    queued: QueuedMessage | None = None
     for target in targets:
         session, qos, retain, identifiers, matched = target
         if matched and session.client_id == message.origin:
@@ -226,9 +226,9 @@ def _deliver_to_all(
         if qos > highest:
             qos = highest
         retain = retain and message.retain
-        if parcel is None or parcel[1] != qos or parcel[2] is not retain or parcel[3] is not identifiers:
-            parcel = QueuedMessage(message, qos, retain, identifiers)
-        outcome = session.deliver_large(parcel) if large else session.deliver(parcel)
+        if queued is None or queued[1] != qos or queued[2] is not retain or queued[3] is not identifiers:
+            queued = QueuedMessage(message, qos, retain, identifiers)
+        outcome = session.deliver_large(queued) if large else session.deliver(queued)
         if outcome is REFUSED:
             refused = True
         elif outcome is not TAKEN:
@@ -247,5 +247,5 @@ def _deliver_to_one(
     session, subscription = chosen
     identifiers = (subscription.identifier,) if subscription.identifier else ()
     retain = message.retain and subscription.retain_as_published
-    parcel = QueuedMessage(message, min(subscription.qos, message.qos), retain, identifiers, group.key)
-    return session, session.deliver_large(parcel) if large else session.deliver(parcel)
+    queued = QueuedMessage(message, min(subscription.qos, message.qos), retain, identifiers, group.key)
+    return session, session.deliver_large(queued) if large else session.deliver(queued)

@@ -28,17 +28,17 @@ class InFlight:
         pool: Counts the large ones among what waits for all clients.
 
     Attributes:
-        parcels: By packet id; None once PUBREC has come. Only to be looked at, as the others.
+        messages: By packet id; None once PUBREC has come. Only to be looked at, as the others.
         resend: The ids of those that are still to be sent again.
         window: How many there may be.
         size: The bytes of the large ones.
         settled: How many messages the client has acknowledged, ever.
     """
 
-    __slots__ = ("_last_id", "_pool", "parcels", "resend", "settled", "size", "window")
+    __slots__ = ("_last_id", "_pool", "messages", "resend", "settled", "size", "window")
 
     def __init__(self, window: int, pool: QueuePool) -> None:
-        self.parcels: dict[int, QueuedMessage | None] = {}
+        self.messages: dict[int, QueuedMessage | None] = {}
         self.resend: deque[int] = deque()
         self.window = window
         self.size = 0
@@ -49,35 +49,35 @@ class InFlight:
     @property
     def full(self) -> bool:
         """True if the client has to acknowledge something first."""
-        return len(self.parcels) >= self.window
+        return len(self.messages) >= self.window
 
-    def send(self, outbound: Outbound, parcel: QueuedMessage) -> None:
+    def send(self, outbound: Outbound, queued: QueuedMessage) -> None:
         """Send a message with an id of its own; there must be room for it."""
         packet_id = self._last_id
         while True:
             packet_id = packet_id % 65_535 + 1
-            if packet_id not in self.parcels:
+            if packet_id not in self.messages:
                 break
         self._last_id = packet_id
-        if outbound.publish(parcel, packet_id):
-            self.parcels[packet_id] = parcel
-            if parcel[0].size > _SMALL:
-                self._count(parcel, 1)
+        if outbound.publish(queued, packet_id):
+            self.messages[packet_id] = queued
+            if queued[0].size > _SMALL:
+                self._count(queued, 1)
 
     def send_again(self, outbound: Outbound) -> None:
         """Send the next of those that are to be sent again."""
         packet_id = self.resend.popleft()
-        parcel = self.parcels[packet_id]
-        if parcel is not None and not outbound.publish(parcel, packet_id, dup=True):
-            del self.parcels[packet_id]
-            self._count(parcel, -1)
+        queued = self.messages[packet_id]
+        if queued is not None and not outbound.publish(queued, packet_id, dup=True):
+            del self.messages[packet_id]
+            self._count(queued, -1)
 
     def resume(self, outbound: Outbound, window: int) -> None:
         """Send PUBREL again to the client that has connected, and note what else is to be sent again."""
         self.window = window
         self.resend.clear()
-        for packet_id, parcel in self.parcels.items():
-            if parcel is None:
+        for packet_id, queued in self.messages.items():
+            if queued is None:
                 outbound.send(Pubrel(packet_id))
             else:
                 self.resend.append(packet_id)
@@ -88,58 +88,58 @@ class InFlight:
         Raises:
             PacketError: 0x82, the message was not sent at QoS 1.
         """
-        if packet_id not in self.parcels:
+        if packet_id not in self.messages:
             return
-        parcel = self.parcels[packet_id]
-        if parcel is None or parcel[1] != 1:
+        queued = self.messages[packet_id]
+        if queued is None or queued[1] != 1:
             raise PacketError("PUBACK for a message at QoS 2", code=ReasonCode.PROTOCOL_ERROR)
-        del self.parcels[packet_id]
+        del self.messages[packet_id]
         self.settled += 1
-        if parcel[0].size > _SMALL:
-            self._count(parcel, -1)
+        if queued[0].size > _SMALL:
+            self._count(queued, -1)
         if self.resend:
-            self._not_again(packet_id)
+            self._cancel_resend(packet_id)
 
-    def taken(self, packet_id: int, reason: ReasonCode) -> ReasonCode:
+    def received(self, packet_id: int, reason: ReasonCode) -> ReasonCode:
         """Handle a PUBREC; return the reason that PUBREL is to carry: 0, or 0x92 for an unknown id.
 
         Raises:
             PacketError: 0x82, the message was not sent at QoS 2.
         """
-        if packet_id not in self.parcels:
+        if packet_id not in self.messages:
             return ReasonCode.PACKET_IDENTIFIER_NOT_FOUND
-        parcel = self.parcels[packet_id]
-        if parcel is not None and parcel.qos != 2:
+        queued = self.messages[packet_id]
+        if queued is not None and queued.qos != 2:
             raise PacketError("PUBREC for a message at QoS 1", code=ReasonCode.PROTOCOL_ERROR)
         if reason.failed:
             self.completed(packet_id)
         else:
-            self.parcels[packet_id] = None
-            if parcel is not None:
-                self._count(parcel, -1)
-            self._not_again(packet_id)
+            self.messages[packet_id] = None
+            if queued is not None:
+                self._count(queued, -1)
+            self._cancel_resend(packet_id)
         return ReasonCode.SUCCESS
 
     def completed(self, packet_id: int) -> None:
         """Handle a PUBCOMP, or a PUBREC that ends the exchange."""
-        if packet_id in self.parcels:
+        if packet_id in self.messages:
             self.settled += 1
-            parcel = self.parcels.pop(packet_id)
-            if parcel is not None:
-                self._count(parcel, -1)
-            self._not_again(packet_id)
+            queued = self.messages.pop(packet_id)
+            if queued is not None:
+                self._count(queued, -1)
+            self._cancel_resend(packet_id)
 
     def clear(self) -> list[QueuedMessage]:
         """Take all that the client has not taken."""
-        parcels = [each for each in self.parcels.values() if each is not None]
-        for parcel in parcels:
-            self._count(parcel, -1)
-        self.parcels.clear()
+        messages = [each for each in self.messages.values() if each is not None]
+        for queued in messages:
+            self._count(queued, -1)
+        self.messages.clear()
         self.resend.clear()
-        return parcels
+        return messages
 
-    def _count(self, parcel: QueuedMessage, sign: int) -> None:
-        message = parcel.message
+    def _count(self, queued: QueuedMessage, sign: int) -> None:
+        message = queued.message
         if message.size > _SMALL:
             self.size += sign * message.size
             if sign > 0:
@@ -147,6 +147,6 @@ class InFlight:
             else:
                 self._pool.release(message)
 
-    def _not_again(self, packet_id: int) -> None:
+    def _cancel_resend(self, packet_id: int) -> None:
         if packet_id in self.resend:  # it was answered before it was sent again
             self.resend.remove(packet_id)

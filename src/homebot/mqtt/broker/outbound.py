@@ -78,18 +78,18 @@ class Outbound:
         """Write *packet*."""
         self.link.write(encode(packet, self.version))
 
-    def publish(self, parcel: QueuedMessage, packet_id: int = 0, *, dup: bool = False) -> bool:
+    def publish(self, queued: QueuedMessage, packet_id: int = 0, *, dup: bool = False) -> bool:
         """Write a message; False, counted and logged, where the client does not take packets of its size.
 
         Args:
-            parcel: What to send.
+            queued: What to send.
             packet_id: 1 to 65,535 at QoS 1 and 2.
             dup: It may have been sent before.
         """
-        message, qos, retain, identifiers, _ = parcel
+        message, qos, retain, identifiers, _ = queued
         alias = self._alias_for(message.topic) if self._alias_maximum else 0
         if alias:
-            head, tail = self._aliased(parcel, alias)
+            head, tail = self._aliased(queued, alias)
         elif identifiers or message.expires_at is not None:
             head, tail = message.parts(self.version, qos, retain, identifiers, self._clock.monotonic())
         elif message.kind == self._is_v5 << 3 | qos << 1 | retain:  # as parts(), which costs a call for each receiver
@@ -119,19 +119,19 @@ class Outbound:
         used = len(self._aliases)
         return used + 1 if used < self._alias_maximum else 0
 
-    def _aliased(self, parcel: QueuedMessage, alias: int) -> tuple[bytes, bytes]:
-        message = parcel.message
+    def _aliased(self, queued: QueuedMessage, alias: int) -> tuple[bytes, bytes]:
+        message = queued.message
         known = message.topic in self._aliases
-        properties = message.properties_for(parcel.identifiers, self._clock.monotonic())
+        properties = message.properties_for(queued.identifiers, self._clock.monotonic())
         head, tail = encode_publish_parts(
             "" if known else message.topic,
             message.payload,
-            parcel.qos,
-            parcel.retain,
+            queued.qos,
+            queued.retain,
             replace(properties, topic_alias=alias),
             self.version,
         )
-        return (head, tail) if parcel.qos else (head + tail, b"")
+        return (head, tail) if queued.qos else (head + tail, b"")
 
 
 _MAX_REASON = 200  # a client gets the gist, not its own 64 KiB topic back

@@ -52,7 +52,7 @@ class MessageQueue:
     its turn comes.
 
     Attributes:
-        parcels: What waits, the next to be sent first; only to be looked at.
+        messages: What waits, the next to be sent first; only to be looked at.
         size: The bytes of what waits.
 
     Args:
@@ -69,13 +69,13 @@ class MessageQueue:
         "_pool",
         "_qos0",
         "_replays",
-        "parcels",
+        "messages",
         "size",
     )
 
     def __init__(self, max_messages: int, max_bytes: int, pool: QueuePool) -> None:
         self._pool = pool
-        self.parcels: deque[QueuedMessage | Replay] = deque()
+        self.messages: deque[QueuedMessage | Replay] = deque()
         self._replays: deque[tuple[Replay, int]] = deque()  # with what each was counted as
         self.size = 0
         self._qos0 = 0
@@ -85,40 +85,40 @@ class MessageQueue:
         self._high_bytes = _three_quarters(max_bytes)
 
     def __len__(self) -> int:
-        return len(self.parcels)
+        return len(self.messages)
 
     @property
     def full(self) -> bool:
         """True if another message would be over the bound."""
-        return len(self.parcels) >= self._max_messages or self.size >= self._max_bytes
+        return len(self.messages) >= self._max_messages or self.size >= self._max_bytes
 
     @property
     def high(self) -> bool:
         """True if three quarters of the bound are reached: time to slow down its publishers."""
-        return len(self.parcels) >= self._high_messages or self.size >= self._high_bytes
+        return len(self.messages) >= self._high_messages or self.size >= self._high_bytes
 
     @property
     def low(self) -> bool:
         """True if half of the bound is free again."""
-        return 2 * len(self.parcels) <= self._max_messages and 2 * self.size <= self._max_bytes
+        return 2 * len(self.messages) <= self._max_messages and 2 * self.size <= self._max_bytes
 
     @property
     def holds_qos0(self) -> bool:
         """True if QoS 0 messages wait, which later ones must not overtake."""
         return self._qos0 > 0
 
-    def offer(self, parcel: QueuedMessage) -> DeliveryResult:
+    def offer(self, queued: QueuedMessage) -> DeliveryResult:
         """Add at the end where the bound allows it; SLOW where it is :attr:`high` now, REFUSED where it is full."""
-        count = len(self.parcels)
+        count = len(self.messages)
         if count >= self._max_messages or self.size >= self._max_bytes:
             return REFUSED
-        self.append(parcel)
+        self.append(queued)
         return SLOW if count + 1 >= self._high_messages or self.size >= self._high_bytes else TAKEN
 
-    def append(self, parcel: QueuedMessage) -> None:
+    def append(self, queued: QueuedMessage) -> None:
         """Add at the end, whatever the bound is."""
-        self.parcels.append(parcel)
-        message, qos, _, _, _ = parcel
+        self.messages.append(queued)
+        message, qos, _, _, _ = queued
         self.size += message.size
         if not qos:
             self._qos0 += 1
@@ -130,7 +130,7 @@ class MessageQueue:
 
     def append_replay(self, replay: Replay) -> None:
         """Add at the end the retained messages of new subscriptions, whatever the bound is."""
-        self.parcels.append(replay)
+        self.messages.append(replay)
         self._replays.append((replay, replay.size))
         self.size += replay.size
         self._pool.add(replay.size)
@@ -146,7 +146,7 @@ class MessageQueue:
 
     def popleft(self) -> QueuedMessage | Replay:
         """Take the first."""
-        first = self.parcels.popleft()
+        first = self.messages.popleft()
         if type(first) is Replay:
             size = self._replays.popleft()[1]
             self.size -= size
@@ -167,7 +167,7 @@ class MessageQueue:
     def drop_qos0(self) -> None:
         """Forget the QoS 0 messages: their client has gone."""
         if self._qos0:
-            for _ in range(len(self.parcels)):
+            for _ in range(len(self.messages)):
                 first = self.popleft()
                 if isinstance(first, Replay):
                     first.leave_out_qos0()
@@ -177,12 +177,12 @@ class MessageQueue:
 
     def clear(self) -> list[QueuedMessage]:
         """Take all but what replays still had to find."""
-        parcels = []
-        while self.parcels:
+        messages = []
+        while self.messages:
             first = self.popleft()
             if not isinstance(first, Replay):
-                parcels.append(first)
-        return parcels
+                messages.append(first)
+        return messages
 
 
 def _three_quarters(bound: int) -> int:

@@ -83,7 +83,7 @@ class BrokerSession:
         self.has_ended = False
         self.overrun = False
         self.held_publishers: dict[HeldPublisher, None] = {}  # in their order, so that runs are alike
-        self._crowded = {} if crowded is None else crowded
+        self._congested = {} if crowded is None else crowded
         self._work = SliceBudget(clock, BrokerTimers()) if work is None else work
         self._clock = clock
         self._limits = limits
@@ -133,7 +133,7 @@ class BrokerSession:
             return 2
         return int(self.in_flight.full or self.outbound.link.write_blocked)
 
-    def deliver(self, parcel: QueuedMessage) -> DeliveryResult:
+    def deliver(self, queued: QueuedMessage) -> DeliveryResult:
         """Send a message or keep it for later.
 
         QoS 0: dropped while the client is away or its socket is full. QoS 1 and 2: queued; while the client is
@@ -141,41 +141,41 @@ class BrokerSession:
         """
         outbound = self.outbound
         queue = self._queue
-        if not parcel[1]:  # by place: by name it takes longer than all else that is asked here
+        if not queued[1]:  # by place: by name it takes longer than all else that is asked here
             if outbound is None:
                 return TAKEN
             if queue.holds_qos0 and not queue.full:
-                queue.append(parcel)  # not past the retained message it replaces
+                queue.append(queued)  # not past the retained message it replaces
             elif queue.holds_qos0 or (
-                outbound.link.write_blocked and not outbound.link.has_room_for(parcel.message.size)
+                outbound.link.write_blocked and not outbound.link.has_room_for(queued.message.size)
             ):
                 self._counters.dropped_qos0 += 1
             else:
-                outbound.publish(parcel)
+                outbound.publish(queued)
             return TAKEN
         if outbound is None:
-            return self._keep(parcel)
+            return self._keep(queued)
         in_flight = self.in_flight
-        if not queue.parcels and len(in_flight.parcels) < in_flight.window and not outbound.link.write_blocked:
-            in_flight.send(outbound, parcel)
+        if not queue.messages and len(in_flight.messages) < in_flight.window and not outbound.link.write_blocked:
+            in_flight.send(outbound, queued)
             return TAKEN
-        outcome = queue.offer(parcel)
+        outcome = queue.offer(queued)
         if outcome is TAKEN:
             return TAKEN
         if outcome is REFUSED:
             self._counters.dropped_overrun += 1
             return REFUSED
-        self._crowded[self] = None
+        self._congested[self] = None
         return TAKEN if self.overrun else SLOW
 
-    def deliver_large(self, parcel: QueuedMessage) -> DeliveryResult:
+    def deliver_large(self, queued: QueuedMessage) -> DeliveryResult:
         """Do as :meth:`deliver`, for a message of at least ``BULKY`` bytes, of which each copy takes its time."""
         if self.outbound is None or self._queue:
-            return self.deliver(parcel)
+            return self.deliver(queued)
         if self._work.left:
-            self._work.spend(parcel.message.size // _COPIED)
-            return self.deliver(parcel)
-        self._queue.append(parcel)
+            self._work.spend(queued.message.size // _COPIED)
+            return self.deliver(queued)
+        self._queue.append(queued)
         self._work.later(self.pump)
         return TAKEN
 
@@ -189,12 +189,12 @@ class BrokerSession:
             self._counters.dropped_overrun += 1
         else:
             self._queue.append_replay(replay)
-            self._note_crowd()
+            self._mark_congested()
 
     def replay_grew(self, replay: Replay) -> None:
         """Count the filters that were added to *replay*, the one that was queued last."""
         self._queue.count_again(replay)
-        self._note_crowd()
+        self._mark_congested()
 
     def has(self, subscription: SessionSubscription) -> bool:
         """Return whether *subscription* still stands."""
@@ -204,7 +204,7 @@ class BrokerSession:
         """Send what is in flight again to the client that has connected, then what waited."""
         self.outbound = outbound
         self.in_flight.resume(outbound, min(receive_maximum, self._limits.max_inflight))
-        self._note_crowd()
+        self._mark_congested()
         self.pump()
 
     def detach(self) -> None:
@@ -217,17 +217,17 @@ class BrokerSession:
     def pump(self) -> None:
         """Send what waits, as far as the client takes it."""
         outbound, queue, in_flight = self.outbound, self._queue, self.in_flight
-        parcels, sent, resend, window = queue.parcels, in_flight.parcels, in_flight.resend, in_flight.window
+        messages, sent, resend, window = queue.messages, in_flight.messages, in_flight.resend, in_flight.window
         while outbound is not None and not outbound.link.write_blocked:
             if resend and len(sent) - len(resend) < window:
                 in_flight.send_again(outbound)
-            elif not parcels:
+            elif not messages:
                 break
-            elif type(first := parcels[0]) is Replay:
+            elif type(first := messages[0]) is Replay:
                 if not self._go_on_with(outbound, first):
                     break
             else:
-                message, qos, _, _, _ = parcel = first
+                message, qos, _, _, _ = queued = first
                 if qos and len(sent) >= window:
                     break
                 if message.size >= BULKY:
@@ -239,9 +239,9 @@ class BrokerSession:
                 if message.expires_at is not None and message.expires_at <= self._clock.monotonic():
                     self._counters.dropped_expired += 1
                 elif qos:
-                    in_flight.send(outbound, parcel)
+                    in_flight.send(outbound, queued)
                 else:
-                    outbound.publish(parcel)
+                    outbound.publish(queued)
                     self._settled += 1
         if (self.overrun or self.held_publishers) and queue.low:
             self.overrun = False
@@ -249,7 +249,7 @@ class BrokerSession:
 
     def taken(self, packet_id: int, reason: ReasonCode) -> ReasonCode:
         """Handle a PUBREC; see :meth:`InFlight.taken`."""
-        answer = self.in_flight.taken(packet_id, reason)
+        answer = self.in_flight.received(packet_id, reason)
         if reason.failed:
             self.pump()
         return answer
@@ -261,8 +261,8 @@ class BrokerSession:
 
     def unsent_shares(self) -> Iterator[QueuedMessage]:
         """Take all messages of shared subscriptions that this client has not acknowledged, for the others."""
-        parcels = self.in_flight.clear() + self._queue.clear()
-        return (each for each in parcels if each.share is not None and each.qos)
+        messages = self.in_flight.clear() + self._queue.clear()
+        return (each for each in messages if each.share is not None and each.qos)
 
     def shrink(self) -> None:
         """Drop the oldest of what waits for an absent client, a quarter of it."""
@@ -271,11 +271,11 @@ class BrokerSession:
             self._queue.popleft()
             self._counters.dropped_offline += 1
 
-    def _keep(self, parcel: QueuedMessage) -> DeliveryResult:
+    def _keep(self, queued: QueuedMessage) -> DeliveryResult:
         while self._queue and self._queue.full:
             self._queue.popleft()
             self._counters.dropped_offline += 1
-        self._queue.append(parcel)
+        self._queue.append(queued)
         return TAKEN
 
     def _go_on_with(self, outbound: Outbound, replay: Replay) -> bool:
@@ -299,17 +299,17 @@ class BrokerSession:
         replay.popleft()
         work.spend(_SENT + message.size // _BYTES)
         identifiers = (subscription.identifier,) if subscription.identifier else ()
-        parcel = QueuedMessage(message, qos, retain=True, identifiers=identifiers)
+        queued = QueuedMessage(message, qos, retain=True, identifiers=identifiers)
         if qos:
-            self.in_flight.send(outbound, parcel)
+            self.in_flight.send(outbound, queued)
         else:
-            outbound.publish(parcel)
+            outbound.publish(queued)
             self._settled += 1
         return True
 
-    def _note_crowd(self) -> None:
+    def _mark_congested(self) -> None:
         if self._queue.high:
-            self._crowded[self] = None
+            self._congested[self] = None
 
     def _release_publishers(self) -> None:
         publishers, self.held_publishers = self.held_publishers, {}

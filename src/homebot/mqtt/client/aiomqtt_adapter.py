@@ -1,8 +1,9 @@
 """The MQTT client port on aiomqtt 2 and the paho client below it.
 
-A thin adapter: aiomqtt connects, logs in, subscribes and says good-bye; paho publishes, looks after the keep-alive and
+A thin adapter: aiomqtt connects, logs in and says good-bye; paho publishes, subscribes, looks after the keep-alive and
 calls back. What comes is cut into packets by the native client's reader, which takes the messages: paho needs eight
-times as long for one, and answers one of QoS 2 before anybody has it. All other packets are paho's.
+times as long for one, and answers one of QoS 2 before anybody has it. It takes the answers to subscriptions too, for
+each filter of which paho makes an object. All other packets are paho's.
 It closes what the two leave open: a message is acknowledged only when it was taken, a refused publish is an error,
 callers that wait for an answer hear at once that the link dropped, and what waits is bounded.
 
@@ -27,6 +28,7 @@ from typing import Any, Final, TypeVar, final
 import aiomqtt
 import anyio
 from paho.mqtt import client as paho
+from paho.mqtt.enums import MQTTErrorCode
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 from paho.mqtt.reasoncodes import ReasonCode as PahoReason
@@ -40,7 +42,7 @@ from homebot.mqtt.client.paho_socket import PahoSocket
 from homebot.mqtt.client.port import MqttSubscription
 from homebot.mqtt.client.receiver import Receiver
 from homebot.mqtt.client.refusals import disconnect_error, login_error
-from homebot.mqtt.client.requests import Requests
+from homebot.mqtt.client.requests import Answer, Requests
 from homebot.mqtt.client.tcp_transport import dial_error, make_tls_context
 from homebot.mqtt.client.version_choice import MqttVersion, early_end
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
@@ -131,15 +133,13 @@ class _AiomqttLink(ClientLink):
 
     async def subscribe(self, subscriptions: tuple[MqttSubscription, ...]) -> tuple[int, ...]:
         self._check_alive()
-        options: list[Any] = [
-            (each.filter, values.subscribe_options(each, self.grant.protocol)) for each in subscriptions
-        ]
-        codes = await self._call(self._client.subscribe(options), "subscribe")
-        return tuple(code if isinstance(code, int) else code.value for code in codes)
+        version = self.grant.protocol
+        filters: Any = [(each.filter, values.subscribe_options(each, version)) for each in subscriptions]
+        return await self._answer_to(self._paho.subscribe(filters), "subscribe")
 
     async def unsubscribe(self, filters: tuple[str, ...]) -> None:
         self._check_alive()
-        await self._call(self._client.unsubscribe(list(filters)), "unsubscribe")
+        await self._answer_to(self._paho.unsubscribe(list(filters)), "unsubscribe")
 
     def _no_connection(self, cause: BaseException | None) -> LinkError | RefusedError:
         if isinstance(cause, OSError) and not isinstance(cause, TimeoutError):
@@ -163,11 +163,12 @@ class _AiomqttLink(ClientLink):
             self._window.release()
         return reason
 
-    async def _call(self, request: Awaitable[T], what: str) -> T:
-        try:
-            return await self._end_with_link(request)
-        except aiomqtt.MqttError:
-            raise self._no_answer(what) from None
+    async def _answer_to(self, request: tuple[MQTTErrorCode, int | None], what: str) -> Answer:
+        """Wait for the answer to what paho was asked, and is about to send."""
+        result, packet_id = request
+        if packet_id is None:
+            raise LinkError(f"{what} failed: {paho.error_string(result)}")
+        return await self._wait_for(self._requests.expect(packet_id), packet_id, what)
 
     async def _end_with_link(self, request: Awaitable[T]) -> T:
         """Wait for *request*, which the libraries do not tell about the end of the link; then raise why it ended."""
@@ -177,12 +178,7 @@ class _AiomqttLink(ClientLink):
                 return await request
             finally:
                 self._calls.discard(scope)
-        raise self._no_answer("request")
-
-    def _no_answer(self, what: str) -> LinkError:
-        if self._lost is None:
-            return LinkError(f"no answer to a {what} within {self._options.timeout:g} s")
-        return LinkError(f"{what} failed, the link is lost: {self._lost}")
+        raise LinkError(f"request failed, the link is lost: {self._lost}")
 
     def _lose(self, reason: LinkError | RefusedError) -> None:
         super()._lose(reason)
@@ -213,10 +209,15 @@ class _AiomqttLink(ClientLink):
         self._then_disconnect(client, userdata, flags, success, properties)
 
     def _handle(self, frame: Frame) -> None:
-        if frame.first >> 4 == PacketType.PUBACK:
+        kind = frame.first >> 4
+        if kind in _ANSWERS:
             self._requests.answered(*answer_in(frame, is_v5=self._is_v5))
-        self._socket.feed(frame)
+        if kind not in _ONLY_OURS:
+            self._socket.feed(frame)
 
+
+_ONLY_OURS: Final = frozenset({PacketType.SUBACK, PacketType.UNSUBACK})
+_ANSWERS: Final = _ONLY_OURS | {PacketType.PUBACK}
 
 _ENDS: Final[dict[int, str]] = {
     ReasonCode.PROTOCOL_ERROR: UNREADABLE,

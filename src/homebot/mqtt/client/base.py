@@ -111,8 +111,9 @@ class BaseClient(ABC):
         if not subscriptions:
             return ()
         reasons = await self._need_link().subscribe(subscriptions)
-        refused = [(each.filter, code) for each, code in zip(subscriptions, reasons, strict=False) if code >= _FAILED]
-        if refused:
+        if max(reasons, default=0) >= _FAILED:
+            answers = zip(subscriptions, reasons, strict=False)
+            refused = [(each.filter, code) for each, code in answers if code >= _FAILED]
             names = ", ".join(repr(name) for name, _ in refused)
             raise RefusedError(f"the subscription to {names}", reason_text(refused[0][1]), refused[0][1])
         return reasons

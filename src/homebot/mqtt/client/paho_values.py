@@ -36,8 +36,8 @@ MOST_QOS: Final = 1
 _KEEP_ALIVE: Final = 0.75  # paho finds a dead link out within two intervals; the port promises one and a half
 
 # The libraries log what a peer makes them log, without a limit; the facts are in our errors and events.
-_SILENCE: Final = logging.getLogger("homebot.mqtt.silence")
-_SILENCE.disabled = True
+_NULL_LOGGER: Final = logging.getLogger("homebot.mqtt.silence")
+_NULL_LOGGER.disabled = True
 
 
 def settings_of(options: MqttOptions, version: MqttVersion) -> dict[str, Any]:
@@ -48,7 +48,7 @@ def settings_of(options: MqttOptions, version: MqttVersion) -> dict[str, Any]:
         "port": options.port,
         "username": options.user,
         "password": None if options.password is None else options.password.get_secret_value(),
-        "logger": _SILENCE,
+        "logger": _NULL_LOGGER,
         "identifier": options.client_id,
         "protocol": aiomqtt.ProtocolVersion.V5 if is_v5 else aiomqtt.ProtocolVersion.V311,
         "will": None
