@@ -101,6 +101,6 @@ def test_every_simulated_device_says_its_state_and_obeys_what_its_part_offers(de
         if capability.settable:
             said = encode_command(capability.name, values[capability.name], part)
             assert decode_command(said, part) == (capability.name, values[capability.name])
-            answers = device.obey(said, device.now)
+            answers = device.handle_command(said, device.now)
             assert answers
             assert all(decode_text(one, part) for one in answers)

@@ -62,7 +62,7 @@ class Codec(Protocol):
         """Return the value of each capability that a message reports; None for one that is now unknown.
 
         A message that reports nothing of this part, or cannot be understood, gives an empty mapping, and what was known
-        stays. An event that the broker had kept is none.
+        stays. An event that the broker had kept is none. Nobody changes the mapping afterwards.
         """
         ...
 

@@ -120,7 +120,7 @@ class PartBuilder(Generic[MessageT]):
             category=category,
             guessed=guessed,
             capabilities=tuple(self._capabilities.values()),
-            reads=codec.topics(),
+            reads=tuple(self._readers),
             writes=tuple(self._writes),
         )
         return DescribedPart(

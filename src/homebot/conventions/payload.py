@@ -15,7 +15,7 @@ from homebot.devices.text.states import means_unknown
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.numbers import to_number
-from homebot.strict_json import object_noting
+from homebot.strict_json import duplicate_key_hook
 
 __all__ = [
     "MAX_ANNOUNCEMENT_BYTES",
@@ -78,12 +78,13 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
         raise WireError(f"a payload of {len(payload)} bytes is longer than {limit}")
     try:
         text = payload.decode() if isinstance(payload, bytes) else payload
-        value: object = _decoder(unique=unique).decode(text)
+        value = _decode(_UNIQUE if unique else _DECODER if _noted.get() is None else _NOTING, text)
     except RecursionError:
         raise WireError(f"JSON is nested deeper than {_MAX_DEPTH} levels") from None
     except ValueError as error:
         raise WireError(f"{shown(payload)} is not JSON: {error}") from None
-    _check_depth(text, value)
+    if text.count("[") + text.count("{") > _MAX_DEPTH:
+        _check_depth(value)
     if "\\u" in text:
         _check_surrogates(value)
     return value
@@ -105,8 +106,9 @@ def parse_list(payload: bytes, limit: int) -> Iterator[object]:
             _check_end(text, at + 1)
             return
         while True:
-            value, end = _decoder(unique=False).raw_decode(text, at)
-            _check_depth(text[at:end], [value])
+            value, end = (_DECODER if _noted.get() is None else _NOTING).raw_decode(text, at)
+            if text.count("[", at, end) + text.count("{", at, end) > _MAX_DEPTH:
+                _check_depth([value])
             if text.find("\\u", at, end) >= 0:
                 _check_surrogates(value)
             yield value
@@ -222,21 +224,25 @@ def _refuse(key: str) -> NoReturn:
     raise ValueError(f"the key {shown(key)} occurs twice")
 
 
-_NOTING = json.JSONDecoder(parse_float=_finite, parse_constant=_refuse_constant, object_pairs_hook=object_noting(_note))
+_NOTING = json.JSONDecoder(
+    parse_float=_finite, parse_constant=_refuse_constant, object_pairs_hook=duplicate_key_hook(_note)
+)
 _UNIQUE = json.JSONDecoder(
-    parse_float=_finite, parse_constant=_refuse_constant, object_pairs_hook=object_noting(_refuse)
+    parse_float=_finite, parse_constant=_refuse_constant, object_pairs_hook=duplicate_key_hook(_refuse)
 )
 
 
-def _decoder(*, unique: bool) -> json.JSONDecoder:
-    if unique:
-        return _UNIQUE
-    return _DECODER if _noted.get() is None else _NOTING
+def _decode(decoder: json.JSONDecoder, text: str) -> object:
+    """Decode as *decoder* does, which first looks for spaces around, though nearly no payload has any."""
+    if text.startswith("{"):
+        value: object
+        value, end = decoder.raw_decode(text)
+        if end == len(text):
+            return value
+    return decoder.decode(text)
 
 
-def _check_depth(text: str, value: object) -> None:
-    if text.count("[") + text.count("{") <= _MAX_DEPTH:
-        return
+def _check_depth(value: object) -> None:
     level = [value]
     for _ in range(_MAX_DEPTH):
         level = [

@@ -76,7 +76,10 @@ class TableCodec(Generic[MessageT]):
         self._readers = readers
         self._event_readers: Mapping[str, tuple[Reader[MessageT], ...]] = event_readers or _NONE
         self._writers: Mapping[str, Writer] = writers or _NONE
-        self._wild = tuple([topic for topic in readers if "+" in topic or "#" in topic])
+        topics = "".join(readers)
+        self._wild: tuple[str, ...] = ()
+        if "+" in topics or "#" in topics:
+            self._wild = tuple([topic for topic in readers if "+" in topic or "#" in topic])
 
     def topics(self) -> tuple[str, ...]:
         """Return the topic filters that it reads."""

@@ -85,6 +85,7 @@ def introduce(say: Say, key: str, status: object, config: object) -> tuple[Annou
             {"unlocked": True},
         ),
         ("bthomesensor:200", {"obj_id": 63}, "bthomesensor:200", "x_sensor", {"value": -12.5}, {"measurement": -12.5}),
+        ("bthomesensor:200", {"obj_id": 40}, "bthomesensor:200", "x_binary_sensor", {"value": True}, {"safety": False}),
         (
             "switch:0",
             {},

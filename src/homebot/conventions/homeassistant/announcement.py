@@ -73,7 +73,8 @@ def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced:
     if topic.component == DEVICE:
         components = tuple(_components(topic, fields))
     else:
-        fields = _with_base(fields)
+        if _BASE in fields:
+            fields = _with_base(fields)
         components = (AnnouncedComponent(topic.component, topic.key, fields),)
     return Announced(is_migrating=False, device=device, origin=origin, components=components, common=fields)
 
@@ -94,15 +95,16 @@ _SHARED = (
 )
 
 
-def _expanded(fields: Fields) -> dict[str, object]:
+def _expanded(fields: dict[str, object]) -> dict[str, object]:
     """Spell the keys out, also those of the availability."""
-    full = _full_keys(fields, ABBREVIATIONS)
+    full = fields if ABBREVIATIONS.keys().isdisjoint(fields) else _full_keys(fields, ABBREVIATIONS)
     availability = full.get("availability")
     if isinstance(availability, dict):
         full["availability"] = _full_keys(availability, ABBREVIATIONS)
     elif isinstance(availability, list):
         full["availability"] = [
-            _full_keys(one, ABBREVIATIONS) if isinstance(one, dict) else one for one in availability
+            one if not isinstance(one, dict) or ABBREVIATIONS.keys().isdisjoint(one) else _full_keys(one, ABBREVIATIONS)
+            for one in availability
         ]
     return full
 
@@ -110,10 +112,9 @@ def _expanded(fields: Fields) -> dict[str, object]:
 def _full_keys(fields: Fields, table: Mapping[str, str]) -> dict[str, object]:
     """Spell the keys out; where both forms are there the short one wins."""
     full = dict(fields)
-    if not table.keys().isdisjoint(fields):
-        for key in fields:
-            if key in table:
-                full[table[key]] = full.pop(key)
+    for key in fields:
+        if key in table:
+            full[table[key]] = full.pop(key)
     return full
 
 
@@ -123,7 +124,7 @@ def _part(fields: Fields, key: str, table: Mapping[str, str]) -> Fields:
         return {}
     if not isinstance(part, dict):
         raise WireError(f"{key} is {shown(part)}, not an object")
-    return _full_keys(part, table)
+    return part if table.keys().isdisjoint(part) else _full_keys(part, table)
 
 
 def _with_base(fields: dict[str, object]) -> dict[str, object]:

@@ -134,7 +134,10 @@ class DiscoveryConfig:
         entries = value if isinstance(value, list) else [value]
         if len(entries) > MAX_OPTIONS:
             raise self._refusal(key, value, f"a list of at most {MAX_OPTIONS} texts")
-        options = tuple([one if type(one) is str else self._as_text(key, one) for one in entries])
+        if _ONLY_TEXTS.issuperset(map(type, entries)):
+            options = tuple(entries)
+        else:
+            options = tuple([self._as_text(key, one) for one in entries])
         if options and max(map(len, options)) > _MAX_OPTION:
             longest = max(options, key=len)
             raise self._refusal(key, longest, f"texts of at most {_MAX_OPTION} characters")
@@ -148,7 +151,9 @@ class DiscoveryConfig:
     def state_topic(self, key: str = "state_topic") -> str:
         """Return a topic to subscribe to, wildcards allowed; empty where there is none."""
         value = self.values.get(key)
-        return "" if value is None else state_topic(self._as_text(key, value))
+        if value is None:
+            return ""
+        return state_topic(value if type(value) is str and len(value) <= _MAX_TEXT else self._as_text(key, value))
 
     def source(
         self,
@@ -183,7 +188,9 @@ class DiscoveryConfig:
         value = self.values.get(topic_key)
         if value is None:
             return None
-        topic = command_topic(self._as_text(topic_key, value))
+        topic = command_topic(
+            value if type(value) is str and len(value) <= _MAX_TEXT else self._as_text(topic_key, value)
+        )
         template = self.template(template_key) if template_key else None
         return CommandTopic(topic, template, self.qos, self.retain, self.encoding)
 
@@ -221,6 +228,7 @@ class DiscoveryConfig:
 _CODECS = frozenset({"", "utf-8", "ascii", "us-ascii", "latin-1", "latin1", "iso-8859-1", "cp1252", "windows-1252"})
 _HOW = frozenset({"qos", "retain", "encoding"})
 _HUGE = 10**30
+_ONLY_TEXTS = frozenset({str})
 _FOR_EVER = 10 * 366 * 86_400
 _MAX_DIGITS = 40
 _FLAGS = dict.fromkeys(("1", "true", "yes", "on", "enable"), True) | dict.fromkeys(

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from homebot.conventions.command_values import Writer, number_writer, option_writer
 from homebot.conventions.description import DescribedPart, Publications
+from homebot.conventions.device_classes import CLOSURE_CLASSES
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
 from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
@@ -32,7 +33,7 @@ def build_cover(config: DiscoveryConfig) -> DescribedPart:
         position=config.source("position_topic", "position_template", steps.variables),
     )
     tilt = config.source("tilt_status_topic", "tilt_status_template", steps.variables)
-    entity = Entity(config, "closure" if config.text("device_class") in _CLOSURES else "window_covering")
+    entity = Entity(config, "closure" if config.text("device_class") in CLOSURE_CLASSES else "window_covering")
     has_position = entity.read_text_from(decoder.position, decoder.read_position)
     has_state = entity.read_message_from(decoder.state, decoder.read_state)
     has_tilt = entity.read_text_from(tilt, decoder.read_tilt)
@@ -51,7 +52,6 @@ def build_cover(config: DiscoveryConfig) -> DescribedPart:
     return entity.build()
 
 
-_CLOSURES = frozenset({"damper", "door", "garage", "gate", "window"})
 _STATES = ("closed", "open", "closing", "opening", "stopped")
 """The later of two states with the same payload counts."""
 

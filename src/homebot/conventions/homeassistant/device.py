@@ -61,11 +61,12 @@ def read_device(device: Mapping[str, object], origin: Mapping[str, object]) -> D
     if device and not declared:
         raise WireError("a device has neither identifiers nor connections")
     if origin:
-        facts.update(_facts(origin, _ORIGIN_FACTS))
+        is_plain = len(origin) <= _FEW and _ONLY_TEXTS.issuperset(map(type, origin.values()))
+        facts.update(_known_origin(tuple(origin.items())) if is_plain else _facts(origin, _ORIGIN_FACTS))
     return DeviceInfo(
         identifiers(declared),
         _as_text(device.get("name"), _MAX_NAME),
-        _as_text(device.get("suggested_area"), _MAX_NAME),
+        _as_text(device["suggested_area"], _MAX_NAME) if "suggested_area" in device else "",
         facts,
     )
 
@@ -89,6 +90,7 @@ class DeviceReader:
 _MAX_NAME = 120
 _MAX_FACT = 255
 _MAX_ID = 255
+_ONLY_TEXTS = frozenset({str})
 _DEVICE_FACTS = {
     name: name
     for name in (
@@ -105,10 +107,22 @@ _DEVICE_FACTS = {
 _ORIGIN_FACTS = {"name": "origin", "sw_version": "origin_sw_version", "support_url": "origin_url"}
 _PLAIN_CONNECTIONS = frozenset({"mac", "bluetooth", "zigbee"})
 _PAIR = 2
+_FEW = 8
+"""Fields of an origin that is remembered; it has three."""
 
 
 def _facts(fields: Mapping[str, object], names: Mapping[str, str]) -> dict[str, str]:
-    return {names[key]: text for key, value in fields.items() if key in names and (text := _as_text(value, _MAX_FACT))}
+    found: dict[str, str] = {}
+    for key, value in fields.items():
+        if key in names and (text := _as_text(value, _MAX_FACT)):
+            found[names[key]] = text
+    return found
+
+
+@lru_cache(maxsize=64)
+def _known_origin(fields: tuple[tuple[str, str], ...]) -> Mapping[str, str]:
+    """Return the facts of one who announces, as all devices of a bridge have them; not to be changed."""
+    return _facts(dict(fields), _ORIGIN_FACTS)
 
 
 def _as_text(value: object, limit: int) -> str:
@@ -130,7 +144,10 @@ def _declared(device: Mapping[str, object]) -> list[str]:
     pairs = connections if isinstance(connections, list) else [] if connections is None else [connections]
     if len(ids) + len(pairs) > MAX_IDENTIFIERS:
         raise WireError(f"a device has {len(ids) + len(pairs)} identifiers; {MAX_IDENTIFIERS} is the limit")
-    return [_identifier(one) for one in ids] + [_connection(pair) for pair in pairs]
+    found = list(map(_identifier, ids))
+    if pairs:
+        found += map(_connection, pairs)
+    return found
 
 
 def _identifier(value: object) -> str:
@@ -183,7 +200,7 @@ def read_availability(config: DiscoveryConfig) -> Availability | None:
     """
     listed = config.values.get("availability")
     if listed is None:
-        topic = config.state_topic("availability_topic")
+        topic = config.state_topic("availability_topic") if config.values.get("availability_topic") is not None else ""
         return Availability((_source(config, topic, "availability_template"),)) if topic else None
     if config.has("availability_topic"):
         raise WireError("availability and availability_topic exclude each other")
@@ -192,9 +209,6 @@ def read_availability(config: DiscoveryConfig) -> Availability | None:
         raise WireError(f"availability has {len(entries)} topics; {MAX_SOURCES} is the limit")
     sources = tuple([_entry(config, entry) for entry in entries])
     return Availability(sources, _mode(config.text("availability_mode", "latest"))) if sources else None
-
-
-_ONLY_TEXTS = frozenset({str})
 
 
 def _entry(config: DiscoveryConfig, entry: object) -> _PayloadAvailability:

@@ -41,13 +41,14 @@ class Entity(PartBuilder[StateMessage]):
     parse_payload = StateMessage
 
     def __init__(self, config: DiscoveryConfig, service_type: str, tag: str | None = None) -> None:
+        has = config.values.keys()
         super().__init__(
             clean_text(config.text("unique_id") or config.discovery_id, _MAX_ID),
             service_type,
-            name=config.clean_text("name"),
+            name=config.clean_text("name") if "name" in has else "",
             advertised=config.component,
-            tag=config.clean_text("device_class") if tag is None else tag,
-            category=_category(config),
+            tag=tag if tag is not None else config.clean_text("device_class") if "device_class" in has else "",
+            category=_category(config) if "entity_category" in has else "",
         )
         self._config = config
 
@@ -73,7 +74,9 @@ class Entity(PartBuilder[StateMessage]):
 
     def add_commands(self, *commands: CommandTopic | None) -> None:
         """Name the topics on which the part takes commands."""
-        self.add_command_topics(*(one.topic for one in commands if one is not None))
+        for one in commands:
+            if one is not None:
+                self.add_command_topics(one.topic)
 
     def add_value(
         self,

@@ -163,9 +163,9 @@ def build_basic_light(config: DiscoveryConfig) -> DescribedPart:
     )
     effects = config.options("effect_list") if commands.effect else ()
     has_effect = commands.effect is not None and not effects
-    lamp = LightFeatures(commands.modes(), read_white_range(config), commands.publish, effects, any_effect=has_effect)
+    lamp = LightFeatures(commands.modes(), read_white_range(config), effects, any_effect=has_effect)
     entity = Entity(config, "light")
-    lamp.add_to(entity, _BasicState(lamp, commands.remembered).add_readers(config, entity))
+    lamp.add_to(entity, _BasicState(lamp, commands.remembered).add_readers(config, entity), commands.publish)
     entity.remembers()
     entity.add_commands(
         commands.command, commands.brightness, commands.white, commands.effect, *commands.colors.values()

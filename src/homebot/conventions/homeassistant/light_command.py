@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TypeAlias
 
 from homebot.conventions.command_values import (
@@ -81,7 +81,6 @@ class LightFeatures:
     Attributes:
         modes: Its colour modes, as Home Assistant names them.
         white: Warmest and coldest white.
-        publish: Encodes a command.
         effects: What it can play.
         any_effect: Whether it plays what is not listed, too.
         has_level: Whether its brightness can be set.
@@ -91,7 +90,6 @@ class LightFeatures:
 
     modes: frozenset[str]
     white: WhiteRange
-    publish: Publish
     effects: tuple[str, ...] = ()
     any_effect: bool = False
     has_level: bool = field(init=False)
@@ -104,51 +102,60 @@ class LightFeatures:
         color_mode = "" if self.modes.isdisjoint(_PREFERRED) else next(one for one in _PREFERRED if one in self.modes)
         object.__setattr__(self, "color_mode", color_mode)
 
-    def add_to(self, entity: Entity, readable: Container[str]) -> None:
-        """Give *entity* its capabilities, of which those that *readable* names are reported."""
-        entity.add_capability("on_off", readable="on_off" in readable, writer=self._on_off)
+    def add_to(self, entity: Entity, readable: Container[str], publish: Publish) -> None:
+        """Give *entity* its capabilities.
+
+        Args:
+            entity: The lamp.
+            readable: Those that are reported.
+            publish: Encodes a command.
+        """
+        entity.add_capability("on_off", readable="on_off" in readable, writer=partial(self._on_off, publish))
         if self.has_level:
-            entity.add_capability("level", readable="level" in readable, writer=self._level)
+            entity.add_capability("level", readable="level" in readable, writer=partial(self._level, publish))
         if self.has_white:
             entity.add_capability(
                 "color_temperature",
                 readable="color_temperature" in readable,
-                writer=self._white,
+                writer=partial(self._white, publish),
                 bounds=self.white.bounds,
             )
         if self.color_mode:
-            entity.add_capability("color", readable="color" in readable, writer=self._color)
+            entity.add_capability("color", readable="color" in readable, writer=partial(self._color, publish))
         if self.effects or self.any_effect:
-            entity.add_capability("effect", readable="effect" in readable, writer=self._effect, options=self.effects)
+            entity.add_capability(
+                "effect", readable="effect" in readable, writer=partial(self._effect, publish), options=self.effects
+            )
 
-    def _publish(self, command: LightCommand, transition: float) -> Publications:
-        seconds = require_transition(transition, _MOST_SECONDS)
-        return self.publish(replace(command, transition=seconds) if seconds else command)
+    def _on_off(self, publish: Publish, value: PlainValue, transition: float) -> Publications:
+        return _publish(publish, LightCommand(on=require_bool("on_off", value)), transition)
 
-    def _on_off(self, value: PlainValue, transition: float) -> Publications:
-        return self._publish(LightCommand(on=require_bool("on_off", value)), transition)
-
-    def _level(self, value: PlainValue, transition: float) -> Publications:
+    def _level(self, publish: Publish, value: PlainValue, transition: float) -> Publications:
         brightness = round(255 * require_number("level", value, 0, 100, "%") / 100)
         command = LightCommand(on=True, brightness=brightness) if brightness else LightCommand(on=False)
-        return self._publish(command, transition)
+        return _publish(publish, command, transition)
 
-    def _white(self, value: PlainValue, transition: float) -> Publications:
+    def _white(self, publish: Publish, value: PlainValue, transition: float) -> Publications:
         low, high = self.white.bounds
         kelvin = require_number(
             "color_temperature", value, min(low, _LEAST_KELVIN), max(high, _MOST_WANTED_KELVIN), "K"
         )
-        return self._publish(LightCommand(on=True, kelvin=int(kelvin)), transition)
+        return _publish(publish, LightCommand(on=True, kelvin=int(kelvin)), transition)
 
-    def _color(self, value: PlainValue, transition: float) -> Publications:
+    def _color(self, publish: Publish, value: PlainValue, transition: float) -> Publications:
         hue, saturation = require_color(value)
         color = from_hue_saturation(self.color_mode, hue, saturation, self.white.kelvins)
-        return self._publish(LightCommand(on=True, mode=self.color_mode, color=color), transition)
+        return _publish(publish, LightCommand(on=True, mode=self.color_mode, color=color), transition)
 
-    def _effect(self, value: PlainValue, transition: float) -> Publications:
+    def _effect(self, publish: Publish, value: PlainValue, transition: float) -> Publications:
         if self.effects or not isinstance(value, str):
             require_option("effect", value, self.effects)
-        return self._publish(LightCommand(on=True, effect=str(value)), transition)
+        return _publish(publish, LightCommand(on=True, effect=str(value)), transition)
+
+
+def _publish(publish: Publish, command: LightCommand, transition: float) -> Publications:
+    seconds = require_transition(transition, _MOST_SECONDS)
+    return publish(replace(command, transition=seconds) if seconds else command)
 
 
 def read_white_range(config: DiscoveryConfig) -> WhiteRange:

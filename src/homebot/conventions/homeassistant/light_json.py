@@ -31,34 +31,56 @@ __all__ = ["build_json_light"]
 def build_json_light(config: DiscoveryConfig) -> DescribedPart:
     """Describe a lamp that uses JSON."""
     command = config.required_command(template_key="")
-    scale = config.integer("brightness_scale", 255, least=1)
-    in_kelvin = config.flag("color_temp_kelvin")
-    lamp = LightFeatures(
-        modes=_modes(config),
-        white=read_white_range(config),
-        publish=partial(_publish, command, scale, in_kelvin),
-        effects=config.options("effect_list"),
-        any_effect=config.flag("effect"),
-    )
+    kind = _kind_of(config)
     entity = Entity(config, "light")
     state_topic = config.state_topic()
-    lamp.add_to(entity, _REPORTED if state_topic else ())
+    publish = partial(_publish, command, kind.scale, kind.in_kelvin)
+    kind.lamp.add_to(entity, _REPORTED if state_topic else (), publish)
     if state_topic:
-        entity.read_from(state_topic, _State(lamp, scale, in_kelvin, config.encoding).read)
+        entity.read_from(state_topic, _State(kind.lamp, kind.scale, kind.in_kelvin, config.encoding).read)
     entity.add_commands(command)
     return entity.build()
 
 
-def _modes(config: DiscoveryConfig) -> frozenset[str]:
-    options = config.options("supported_color_modes")
-    if not options:
-        return frozenset({"brightness" if config.flag("brightness") else "onoff"})
-    return _listed_modes(options) if len(options) <= len(_MODES) else _listed_modes.__wrapped__(options)
+@dataclass(frozen=True, slots=True)
+class _JsonLightKind:
+    """The part of a config that all lamps of a kind have in common.
+
+    Attributes:
+        lamp: What they can do.
+        scale: Their brightness at 100 %.
+        in_kelvin: Whether their whites are in kelvin rather than in mired.
+    """
+
+    lamp: LightFeatures
+    scale: int
+    in_kelvin: bool
+
+
+def _kind_of(config: DiscoveryConfig) -> _JsonLightKind:
+    """Return the kind of a lamp; the last few kinds are remembered, as a house has many lamps of each."""
+    modes, effects = config.options("supported_color_modes"), config.options("effect_list")
+    fields = tuple(map(config.values.get, _KIND_FIELDS))
+    if len(modes) + len(effects) > _FEW_OPTIONS or not _SCALARS.issuperset(map(type, fields)):
+        return _new_kind(config, modes, effects)
+    return _known_kind(fields, modes, effects)
 
 
 @lru_cache(maxsize=64)
+def _known_kind(fields: tuple[object, ...], modes: tuple[str, ...], effects: tuple[str, ...]) -> _JsonLightKind:
+    values = {key: value for key, value in zip(_KIND_FIELDS, fields, strict=True) if value is not None}
+    return _new_kind(DiscoveryConfig("light", "", values), modes, effects)
+
+
+def _new_kind(config: DiscoveryConfig, modes: tuple[str, ...], effects: tuple[str, ...]) -> _JsonLightKind:
+    scale = config.integer("brightness_scale", 255, least=1)
+    in_kelvin = config.flag("color_temp_kelvin")
+    supported = _listed_modes(modes) if modes else frozenset({"brightness" if config.flag("brightness") else "onoff"})
+    lamp = LightFeatures(supported, read_white_range(config), effects, any_effect=config.flag("effect"))
+    return _JsonLightKind(lamp, scale, in_kelvin)
+
+
 def _listed_modes(options: tuple[str, ...]) -> frozenset[str]:
-    """Return the modes of a kind of lamp, of which a house has many."""
     modes = frozenset(options)
     alone = len(modes) > 1 and modes & {"brightness", "onoff"}
     if modes - _MODES or alone or ("white" in modes and not modes & CHANNELS.keys()):
@@ -106,7 +128,7 @@ class _State:
             found["level"] = min(255, max(1, round(brightness * 255 / self.scale))) * 100 / 255
         mode = message["color_mode"] if "color_mode" in message else self._only_mode(message)
         if isinstance(mode, str) and mode in self.lamp.modes:
-            found.update(self._color(mode, message))
+            self._add_color(mode, message, found)
         effect = message.get("effect")
         if isinstance(effect, str) and (self.lamp.effects or self.lamp.any_effect):
             found["effect"] = clean_text(effect)
@@ -121,22 +143,37 @@ class _State:
         fitting = [mode for mode in CHANNELS if mode in self.lamp.modes and letters.issuperset(CHANNELS[mode])]
         return max(fitting, key=lambda mode: len(CHANNELS[mode]), default="")
 
-    def _color(self, mode: str, message: Mapping[str, object]) -> Readings:
+    def _add_color(self, mode: str, message: Mapping[str, object], found: dict[str, PlainValue]) -> None:
         if mode == "color_temp":
             kelvin = white_kelvin(number_of(message.get("color_temp")), in_kelvin=self.in_kelvin)
-            if kelvin is None:
-                return NO_READINGS
-            return {"color_temperature": kelvin} | ({"color": None} if self.lamp.color_mode else {})
-        color = _hue_saturation(mode, message.get("color"), self.lamp.white.kelvins) if mode in CHANNELS else None
-        if color is None:
-            return NO_READINGS
-        return {"color": color} | ({"color_temperature": None} if self.lamp.has_white else {})
+            if kelvin is not None:
+                found["color_temperature"] = kelvin
+                if self.lamp.color_mode:
+                    found["color"] = None
+        elif mode in CHANNELS:
+            color = _hue_saturation(mode, message.get("color"), self.lamp.white.kelvins)
+            if color is not None:
+                found["color"] = color
+                if self.lamp.has_white:
+                    found["color_temperature"] = None
 
 
 _REPORTED = frozenset({"on_off", "level", "color_temperature", "color", "effect"})
 _MODES = frozenset({"onoff", "brightness", "color_temp", "white", *CHANNELS})
 _STATES: Mapping[str | None, bool | None] = {"ON": True, "OFF": False, None: None}
 _HUGE = 10**9
+_KIND_FIELDS = (
+    "brightness",
+    "brightness_scale",
+    "color_temp_kelvin",
+    "effect",
+    "max_kelvin",
+    "max_mireds",
+    "min_kelvin",
+    "min_mireds",
+)
+_FEW_OPTIONS = 50
+_SCALARS = frozenset({bool, int, float, str, type(None)})
 _BOUNDS = {"h": 360.0, "s": 100.0, "x": 1.0, "y": 1.0}
 
 

@@ -33,7 +33,6 @@ def build_template_light(config: DiscoveryConfig) -> DescribedPart:
     lamp = LightFeatures(
         modes=_modes(config),
         white=read_white_range(config),
-        publish=partial(_publish, on, off, in_kelvin),
         effects=config.options("effect_list"),
     )
     sources = {key: source for key in _TEMPLATES if (source := _source(config, key)) is not None}
@@ -50,7 +49,7 @@ def build_template_light(config: DiscoveryConfig) -> DescribedPart:
         )
         if entity.read_message_from(sources.get(key), read)
     }
-    lamp.add_to(entity, readable)
+    lamp.add_to(entity, readable, partial(_publish, on, off, in_kelvin))
     entity.add_commands(on)
     return entity.build()
 

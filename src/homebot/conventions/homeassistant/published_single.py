@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 
-from homebot.conventions.homeassistant.binary_sensor import CONDITION_CLASSES
+from homebot.conventions.device_classes import CONDITION_CLASSES, QUANTITY_CLASSES
 from homebot.conventions.homeassistant.published_entity import (
     EntityTopics,
     PublishedEntity,
@@ -20,7 +20,6 @@ from homebot.conventions.homeassistant.published_entity import (
     reader_of,
     unknown_text,
 )
-from homebot.conventions.homeassistant.sensor_tables import QUANTITY_CLASSES
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
 

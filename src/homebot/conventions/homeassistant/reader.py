@@ -15,8 +15,8 @@ from homebot.conventions.description import (
     DeviceAnnounced,
     DeviceWithdrawn,
 )
-from homebot.conventions.homeassistant.announcement import Announced, AnnouncedComponent, read_announcement
-from homebot.conventions.homeassistant.components import BUILDERS
+from homebot.conventions.homeassistant.announcement import Announced, read_announcement
+from homebot.conventions.homeassistant.components import BUILDERS, builder_of
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.device import DeviceInfo, DeviceReader, read_availability
 from homebot.conventions.homeassistant.topics import DEVICE, ConfigTopic, parse_config_topic
@@ -36,7 +36,10 @@ class HomeAssistantReader:
 
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - a config counts as much when it was kept
         """Take a config and return what it describes of its device."""
-        where = self._where(topic)
+        where = None
+        for prefix in self._prefixes:
+            if (where := parse_config_topic(prefix, topic)) is not None:
+                break
         if where is None or (where.component != DEVICE and where.component not in BUILDERS):
             return ()
         if not payload:
@@ -50,24 +53,16 @@ class HomeAssistantReader:
         device = self._devices.read(announced.device, announced.origin)
         return (_described(topic, where, announced, device, parts),)
 
-    def _where(self, topic: str) -> ConfigTopic | None:
-        for prefix in self._prefixes:
-            where = parse_config_topic(prefix, topic)
-            if where is not None:
-                return where
-        return None
-
     def _parts(self, where: ConfigTopic, announced: Announced) -> _Parts:
         """Build the parts. In a message of a whole device a broken component costs that component alone."""
         parts: _Parts = {}
         broken: WireError | None = None
         for component in announced.components:
-            builder = BUILDERS.get(component.platform)
-            if builder is None:
+            if component.platform not in BUILDERS:
                 continue
             config = DiscoveryConfig(component.platform, component.discovery_id, component.fields)
             try:
-                part = builder(config)
+                part = builder_of(component.platform)(config)
                 if where.component == DEVICE:
                     part = replace(part, availability=read_availability(config))
             except WireError as error:
@@ -78,26 +73,25 @@ class HomeAssistantReader:
                 continue
             if part.part.id in parts:
                 part = replace(part, part=part.part.model_copy(update={"id": component.discovery_id}))
-            parts[part.part.id] = part, component
+            parts[part.part.id] = part, config
         if broken is not None and not parts:
             self.rejected -= 1
             raise broken
         return parts
 
 
-_Parts: TypeAlias = dict[str, tuple[DescribedPart, AnnouncedComponent]]
+_Parts: TypeAlias = dict[str, tuple[DescribedPart, DiscoveryConfig]]
 _MAX_MEMBERS = 100
 
 
 def _described(
     topic: str, where: ConfigTopic, announced: Announced, device: DeviceInfo, parts: _Parts
 ) -> DeviceAnnounced:
-    whole = read_availability(DiscoveryConfig(where.component, where.object_id, announced.common))
-    described = tuple([part for part, _ in parts.values()])
-    if whole is None and described and (len(described) == 1 or _have_one_availability(described)):
-        whole = described[0].availability
-    if whole is not None:
-        described = tuple([_without(whole, one) for one in described])
+    if where.component == DEVICE:
+        described, whole = _shared_availability(where, announced, parts)
+    else:
+        ((part, config),) = parts.values()
+        described, whole = (part,), read_availability(config)
     return DeviceAnnounced(
         key=where.key,
         convention="homeassistant",
@@ -111,6 +105,19 @@ def _described(
     )
 
 
+def _shared_availability(
+    where: ConfigTopic, announced: Announced, parts: _Parts
+) -> tuple[tuple[DescribedPart, ...], Availability | None]:
+    """Return the parts of a whole device, and the availability of all; what a part says beyond that stays with it."""
+    whole = read_availability(DiscoveryConfig(where.component, where.object_id, announced.common))
+    described = tuple([part for part, _ in parts.values()])
+    if whole is None and _have_one_availability(described):
+        whole = described[0].availability
+    if whole is not None:
+        described = tuple([_without(whole, one) for one in described])
+    return described, whole
+
+
 def _without(whole: Availability, part: DescribedPart) -> DescribedPart:
     return part if part.availability is None or part.availability != whole else replace(part, availability=None)
 
@@ -122,10 +129,10 @@ def _have_one_availability(parts: tuple[DescribedPart, ...]) -> bool:
 def _facts(parts: _Parts) -> dict[str, str]:
     """Return what is known of parts and has no field there: that one is hidden, and whom a group stands for."""
     facts = {}
-    for part_id, (_, component) in parts.items():
-        if component.fields.get("enabled_by_default") is False:
+    for part_id, (_, config) in parts.items():
+        if config.values.get("enabled_by_default") is False:
             facts[f"hidden {part_id}"] = "by default"
-        members = component.fields.get("group")
+        members = config.values.get("group")
         if isinstance(members, list) and members:
             named = [clean_text(one) for one in members[:_MAX_MEMBERS] if isinstance(one, str)]
             facts[f"group {part_id}"] = " ".join(named)

@@ -10,9 +10,9 @@ from datetime import UTC, datetime
 from functools import partial
 
 from homebot.conventions.description import DescribedPart
+from homebot.conventions.device_classes import is_quantity, quantity_of
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.sensor_tables import is_quantity, quantity_of
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, read_number
 
 __all__ = ["build_sensor"]

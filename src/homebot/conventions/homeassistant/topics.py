@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from types import MappingProxyType
 
@@ -41,17 +41,17 @@ class ConfigTopic:
         component: For example ``light``, or :data:`DEVICE`.
         node_id: The level between component and object; empty where there is none.
         object_id: The level before ``config``.
+        key: The name of the announcement: all levels between prefix and ``config``, but for an empty one.
     """
 
     component: str
     node_id: str
     object_id: str
+    key: str = field(init=False, compare=False)
 
-    @property
-    def key(self) -> str:
-        """The name of the announcement: all levels between prefix and ``config``."""
+    def __post_init__(self) -> None:
         ids = f"{self.node_id}/{self.object_id}" if self.node_id else self.object_id
-        return f"{self.component}/{ids}"
+        object.__setattr__(self, "key", f"{self.component}/{ids}")
 
 
 def parse_config_topic(prefix: str, topic: str) -> ConfigTopic | None:
@@ -81,7 +81,13 @@ def command_topic(topic: str) -> str:
     Raises:
         WireError: It is empty, has a wildcard or a control character, or breaks MQTT's rules.
     """
-    return _checked(topic, is_filter=False)
+    try:
+        validate_topic(topic)
+    except InvalidNameError as error:
+        raise _unusable(topic, error.problem) from None
+    if _FORBIDDEN.search(topic):
+        raise _unusable(topic, "has a control character")
+    return topic
 
 
 @lru_cache(maxsize=128)
@@ -91,7 +97,13 @@ def state_topic(topic: str) -> str:
     Raises:
         WireError: It is empty, has a control character, or breaks MQTT's rules.
     """
-    return _checked(topic, is_filter=True)
+    try:
+        validate_filter(topic)
+    except InvalidNameError as error:
+        raise _unusable(topic, error.problem) from None
+    if _FORBIDDEN.search(topic):
+        raise _unusable(topic, "has a control character")
+    return topic
 
 
 _LEVELS = (2, 3)
@@ -99,17 +111,8 @@ _MAX_CONFIG_TOPIC = 512
 _FORBIDDEN = re.compile("[\x00-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]")
 
 
-def _checked(topic: str, *, is_filter: bool) -> str:
-    try:
-        if is_filter:
-            validate_filter(topic)
-        else:
-            validate_topic(topic)
-    except InvalidNameError as error:
-        raise WireError(f"topic {shown(topic)} {error.problem}") from None
-    if _FORBIDDEN.search(topic):
-        raise WireError(f"topic {shown(topic)} has a control character")
-    return topic
+def _unusable(topic: str, problem: str) -> WireError:
+    return WireError(f"topic {shown(topic)} {problem}")
 
 
 class StateMessage:

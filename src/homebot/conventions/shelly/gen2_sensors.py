@@ -52,12 +52,15 @@ def build_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
 def build_power(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a battery, where the device has one."""
     part = component.part("", "x_battery", category="diagnostic")
-    component.read_status(part, _decode_power)
-    part.add_capability("battery")
-    if "V" in as_fields(component.status.get("battery")):
-        part.add_capability("voltage")
-    if isinstance(component.status.get("external"), dict):
-        part.add_capability("plugged_in")
+    has = {
+        "battery": True,
+        "voltage": "V" in as_fields(component.status.get("battery")),
+        "plugged_in": isinstance(component.status.get("external"), dict),
+    }
+    names = [name for name, is_there in has.items() if is_there]
+    component.read_status(part, partial(_decode_power, frozenset(names)))
+    for name in names:
+        part.add_capability(name)
     return (part,)
 
 
@@ -91,7 +94,7 @@ def _decode_counter(status: Fields) -> Readings:
     return NO_READINGS if total is None else {"measurement": total}
 
 
-def _decode_power(status: Fields) -> Readings:
+def _decode_power(names: frozenset[str], status: Fields) -> Readings:
     found: dict[str, PlainValue] = {}
     battery, external = as_fields(status.get("battery")), as_fields(status.get("external"))
     if "percent" in battery:
@@ -100,7 +103,7 @@ def _decode_power(status: Fields) -> Readings:
         found["voltage"] = to_number(battery["V"])
     if isinstance(present := external.get("present"), bool):
         found["plugged_in"] = present
-    return found
+    return {name: value for name, value in found.items() if name in names}
 
 
 _ENERGY = 1 / 1000

@@ -1,6 +1,6 @@
 import pytest
 
-from homebot.conventions.homeassistant.sensor_tables import is_quantity, quantity_of
+from homebot.conventions.device_classes import is_quantity, quantity_of
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 

@@ -1,6 +1,7 @@
-"""Capabilities by the device class of a sensor. Pure.
+"""The device classes that Home Assistant, and firmware made for it, has for sensors and covers. Pure.
 
-Source: Home Assistant core 2025.4, ``components/sensor/const.py``.
+Source: Home Assistant core 2025.4, ``components/sensor/const.py``, ``components/binary_sensor/__init__.py`` and
+``components/cover/__init__.py``.
 """
 
 from __future__ import annotations
@@ -11,7 +12,10 @@ from functools import lru_cache
 from homebot.conventions.units import Quantity, conversion_of
 from homebot.devices.capabilities import CAPABILITIES
 
-__all__ = ["QUANTITY_CLASSES", "is_quantity", "quantity_of"]
+__all__ = ["CLOSURE_CLASSES", "CONDITION_CLASSES", "QUANTITY_CLASSES", "condition_of", "is_quantity", "quantity_of"]
+
+CLOSURE_CLASSES = frozenset({"damper", "door", "garage", "gate", "window"})
+"""Covers that are a closure rather than a window covering."""
 
 
 def is_quantity(device_class: str) -> bool:
@@ -35,6 +39,11 @@ def quantity_of(device_class: str, unit: str) -> Quantity:
     if conversion is None:
         return Quantity(service_type, capability, unit)
     return Quantity(service_type, capability, canonical, conversion)
+
+
+def condition_of(device_class: str) -> tuple[str, str]:
+    """Return the service type of a binary sensor of this class, and what is so when it is on; else a ``state``."""
+    return _CONDITIONS.get(device_class, _OTHER_CONDITION)
 
 
 _OTHER = ("x_sensor", "measurement")
@@ -81,3 +90,44 @@ QUANTITY_CLASSES: Mapping[str, str] = {
     capability: name for name, (_, capability) in sorted(_CLASSES.items(), reverse=True) if capability != "measurement"
 }
 """The other way round: the class that says a capability."""
+
+_OTHER_CONDITION = ("x_binary_sensor", "state")
+_CONTACT = ("contact_sensor", "contact")
+_OCCUPANCY = ("occupancy_sensor", "occupancy")
+_CONDITIONS: Mapping[str, tuple[str, str]] = {
+    "battery": ("x_battery", "battery_low"),
+    "battery_charging": ("x_battery", "battery_charging"),
+    "carbon_monoxide": ("smoke_co_alarm", "carbon_monoxide_alarm"),
+    "cold": ("water_freeze_detector", "freeze"),
+    "connectivity": ("x_binary_sensor", "connectivity"),
+    "door": _CONTACT,
+    "garage_door": _CONTACT,
+    "gas": ("smoke_co_alarm", "gas"),
+    "heat": ("x_binary_sensor", "heat"),
+    "light": ("x_binary_sensor", "light_detected"),
+    "lock": ("x_binary_sensor", "unlocked"),
+    "moisture": ("water_leak_detector", "water_leak"),
+    "motion": _OCCUPANCY,
+    "moving": ("x_binary_sensor", "moving"),
+    "occupancy": _OCCUPANCY,
+    "opening": _CONTACT,
+    "plug": ("x_binary_sensor", "plugged_in"),
+    "power": ("x_binary_sensor", "power_detected"),
+    "presence": _OCCUPANCY,
+    "problem": ("x_binary_sensor", "problem"),
+    "running": ("x_binary_sensor", "running"),
+    "safety": ("x_binary_sensor", "safety"),
+    "smoke": ("smoke_co_alarm", "smoke"),
+    "sound": ("x_binary_sensor", "sound"),
+    "tamper": ("x_binary_sensor", "tamper"),
+    "update": ("x_update", "update_available"),
+    "vibration": ("x_binary_sensor", "vibration"),
+    "window": _CONTACT,
+}
+"""Class to service type and to what is so when the sensor is on."""
+
+CONDITION_CLASSES: Mapping[str, tuple[str, ...]] = {
+    capability: tuple(sorted(one for one in _CONDITIONS if _CONDITIONS[one][1] == capability))
+    for capability in {capability for _, capability in _CONDITIONS.values()}
+}
+"""The other way round: the classes that say a capability."""

@@ -1,0 +1,199 @@
+"""Shelly's devices on a channel of their own, by the answers of real models."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tests.conventions.shelly.rpc_documents import MODELS, Model
+
+from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, RpcCall, is_news_of_setup
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+
+
+def asked(model: Model) -> Gen2RpcDevice:
+    device = Gen2RpcDevice(model.info["id"])
+    device.keep("info", model.info, 100)
+    device.keep("config", model.config, 100)
+    device.keep("status", model.status, 100)
+    device.keep_components({"components": model.components, "offset": 0, "total": len(model.components)})
+    return device
+
+
+def values(device: Gen2RpcDevice, model: Model) -> dict[tuple[str, str], PlainValue]:
+    frames = (frame({"id": 3, "src": "x", "result": model.status}), device.components_status())
+    return {
+        (part, name): value
+        for one in frames
+        for part, readings in device.read_status(one)
+        for name, value in readings.items()
+    }
+
+
+def frame(value: object) -> bytes:
+    return json.dumps(value).encode()
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_a_model_is_described_with_its_parts(name: str) -> None:
+    model = MODELS[name]
+    described = asked(model).describe()
+    assert described is not None
+    assert {one.part.id: one.part.service_type for one in described.parts} == model.parts
+    assert described.facts["model"] == model.info["model"]
+    assert described.facts["sw_version"] == "1.4.4"
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_its_status_is_read(name: str) -> None:
+    model = MODELS[name]
+    device = asked(model)
+    device.describe()
+    assert values(device, model).items() >= model.values.items()
+
+
+@pytest.mark.parametrize(
+    ("name", "part", "capability", "value", "method", "params"),
+    [
+        ("Plus 1", "switch:0", "on_off", False, "Switch.Set", {"id": 0, "on": False}),
+        ("Pro 4PM", "switch:3", "on_off", True, "Switch.Set", {"id": 3, "on": True}),
+        ("Dimmer Gen3", "light:0", "level", 20.0, "Light.Set", {"id": 0, "on": True, "brightness": 20}),
+        ("Plus 2PM in the profile cover", "cover:0", "movement", "open", "Cover.Open", {"id": 0}),
+        ("Plus 2PM in the profile cover", "cover:0", "position", 30.0, "Cover.GoToPosition", {"id": 0, "pos": 30}),
+        (
+            "Plus RGBW PM in the profile rgbw",
+            "rgbw:0",
+            "color",
+            (0.0, 100.0),
+            "RGBW.Set",
+            {"id": 0, "on": True, "rgb": [255, 0, 0], "white": 0},
+        ),
+        ("BLU Gateway with a door sensor", "boolean:200", "state", True, "Boolean.Set", {"id": 200, "value": True}),
+    ],
+)
+def test_a_command_is_a_call(
+    name: str, part: str, capability: str, value: PlainValue, method: str, params: dict[str, Any]
+) -> None:
+    device = asked(MODELS[name])
+    device.describe()
+    assert device.calls(part, capability, value, 0.0) == (RpcCall(method, params),)
+
+
+def test_a_transition_is_sent_along() -> None:
+    device = asked(MODELS["Dimmer Gen3"])
+    device.describe()
+    (call,) = device.calls("light:0", "on_off", True, 2.5)
+    assert call.params == {"id": 0, "on": True, "transition_duration": 2.5}
+
+
+def test_a_part_that_is_gone_is_refused() -> None:
+    device = asked(MODELS["Plus 1"])
+    device.describe()
+    with pytest.raises(RefusedError, match="no such part any more"):
+        device.calls("switch:7", "on_off", True, 0.0)
+
+
+def test_a_notification_says_what_changed() -> None:
+    """Shelly Gen2+ API, Notifications, NotifyStatus."""
+    device = asked(MODELS["Pro 4PM"])
+    device.describe()
+    news = {
+        "src": "shellypro4pm-f008d1d8b8b8",
+        "dst": "homebot",
+        "method": "NotifyStatus",
+        "params": {"ts": 1631186545.04, "switch:0": {"id": 0, "output": True, "source": "button"}},
+    }
+    assert dict(device.read_notification(frame(news))) == {"switch:0": {"on_off": True}}
+
+
+def test_a_press_is_an_event() -> None:
+    """Likewise NotifyEvent."""
+    device = asked(MODELS["Plus i4"])
+    device.describe()
+    event = {"component": "input:2", "id": 2, "event": "double_push", "ts": 1631266595.44}
+    news = {"src": "x", "dst": "homebot", "method": "NotifyEvent", "params": {"ts": 1631266595.44, "events": [event]}}
+    assert dict(device.read_notification(frame(news))) == {"input:2": {"press": "double"}}
+
+
+def test_a_sleeper_reports_its_whole_status_and_is_missed_after_two_and_a_half_periods() -> None:
+    model = MODELS["H&T Gen3"]
+    device = asked(model)
+    device.describe()
+    assert device.stale_after == 2.5 * 7200
+    assert asked(MODELS["Plus 1"]).stale_after == 0
+    news = {"src": "x", "dst": "ws", "method": "NotifyFullStatus", "params": {"ts": 1.0, **model.status}}
+    assert dict(device.read_notification(frame(news)))["temperature:0"] == {"temperature": 14.7}
+
+
+def test_a_battery_reports_only_what_it_was_described_with() -> None:
+    model = MODELS["H&T Gen3"]
+    device = Gen2RpcDevice(model.info["id"])
+    device.keep("info", model.info, 100)
+    device.keep("status", {"devicepower:0": {"id": 0, "battery": {"percent": 83}}}, 100)
+    device.describe()
+    full = frame({"method": "NotifyFullStatus", "params": model.status})
+    assert dict(device.read_notification(full)) == {"devicepower:0": {"battery": 83}}
+
+
+@pytest.mark.parametrize("event", ["config_changed", "component_added", "component_removed"])
+def test_a_device_that_is_set_up_anew_says_so(event: str) -> None:
+    events = [{"component": "sys", "event": event, "restart_required": False, "ts": 1.0, "cfg_rev": 13}]
+    assert is_news_of_setup({"method": "NotifyEvent", "params": {"ts": 1.0, "events": events}})
+    assert not is_news_of_setup({"method": "NotifyStatus", "params": {"events": events}})
+
+
+def test_the_same_answers_are_no_news() -> None:
+    device = asked(MODELS["Plus 1"])
+    assert device.describe() is not None
+    device.keep("status", {**MODELS["Plus 1"].status, "switch:0": {"id": 0, "output": False, "temperature": {}}}, 100)
+    assert device.describe() is None
+
+
+def test_components_come_in_pages_and_go_when_they_are_no_longer_listed() -> None:
+    model = MODELS["BLU Gateway with a door sensor"]
+    device = Gen2RpcDevice(model.info["id"])
+    device.keep("info", model.info, 100)
+    device.keep("status", model.status, 100)
+    assert device.keep_components({"components": model.components[:3], "offset": 0, "total": 4}) == 3
+    first = device.describe()
+    assert first is not None
+    assert first.parts == ()
+    assert device.keep_components({"components": model.components[3:], "offset": 3, "total": 4}) == 0
+    second = device.describe()
+    assert second is not None
+    assert len(second.parts) == len(model.parts)
+    assert device.keep_components({"components": [], "offset": 0, "total": 0}) == 0
+    third = device.describe()
+    assert third is not None
+    assert third.parts == ()
+
+
+SCALARS = st.sampled_from([None, True, 0, -1, 1e300, "", "x", "7", [], {}, [1], {"id": 0}])
+FIELDS = st.dictionaries(
+    st.sampled_from(["id", "output", "key", "status", "config", "mac", "value"]), SCALARS, max_size=3
+)
+OBJECTS = st.dictionaries(
+    st.sampled_from(["sys", "switch:0", "light:0", "input:1", "components", "total", "offset", "events", "mac", "id"]),
+    SCALARS | FIELDS | st.lists(FIELDS, max_size=2),
+    max_size=4,
+)
+
+
+@given(info=OBJECTS, config=OBJECTS, status=OBJECTS, page=OBJECTS, news=OBJECTS)
+def test_any_answers_are_described_and_read(
+    info: dict[str, Any], config: dict[str, Any], status: dict[str, Any], page: dict[str, Any], news: dict[str, Any]
+) -> None:
+    device = Gen2RpcDevice("shellyplus1-a8032abe54dc")
+    device.keep("info", info, 10)
+    device.keep("config", config, 10)
+    device.keep("status", status, 10)
+    device.keep_components(page)
+    device.describe()
+    list(device.read_status(device.components_status()))
+    list(device.read_notification(frame({"method": "NotifyStatus", "params": news})))
+    is_news_of_setup(news)
+    assert device.stale_after >= 0
