@@ -18,9 +18,18 @@ from homebot.devices.names import text_address
 from homebot.devices.part import Capability, Part
 from homebot.errors import WireError
 from homebot.messages import Time
-from homebot.wot import CONTEXT, ClassifiedPart, parts_of, read_thing, to_thing
+from homebot.wot import CONTEXT, ClassifiedPart, PayloadFormat, basic_formats, parts_of, read_thing, to_thing
+from homebot.wot.mqtt.binding import MqttBinding
 
 NOW = Time(sec=1_800_000_000, nanosec=0)
+
+
+def any_format(content_type: str) -> PayloadFormat | None:
+    """Understand what conventions spell as well."""
+    return basic_formats(content_type) or basic_formats("text/plain")
+
+
+MQTT = MqttBinding(any_format)
 BROKERS = {"mqtt": "mqtt://broker:1883"}
 
 
@@ -111,7 +120,7 @@ def test_a_device_becomes_a_description_with_the_topics_to_read_and_write() -> N
 def test_a_device_without_parts_is_described_by_its_words() -> None:
     """Plain text, on the two topics of the thesis; an address of homebot's own is no topic."""
     made = to_thing(device(), {})
-    (meant,) = parts_of(read_thing(made))
+    (meant,) = parts_of(read_thing(made), MQTT)
     assert (meant.part.reads, meant.part.writes) == (("home/l/out",), ("home/l/in",))
     words = text_address("k", "p")
     endpoint = Endpoint(gateway="mqtt", key="k", address=words, command_address=words)
@@ -184,7 +193,7 @@ def test_every_device_survives_the_way_out_and_back(parts: tuple[DevicePart, ...
     made = json.loads(json.dumps(to_thing(device(*parts, area=area, identifiers=("mac:aabbccddeeff",)), BROKERS)))
     thing = read_thing(made)
     assert (thing.title, thing.area, thing.identifiers) == ("Kitchen lamp", area, ("mac:aabbccddeeff",))
-    assert [meant.part for meant in parts_of(thing)] == [_without_defaults(one.part) for one in parts]
+    assert [meant.part for meant in parts_of(thing, MQTT)] == [_without_defaults(one.part) for one in parts]
 
 
 def lamp() -> dict[str, Any]:
@@ -235,7 +244,7 @@ def of(parts: tuple[ClassifiedPart, ...]) -> dict[str, tuple[str, list[str]]]:
 
 def test_semantic_types_come_first_then_names_then_types_of_values() -> None:
     """What is known of nothing has a capability of general meaning, and says that it is a guess."""
-    parts = parts_of(read_thing(lamp()))
+    parts = parts_of(read_thing(lamp()), MQTT)
     assert of(parts) == {
         "": ("light", ["on_off", "level"]),
         "powerOn": ("x_binary_sensor", ["state"]),
@@ -282,7 +291,7 @@ def test_a_thing_is_what_its_types_or_else_its_properties_say(
     thing["properties"] = {
         name: {"type": kind, "forms": [{"href": f"mqtt://b/{name}"}]} for name, kind in properties.items()
     }
-    assert of(parts_of(read_thing(thing))) == expected
+    assert of(parts_of(read_thing(thing), MQTT)) == expected
 
 
 @pytest.mark.parametrize(
@@ -314,7 +323,7 @@ def test_two_of_one_kind_are_two_parts() -> None:
     """None is lost."""
     thing = lamp()
     thing["properties"]["on2"] = copy.deepcopy(thing["properties"]["on"])
-    assert of(parts_of(read_thing(thing)))["on2"] == ("switch", ["on_off"])
+    assert of(parts_of(read_thing(thing), MQTT))["on2"] == ("switch", ["on_off"])
 
 
 def changed(path: str, value: object) -> dict[str, Any]:
@@ -428,4 +437,4 @@ def test_any_damage_to_a_description_gives_a_thing_or_a_clear_error(data: st.Dat
     for where, key in data.draw(st.lists(st.sampled_from(places), min_size=1, max_size=3)):
         where[key] = data.draw(_json)
     with suppress(WireError):
-        assert all(one.part.service_type in DEVICE_TYPES for one in parts_of(read_thing(thing)))
+        assert all(one.part.service_type in DEVICE_TYPES for one in parts_of(read_thing(thing), MQTT))

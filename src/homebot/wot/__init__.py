@@ -8,37 +8,67 @@ from typing import TYPE_CHECKING
 from homebot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from homebot.wot.classify import ClassifiedPart, observe_form, parts_of, write_form
-    from homebot.wot.export import TEXT_CONTENT_TYPE, to_thing
+    from homebot.wot.binding import Binding, RequestBinding
+    from homebot.wot.classify import ClassifiedAffordance, ClassifiedPart, parts_of
+    from homebot.wot.export import to_thing
+    from homebot.wot.identity import facts_of, identifiers_of
     from homebot.wot.parse import CONTEXT, read_thing
+    from homebot.wot.payload import (
+        TEXT_CONTENT_TYPE,
+        PayloadFormat,
+        PayloadFormats,
+        basic_formats,
+        decode_document,
+        encode_document,
+        media_type,
+    )
     from homebot.wot.scale import canonical, on_the_wire
-    from homebot.wot.thing import Affordance, DataSchema, Form, Thing
+    from homebot.wot.thing import Affordance, DataSchema, Form, SecurityScheme, Thing
+    from homebot.wot.uri import resolve_uri
 
 __all__ = [
     "CONTEXT",
     "TEXT_CONTENT_TYPE",
     "Affordance",
+    "Binding",
+    "ClassifiedAffordance",
     "ClassifiedPart",
     "DataSchema",
     "Form",
+    "PayloadFormat",
+    "PayloadFormats",
+    "RequestBinding",
+    "SecurityScheme",
     "Thing",
+    "basic_formats",
     "canonical",
-    "observe_form",
+    "decode_document",
+    "encode_document",
+    "facts_of",
+    "identifiers_of",
+    "media_type",
     "on_the_wire",
     "parts_of",
     "read_thing",
+    "resolve_uri",
     "to_thing",
-    "write_form",
 ]
 
 if not TYPE_CHECKING:  # else a name that does not exist would pass for one
     __getattr__ = lazy_names(
         __name__,
         {
-            "homebot.wot.classify": "ClassifiedPart observe_form parts_of write_form",
-            "homebot.wot.export": "TEXT_CONTENT_TYPE to_thing",
+            "homebot.wot.binding": "Binding RequestBinding",
+            "homebot.wot.classify": "ClassifiedAffordance ClassifiedPart parts_of",
+            "homebot.wot.export": "to_thing",
+            "homebot.wot.identity": "facts_of identifiers_of",
             "homebot.wot.parse": "CONTEXT read_thing",
+            "homebot.wot.payload": (
+                "TEXT_CONTENT_TYPE PayloadFormat PayloadFormats basic_formats"
+                " decode_document encode_document media_type"
+            ),
             "homebot.wot.scale": "canonical on_the_wire",
-            "homebot.wot.thing": "Affordance DataSchema Form Thing",
+            "homebot.wot.thing": "Affordance DataSchema Form SecurityScheme Thing",
+            "homebot.wot.uri": "resolve_uri",
         },
     )

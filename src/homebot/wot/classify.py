@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Category, Part
+from homebot.wot.binding import Binding
 from homebot.wot.scale import bounds_of, unit_of
 from homebot.wot.thing import Affordance, DataSchema, Form, Thing
 from homebot.wot.vocabulary import CAPABILITY_TYPES, LONE_TYPES, NAMES, OWNED, THING_TYPES
 
-__all__ = ["ClassifiedPart", "observe_form", "parts_of", "write_form"]
+__all__ = ["ClassifiedAffordance", "ClassifiedPart", "parts_of"]
 
-_OBSERVE_OPS = frozenset({"readproperty", "observeproperty", "subscribeevent"})
-_WRITE_OPS = frozenset({"writeproperty", "invokeaction"})
 _CATEGORIES: dict[str, Category] = {"config": "config", "diagnostic": "diagnostic"}
 _KINDS = {"boolean": "bool", "integer": "number", "number": "number", "string": "text"}
 _BY_TYPE = {name: capability for capability, name in CAPABILITY_TYPES.items()}
@@ -24,11 +23,28 @@ _TOKEN_BREAK = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|[\s.\-]+")
 
 
 @dataclass(frozen=True, slots=True)
+class ClassifiedAffordance:
+    """An affordance, and what it means.
+
+    Attributes:
+        capability: The capability that it is.
+        affordance: The affordance.
+        observed: The form by which its values become known; None where the protocol has none, or it is never read.
+        written: The form by which it is written or invoked; likewise.
+    """
+
+    capability: Capability
+    affordance: Affordance
+    observed: Form | None
+    written: Form | None
+
+
+@dataclass(frozen=True, slots=True)
 class ClassifiedPart:
-    """A part of a thing, and which affordance each of its capabilities is."""
+    """A part of a thing, and the affordances that are its capabilities, in the same order."""
 
     part: Part
-    affordances: tuple[tuple[Capability, Affordance], ...]
+    affordances: tuple[ClassifiedAffordance, ...]
 
 
 @dataclass(slots=True)
@@ -36,21 +52,37 @@ class _One:
     """An affordance and what it was found to be."""
 
     affordance: Affordance
-    capability: str
-    guessed: bool
+    observed: tuple[Form, ...]
+    written: tuple[Form, ...]
+    capability: str = ""
+    guessed: bool = False
     service_type: str = ""
     part_id: str = ""
 
+    @property
+    def is_settable(self) -> bool:
+        return bool(self.written) and not self.affordance.read_only
 
-def parts_of(thing: Thing) -> tuple[ClassifiedPart, ...]:
-    """Return the parts of *thing*.
+    @property
+    def is_readable(self) -> bool:
+        return bool(self.observed) and not self.affordance.write_only
+
+
+def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
+    """Return the parts of *thing*, as far as they can be used by one protocol.
 
     What homebot itself wrote into the description counts first, then the semantic types, then names; an affordance of
     which nothing is known has a capability of general meaning. Of two with the same meaning the second is a part of its
     own.
+
+    Args:
+        thing: The thing.
+        binding: The protocol's choice among its forms; what it can use no form of can be neither read nor set.
     """
     main = next((device for name, device in THING_TYPES.items() if name in thing.types), "")
-    found = [_meaning(one, main) for one in thing.affordances]
+    found = [_One(one, binding.observe_forms(one), binding.write_forms(one)) for one in thing.affordances]
+    for one in found:
+        _find_meaning(one, main)
     main_is_guess = not main
     if main_is_guess:
         main = _guess([one.capability for one in found if not one.service_type])
@@ -60,48 +92,35 @@ def parts_of(thing: Thing) -> tuple[ClassifiedPart, ...]:
     return tuple(_part(thing, name, members, main, main_is_guess=main_is_guess) for name, members in groups.items())
 
 
-def observe_form(affordance: Affordance) -> Form | None:
-    """Return the form by which it is observed over MQTT, if there is one."""
-    return next((one for one in affordance.forms if _is_observable(one)), None)
-
-
-def write_form(affordance: Affordance) -> Form | None:
-    """Return the form by which it is written over MQTT, if there is one."""
-    return next((one for one in affordance.forms if _is_writable(one)), None)
-
-
-def _is_observable(form: Form) -> bool:
-    return form.is_mqtt and bool(form.filter) and not _OBSERVE_OPS.isdisjoint(form.ops)
-
-
-def _is_writable(form: Form) -> bool:
-    return form.is_mqtt and bool(form.topic) and not _WRITE_OPS.isdisjoint(form.ops)
-
-
-def _meaning(one: Affordance, main: str) -> _One:
-    written = one.extension
+def _find_meaning(one: _One, main: str) -> None:
+    affordance = one.affordance
+    written = affordance.extension
     if written.get("capability") in CAPABILITIES and written.get("serviceType") in DEVICE_TYPES:
-        found = _One(one, written["capability"], guessed=False)
-        found.service_type, found.part_id = written["serviceType"], written.get("part", "")
-        return found
-    if one.kind != "property":
-        return _One(one, "push" if one.kind == "action" else "press", guessed=False)
-    kind = _KINDS.get(one.schema.type, "")
-    for name in one.types:
+        one.capability, one.service_type, one.part_id = (
+            written["capability"],
+            written["serviceType"],
+            written.get("part", ""),
+        )
+        return
+    if affordance.kind != "property":
+        one.capability = "push" if affordance.kind == "action" else "press"
+        return
+    for name in affordance.types:
         capability = _in_context(_BY_TYPE.get(name, ""), main)
-        if capability and _suits(capability, one.schema):
-            return _One(one, capability, guessed=False)
-    name = _TOKEN_BREAK.sub("_", one.name.rpartition("/")[2]).strip("_").lower()
-    capability = _in_context(NAMES.get(name, name), main)
-    if capability in CAPABILITIES and _suits(capability, one.schema):
-        return _One(one, capability, guessed=True)
-    is_settable = write_form(one) is not None and not one.read_only
+        if capability and _suits(capability, affordance.schema):
+            one.capability = capability
+            return
+    one.guessed = True
+    name = _TOKEN_BREAK.sub("_", affordance.name.rpartition("/")[2]).strip("_").lower()
+    one.capability = _in_context(NAMES.get(name, name), main)
+    if one.capability in CAPABILITIES and _suits(one.capability, affordance.schema):
+        return
     general = {
-        "bool": "on_off" if is_settable else "state",
-        "number": "number" if is_settable else "measurement",
-        "text": ("option" if one.schema.enum else "text") if is_settable else "value",
+        "bool": "on_off" if one.is_settable else "state",
+        "number": "number" if one.is_settable else "measurement",
+        "text": ("option" if affordance.schema.enum else "text") if one.is_settable else "value",
     }
-    return _One(one, general.get(kind, "raw"), guessed=True)
+    one.capability = general.get(_KINDS.get(affordance.schema.type, ""), "raw")
 
 
 def _in_context(capability: str, main: str) -> str:
@@ -158,8 +177,7 @@ def _part(thing: Thing, part_id: str, members: list[_One], main: str, *, main_is
         service_type, guessed = main, main_is_guess
     else:
         service_type, guessed = _lone(first), first.guessed
-    found = tuple((_capability(one), one.affordance) for one in members)
-    listed = [one.affordance for one in members]
+    found = tuple(_classified(one) for one in members)
     written = first.affordance.extension
     part = Part(
         id=part_id,
@@ -169,9 +187,9 @@ def _part(thing: Thing, part_id: str, members: list[_One], main: str, *, main_is
         tag=written.get("tag", ""),
         category=_CATEGORIES.get(written.get("category", ""), ""),
         guessed=guessed,
-        capabilities=tuple(capability for capability, _ in found),
-        reads=tuple(dict.fromkeys(form.filter for one in listed for form in one.forms if _is_observable(form))),
-        writes=tuple(dict.fromkeys(form.topic for one in listed for form in one.forms if _is_writable(form))),
+        capabilities=tuple(one.capability for one in found),
+        reads=tuple(dict.fromkeys(form.filter for one in members for form in one.observed if form.filter)),
+        writes=tuple(dict.fromkeys(form.topic for one in members for form in one.written if form.topic)),
     )
     return ClassifiedPart(part, found)
 
@@ -182,14 +200,20 @@ def _advertised(thing: Thing, part_id: str, first: _One) -> str:
 
 
 def _lone(one: _One) -> str:
-    settable = write_form(one.affordance) is not None and not one.affordance.read_only
-    return LONE_TYPES.get(one.capability, "x_setting" if settable else "x_sensor")
+    return LONE_TYPES.get(one.capability, "x_setting" if one.is_settable else "x_sensor")
+
+
+def _classified(one: _One) -> ClassifiedAffordance:
+    return ClassifiedAffordance(
+        _capability(one),
+        one.affordance,
+        one.observed[0] if one.is_readable else None,
+        one.written[0] if one.is_settable else None,
+    )
 
 
 def _capability(one: _One) -> Capability:
     known, schema = CAPABILITIES[one.capability], one.affordance.schema
-    readable = observe_form(one.affordance) is not None and not one.affordance.write_only
-    settable = write_form(one.affordance) is not None and not one.affordance.read_only
     unit = unit_of(schema) if known.kind == "number" and not known.unit else ""
     options: tuple[str, ...] = ()
     if known.kind == "text" and (one.service_type or one.capability != "lock"):
@@ -197,8 +221,8 @@ def _capability(one: _One) -> Capability:
         options = () if options == known.options else options
     return Capability(
         name=one.capability,
-        readable=readable,
-        settable=settable,
+        readable=one.is_readable,
+        settable=one.is_settable,
         unit=unit,
         bounds=_bounds(one) if known.kind == "number" else (),
         options=options,

@@ -15,12 +15,12 @@ from homebot.devices.device import Device, DevicePart, Endpoint
 from homebot.devices.names import read_text_address
 from homebot.devices.part import Capability
 from homebot.wot.parse import CONTEXT
+from homebot.wot.payload import TEXT_CONTENT_TYPE
 from homebot.wot.vocabulary import CAPABILITY_TYPES, DEVICE_TYPE_NAMES, WEBTHINGS
 
-__all__ = ["MQTT_VOCABULARY", "TEXT_CONTENT_TYPE", "own_content_type", "to_thing"]
+__all__ = ["MQTT_VOCABULARY", "own_content_type", "to_thing"]
 
 MQTT_VOCABULARY: Final = "https://www.w3.org/2019/wot/mqtt#"
-TEXT_CONTENT_TYPE: Final = "text/plain"
 _OWN_VOCABULARY: Final = "urn:homebot:td#"
 _JSON_TYPES = {"bool": "boolean", "number": "number", "text": "string", "numbers": "array"}
 

@@ -6,157 +6,17 @@ of version 1.0 are read as well.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
 from typing import Final, get_args
 from urllib.parse import unquote, urlsplit
 
-from homebot.errors import WireError
-from homebot.wot.thing import Affordance, AffordanceKind, DataSchema, DataType, Form, Thing
+from homebot.wot.fields import Fields
+from homebot.wot.thing import Affordance, AffordanceKind, DataSchema, DataType, Form, SecurityScheme, Thing
+from homebot.wot.uri import resolve_uri
 
-__all__ = ["CONTEXT", "MAX_TEXT", "Fields", "read_thing"]
-
-
-MAX_TEXT: Final = 1000
-"""Characters of a text that somebody wrote for people; longer ones are cut."""
-
-_MAX_LISTED = 300
-_MAX_NAME = 200
-_MAX_SHOWN = 60
-_MOST = 10**20
-
-
-class Fields:
-    """One JSON object, whose fields are asked for by name and type; a missing one is empty.
-
-    Args:
-        value: What should be an object.
-        path: Where it stands, for errors: ``properties.on.forms[0]``.
-
-    Raises:
-        WireError: It is none.
-    """
-
-    def __init__(self, value: object, path: str) -> None:
-        self._path = path
-        if not isinstance(value, Mapping):
-            raise self._wrong("", "an object", value)
-        self._value: Mapping[object, object] = value
-
-    def __contains__(self, name: str) -> bool:
-        return name in self._value
-
-    def problem(self, name: str, problem: str) -> WireError:
-        """Return the error that something is wrong with a field."""
-        return WireError(f"{self._where(name)}: {problem}")
-
-    def text(self, name: str, *, required: bool = False) -> str:
-        """Return a text, without control characters.
-
-        Raises:
-            WireError: It is none, or is missing or empty where it is *required*.
-        """
-        value = self._value.get(name)
-        if value is None and not required:
-            return ""
-        if not isinstance(value, str) or (required and not value.strip()):
-            raise self._wrong(name, "a text", value)
-        return "".join(one if one.isprintable() else " " for one in value[:MAX_TEXT]).strip()
-
-    def flag(self, name: str) -> bool:
-        """Return a boolean; False where it is missing."""
-        value = self._value.get(name, False)
-        if not isinstance(value, bool):
-            raise self._wrong(name, "true or false", value)
-        return value
-
-    def number(self, name: str) -> float | None:
-        """Return a number; None where it is missing."""
-        value = self._value.get(name)
-        if value is None:
-            return None
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise self._wrong(name, "a number", value)
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf
-        if not math.isfinite(number):
-            raise self._wrong(name, "a finite number", value)
-        return number
-
-    def texts(self, name: str) -> tuple[str, ...]:
-        """Return a text or a list of texts, as a tuple."""
-        value = self._value.get(name)
-        if value is None:
-            return ()
-        listed = value if isinstance(value, list) else [value]
-        if not all(isinstance(one, str) for one in listed):
-            raise self._wrong(name, "a text or a list of texts", value)
-        self._check_length(name, len(listed))
-        return tuple(str(one)[:MAX_TEXT] for one in listed)
-
-    def plain(self, name: str) -> object:
-        """Return a field as it is; None where it is missing."""
-        return self._value.get(name)
-
-    def listed(self, name: str) -> tuple[object, ...]:
-        """Return the elements of a list."""
-        value = self._value.get(name)
-        if value is None:
-            return ()
-        if not isinstance(value, list):
-            raise self._wrong(name, "a list", value)
-        self._check_length(name, len(value))
-        return tuple(value)
-
-    def inner(self, name: str) -> Fields:
-        """Return the object in a field; an empty one where it is missing."""
-        return Fields(self._value.get(name, {}), self._where(name))
-
-    def names(self) -> tuple[str, ...]:
-        """Return the names of all fields.
-
-        Raises:
-            WireError: They are more than 300, or one is longer than 200 characters.
-        """
-        self._check_length("", len(self._value))
-        for name in self._value:
-            if not isinstance(name, str) or len(name) > _MAX_NAME:
-                raise self.problem(str(name), f"a name of at most {_MAX_NAME} characters is expected")
-        return tuple(str(name) for name in self._value)
-
-    def at(self, name: str) -> str:
-        """Return where a field stands."""
-        return self._where(name)
-
-    def _check_length(self, name: str, length: int) -> None:
-        if length > _MAX_LISTED:
-            raise self.problem(name, f"{length} is too many; the limit is {_MAX_LISTED}")
-
-    def _where(self, name: str) -> str:
-        text = name if len(name) <= _MAX_SHOWN else f"{name[:_MAX_SHOWN]}…"
-        text = text if text.isprintable() else ascii(text)
-        return f"{self._path}.{text}" if self._path and name else text or self._path or "the description"
-
-    def _wrong(self, name: str, expected: str, value: object) -> WireError:
-        if value is None:
-            return self.problem(name, f"is missing; expected {expected}")
-        return self.problem(name, f"expected {expected}, got {_shown(value)}")
-
-
-def _shown(value: object) -> str:
-    match value:
-        case dict():
-            return "an object"
-        case list():
-            return "a list"
-        case bool():
-            return "true" if value else "false"
-        case int() if abs(value) >= _MOST:
-            return "a finite number"
-        case _:
-            return ascii(value[:_MAX_SHOWN] if isinstance(value, str) else value)
+__all__ = ["CONTEXT", "read_thing"]
 
 
 CONTEXT: Final = "https://www.w3.org/2022/wot/td/v1.1"
@@ -175,20 +35,31 @@ _TYPES: tuple[DataType, ...] = get_args(DataType)
 _MAX_AFFORDANCES = 300
 _MAX_FORMS = 20
 _EXTENSION = "homebot:"
+_METHODS = ("htv:methodName", "cov:method", "cov:methodName", "coap:method", "coap:methodName")
+"""The terms for methods in the bindings of HTTP and CoAP, and in older drafts of the latter."""
+
+_UNDEFINED_VARIABLES = re.compile(r"\{[?&#][^{}]*\}")
+"""Expressions of a URI template (RFC 6570, section 3.2.1) that disappear where their variables have no value."""
 
 
-def read_thing(description: object) -> Thing:
+def read_thing(description: object, source: str = "") -> Thing:
     """Return the thing that a Thing Description, as parsed JSON, describes.
+
+    Args:
+        description: The description.
+        source: The address that it was read from; relative addresses in it are relative to that.
 
     Raises:
         WireError: It breaks a rule of TD 1.1, or has more than 300 affordances; names the field and its value.
     """
     fields = Fields(description, "")
     _check_context(fields)
-    _check_security(fields)
-    base = fields.text("base")
+    schemes, required = _security(fields)
+    base = resolve_uri(source, fields.text("base"))
     affordances = tuple(
-        affordance for group, kind in _KINDS.items() for affordance in _affordances(fields.inner(group), kind, base)
+        affordance
+        for group, kind in _KINDS.items()
+        for affordance in _affordances(fields.inner(group), kind, base, required)
     )
     if len(affordances) > _MAX_AFFORDANCES:
         raise fields.problem("", f"{len(affordances)} affordances are too many; the limit is {_MAX_AFFORDANCES}")
@@ -202,6 +73,8 @@ def read_thing(description: object) -> Thing:
         facts={name: facts.text(name) for name in facts.names() if isinstance(facts.plain(name), str)},
         area=fields.text("homebot:area"),
         identifiers=fields.texts("homebot:identifiers"),
+        forms=tuple(_thing_forms(fields, base, required)),
+        security=schemes,
     )
 
 
@@ -212,27 +85,36 @@ def _check_context(fields: Fields) -> None:
         raise fields.problem("@context", f"must contain {CONTEXT}, the context of Thing Descriptions")
 
 
-def _check_security(fields: Fields) -> None:
+def _security(fields: Fields) -> tuple[dict[str, SecurityScheme], tuple[str, ...]]:
     definitions = fields.inner("securityDefinitions")
-    names = definitions.names()
-    for name in names:
-        definitions.inner(name).text("scheme", required=True)
+    schemes = {name: _security_scheme(definitions.inner(name)) for name in definitions.names()}
     required = fields.texts("security")
     if not required:
         raise fields.problem("security", "is missing; give the name of a security definition")
+    _check_known(fields, required, schemes)
+    return schemes, required
+
+
+def _security_scheme(fields: Fields) -> SecurityScheme:
+    scheme = fields.text("scheme", required=True)
+    where, name = (fields.text(one) if isinstance(fields.plain(one), str) else "" for one in ("in", "name"))
+    return SecurityScheme(scheme, where, name)
+
+
+def _check_known(fields: Fields, required: tuple[str, ...], schemes: Collection[str]) -> None:
     for name in required:
-        if name not in names:
+        if name not in schemes:
             raise fields.problem("security", f"{name[:60]!a} is not in securityDefinitions")
 
 
-def _affordances(group: Fields, kind: AffordanceKind, base: str) -> Iterator[Affordance]:
+def _affordances(group: Fields, kind: AffordanceKind, base: str, security: tuple[str, ...]) -> Iterator[Affordance]:
     for name in group.names():
         fields = group.inner(name)
         read_only, write_only = fields.flag("readOnly"), fields.flag("writeOnly")
         if read_only and write_only:
             raise fields.problem("writeOnly", "readOnly and writeOnly exclude each other")
         schema = fields if kind == "property" else fields.inner("input" if kind == "action" else "data")
-        forms = tuple(_forms(fields, kind, base, read_only=read_only, write_only=write_only))
+        forms = tuple(_forms(fields, kind, base, security, read_only=read_only, write_only=write_only))
         yield Affordance(
             name=name,
             kind=kind,
@@ -250,7 +132,9 @@ def _affordances(group: Fields, kind: AffordanceKind, base: str) -> Iterator[Aff
         )
 
 
-def _forms(fields: Fields, kind: AffordanceKind, base: str, *, read_only: bool, write_only: bool) -> Iterator[Form]:
+def _forms(
+    fields: Fields, kind: AffordanceKind, base: str, security: tuple[str, ...], *, read_only: bool, write_only: bool
+) -> Iterator[Form]:
     forms = fields.listed("forms")
     if not 0 < len(forms) <= _MAX_FORMS:
         raise fields.problem("forms", f"1 to {_MAX_FORMS} forms are expected, got {len(forms)}")
@@ -262,10 +146,21 @@ def _forms(fields: Fields, kind: AffordanceKind, base: str, *, read_only: bool, 
             if op not in _OPS[kind]:
                 raise form.problem("op", f"{op[:60]!a} is none of {', '.join(_OPS[kind])}")
         unfit = {"writeproperty"} if read_only else {"readproperty", "observeproperty"} if write_only else set()
-        yield _form(form, tuple(op for op in ops if op not in unfit) or ops, base)
+        yield _form(form, tuple(op for op in ops if op not in unfit) or ops, base, security)
 
 
-def _form(form: Fields, ops: tuple[str, ...], base: str) -> Form:
+def _thing_forms(fields: Fields, base: str, security: tuple[str, ...]) -> Iterator[Form]:
+    """Parse the forms of the thing as a whole; TD 1.1, section 5.3.4.2.1, demands that each names what it does."""
+    forms = fields.listed("forms")
+    if len(forms) > _MAX_FORMS:
+        raise fields.problem("forms", f"{len(forms)} are too many; the limit is {_MAX_FORMS}")
+    for number, one in enumerate(forms):
+        form = Fields(one, fields.at(f"forms[{number}]"))
+        if ops := form.texts("op"):
+            yield _form(form, ops, base, security)
+
+
+def _form(form: Fields, ops: tuple[str, ...], base: str, security: tuple[str, ...]) -> Form:
     """Parse a form; in many TDs the topic stands in the path of the address; what ``mqv:`` has counts more."""
     if "href" not in form:
         raise form.problem("href", "is missing; give an address")
@@ -273,6 +168,7 @@ def _form(form: Fields, ops: tuple[str, ...], base: str) -> Form:
     try:
         scheme, path = urlsplit(href).scheme, urlsplit(href).path
         scheme = scheme or urlsplit(base).scheme
+        address = resolve_uri(base, _UNDEFINED_VARIABLES.sub("", href))
     except ValueError:
         raise form.problem("href", f"{href[:60]!a} is not an address") from None
     is_mqtt = scheme in {"mqtt", "mqtts"}
@@ -285,11 +181,16 @@ def _form(form: Fields, ops: tuple[str, ...], base: str) -> Form:
     return Form(
         ops=ops,
         scheme=scheme.lower(),
+        href=address,
+        subprotocol=form.text("subprotocol"),
+        method=next((found for name in _METHODS if (found := form.text(name))), "").upper(),
+        security=form.texts("security") or security,
         topic=topic,
         filter=observed,
         qos=_qos(form),
         retain=_retain(form),
         content_type=form.text("contentType") or "application/json",
+        response_type=form.inner("response").text("contentType"),
     )
 
 
@@ -311,11 +212,14 @@ def _qos(form: Fields) -> int:
     raise form.problem("mqv:qos", "0, 1 or 2 is expected")
 
 
-def _schema(fields: Fields) -> DataSchema:
+def _schema(fields: Fields, *, is_member: bool = False) -> DataSchema:
     kind = fields.text("type")
     found = next((one for one in _TYPES if one == kind), None)
     if found is None:
         raise fields.problem("type", f"{kind[:60]!a} is none of {', '.join(one for one in _TYPES if one)}")
+    members = fields.inner("properties") if found == "object" and not is_member else None
+    if members is not None and len(names := members.names()) == 1:  # an object with one member stands for that
+        return replace(_schema(members.inner(names[0]), is_member=True), member=names[0])
     enum = fields.listed("enum")
     if "enum" in fields and not enum:
         raise fields.problem("enum", "at least one value is expected")

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-__all__ = ["Affordance", "AffordanceKind", "DataSchema", "DataType", "Form", "Thing"]
+__all__ = ["Affordance", "AffordanceKind", "DataSchema", "DataType", "Form", "SecurityScheme", "Thing"]
 
 AffordanceKind: TypeAlias = Literal["property", "action", "event"]
 DataType: TypeAlias = Literal["boolean", "integer", "number", "string", "object", "array", "null", ""]
@@ -23,25 +23,50 @@ class Form:
     Attributes:
         ops: What it does, for example ``writeproperty``; at least one.
         scheme: Of its address, for example ``mqtt``; empty where only a relative one was given.
+        href: Its address, absolute where the description said how; with ``{`` where it has variables that need a value.
+        subprotocol: How values are pushed, for example ``longpoll``; empty for the protocol's own way.
+        method: Of the request, for example ``PUT``; empty for the protocol's own choice.
+        security: The names of the security schemes that it requires, all of them.
         topic: To publish on; empty where there is none.
         filter: To subscribe to; empty where there is none.
         qos: 0 to 2.
         retain: Whether the broker shall keep, or keeps, what is published.
         content_type: How payloads are spelt; ``application/json`` where nothing is declared.
+        response_type: How answers are spelt, where that is another way; empty for the same.
     """
 
     ops: tuple[str, ...]
     scheme: str
+    href: str = ""
+    subprotocol: str = ""
+    method: str = ""
+    security: tuple[str, ...] = ()
     topic: str = ""
     filter: str = ""
     qos: int = 0
     retain: bool = False
     content_type: str = "application/json"
+    response_type: str = ""
 
     @property
     def is_mqtt(self) -> bool:
         """True if it is about MQTT."""
         return self.scheme in {"mqtt", "mqtts", "ws+mqtt"} or bool(self.topic or self.filter)
+
+
+@dataclass(frozen=True, slots=True)
+class SecurityScheme:
+    """One way to be let in.
+
+    Attributes:
+        scheme: For example ``nosec``, ``basic``, ``bearer`` or ``psk``.
+        location: Where credentials go, for example ``header``; empty for the scheme's own place.
+        name: The name of the header, query parameter or cookie; empty where there is none.
+    """
+
+    scheme: str
+    location: str = ""
+    name: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +79,8 @@ class DataSchema:
         minimum: The smallest number, if any.
         maximum: The largest number, if any.
         enum: The only values, if they are listed; those that are neither texts, numbers nor booleans are left out.
+        member: The name of the member of an object that has the value; empty where the value is no object, or is itself
+            one. The other fields are those of the member.
     """
 
     type: DataType = ""
@@ -61,6 +88,7 @@ class DataSchema:
     minimum: float | None = None
     maximum: float | None = None
     enum: tuple[str | float | bool, ...] = ()
+    member: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +131,8 @@ class Thing:
         facts: Further facts, by name.
         area: Where it is; empty where that is not known.
         identifiers: Who it is; see :func:`homebot.devices.identity.identifiers`.
+        forms: The ways to use several affordances at once, such as ``readallproperties``.
+        security: The security schemes that forms name.
     """
 
     id: str
@@ -113,3 +143,5 @@ class Thing:
     facts: Mapping[str, str] = field(default_factory=dict)
     area: str = ""
     identifiers: tuple[str, ...] = ()
+    forms: tuple[Form, ...] = ()
+    security: Mapping[str, SecurityScheme] = field(default_factory=dict)

@@ -11,16 +11,15 @@ from homebot.conventions.description import (
     DeviceWithdrawn,
 )
 from homebot.conventions.payload import clean_text, parse_object
-from homebot.devices.identity import identifiers
-from homebot.devices.part import Capability, Part
 from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.topics import validate_filter, validate_topic
-from homebot.wot import ClassifiedPart, Thing, observe_form, parts_of, read_thing, write_form
-from homebot.wot.mqtt.codec import is_supported, thing_codec
+from homebot.wot import ClassifiedPart, Thing, facts_of, identifiers_of, parts_of, read_thing
+from homebot.wot.mqtt.binding import MqttBinding
+from homebot.wot.mqtt.codec import thing_codec
 
 __all__ = ["ThingReader"]
 
-_OWN = ("mac:", "eui64:", "id:")
+_BINDING = MqttBinding()
 
 
 class ThingReader:
@@ -57,61 +56,41 @@ class ThingReader:
         return None
 
     def _described(self, name: str, topic: str, thing: Thing) -> DeviceAnnounced:
-        own = tuple(one for one in thing.identifiers if one.startswith(_OWN))
-        others = identifiers(one for one in (*thing.identifiers, thing.id) if one and one not in own)
-        facts = {clean_text(key, 60): clean_text(value) for key, value in thing.facts.items()}
-        if thing.description:
-            facts.setdefault("description", clean_text(thing.description, 200))
         return DeviceAnnounced(
             key=name,
             convention="thing",
-            identifiers=tuple(dict.fromkeys((*own, *others))),
+            identifiers=identifiers_of(thing),
             name=clean_text(thing.title) or name,
             parts=tuple(_parts(thing)),
             topic=topic,
             area=clean_text(thing.area),
-            facts=facts,
+            facts=facts_of(thing),
             implies_alive=True,  # who describes a thing now has just seen it; a forgotten one comes back so
         )
 
 
 def _parts(thing: Thing) -> Iterator[DescribedPart]:
-    for classified in parts_of(thing):
-        usable = _usable(classified)
+    for classified in parts_of(thing, _BINDING):
+        usable = _with_checked_topics(classified)
         yield DescribedPart(usable.part, thing_codec(usable))
 
 
-def _usable(classified: ClassifiedPart) -> ClassifiedPart:
-    """Return the part without what cannot be used.
+def _with_checked_topics(classified: ClassifiedPart) -> ClassifiedPart:
+    """Return the part with the topics that it does use.
 
     Raises:
         WireError: A topic to read or write is none.
     """
-    affordances = []
     reads: dict[str, None] = {}
     writes: dict[str, None] = {}
-    for capability, affordance in classified.affordances:
-        observed, written = observe_form(affordance), write_form(affordance)
-        if observed is not None and capability.readable and is_supported(observed.content_type):
-            reads[_checked(affordance.name, observed.filter, validate_filter)] = None
-        else:
-            observed = None
-        if written is not None and capability.settable and is_supported(written.content_type):
-            writes[_checked(affordance.name, written.topic, validate_topic)] = None
-        else:
-            written = None
-        offered = capability.model_copy(update={"readable": observed is not None, "settable": written is not None})
-        affordances.append((offered, affordance))
-    capabilities: tuple[Capability, ...] = tuple(one for one, _ in affordances)
-    part: Part = classified.part.model_copy(
-        update={
-            "name": clean_text(classified.part.name),
-            "capabilities": capabilities,
-            "reads": tuple(reads),
-            "writes": tuple(writes),
-        }
-    )
-    return ClassifiedPart(part, tuple(affordances))
+    for one in classified.affordances:
+        if one.observed is not None:
+            reads[_checked(one.affordance.name, one.observed.filter, validate_filter)] = None
+        if one.written is not None:
+            writes[_checked(one.affordance.name, one.written.topic, validate_topic)] = None
+    name = clean_text(classified.part.name)
+    part = classified.part.model_copy(update={"name": name, "reads": tuple(reads), "writes": tuple(writes)})
+    return ClassifiedPart(part, classified.affordances)
 
 
 def _checked(name: str, topic: str, check: Callable[[str], None]) -> str:

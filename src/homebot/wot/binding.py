@@ -1,0 +1,86 @@
+"""The choice among the forms of an affordance that a protocol makes. Pure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from homebot.wot.payload import PayloadFormats, basic_formats
+from homebot.wot.thing import Affordance, Form
+
+__all__ = ["Binding", "RequestBinding"]
+
+_PUSH_OPS = frozenset({"observeproperty", "subscribeevent"})
+_WRITE_OPS = frozenset({"writeproperty", "invokeaction"})
+
+
+class Binding(Protocol):
+    """A protocol's choice among the forms of an affordance: those that it can use, best first."""
+
+    @property
+    def formats(self) -> PayloadFormats:
+        """The formats of payloads that it understands."""
+        ...
+
+    def observe_forms(self, affordance: Affordance) -> tuple[Form, ...]:
+        """Return the forms by which its values become known: pushed or asked for."""
+        ...
+
+    def write_forms(self, affordance: Affordance) -> tuple[Form, ...]:
+        """Return the forms by which it is written, or invoked."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class RequestBinding:
+    """A protocol of requests and responses, such as HTTP and CoAP.
+
+    Attributes:
+        schemes: Of the addresses that it can use.
+        subprotocols: The ways in which it can be sent values, best first; ``""`` for the protocol's own.
+        formats: The formats of payloads that it understands.
+    """
+
+    schemes: frozenset[str]
+    subprotocols: tuple[str, ...] = ()
+    formats: PayloadFormats = basic_formats
+
+    def push_forms(self, affordance: Affordance) -> tuple[Form, ...]:
+        """Return the forms by which values are pushed."""
+        found = [
+            one
+            for one in self._usable(affordance)
+            if not _PUSH_OPS.isdisjoint(one.ops) and one.subprotocol in self.subprotocols
+        ]
+        return tuple(sorted(found, key=lambda one: self.subprotocols.index(one.subprotocol)))
+
+    def read_forms(self, affordance: Affordance) -> tuple[Form, ...]:
+        """Return the forms by which values are asked for."""
+        return tuple(one for one in self._usable(affordance) if "readproperty" in one.ops)
+
+    def read_all_forms(self, forms: tuple[Form, ...]) -> tuple[Form, ...]:
+        """Return those among the *forms* of a thing by which all its properties are asked for at once."""
+        return tuple(one for one in forms if "readallproperties" in one.ops and self._can_use(one))
+
+    def observe_forms(self, affordance: Affordance) -> tuple[Form, ...]:
+        """Return the forms by which its values become known: pushed or asked for."""
+        return (*self.push_forms(affordance), *self.read_forms(affordance))
+
+    def write_forms(self, affordance: Affordance) -> tuple[Form, ...]:
+        """Return the forms by which it is written, or invoked."""
+        return tuple(
+            one
+            for one in affordance.forms
+            if not _WRITE_OPS.isdisjoint(one.ops)
+            and self._can_reach(one)
+            and (affordance.kind == "action" or self.formats(one.content_type) is not None)
+        )
+
+    def _usable(self, affordance: Affordance) -> tuple[Form, ...]:
+        return tuple(one for one in affordance.forms if self._can_use(one))
+
+    def _can_use(self, form: Form) -> bool:
+        return self._can_reach(form) and self.formats(form.response_type or form.content_type) is not None
+
+    def _can_reach(self, form: Form) -> bool:
+        return form.scheme in self.schemes and "{" not in form.href

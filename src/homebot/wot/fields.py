@@ -1,0 +1,153 @@
+"""Fields of a JSON object from outside, asked for by name and type. Pure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Final
+
+from homebot.errors import WireError
+
+__all__ = ["MAX_TEXT", "Fields"]
+
+
+MAX_TEXT: Final = 1000
+"""Characters of a text that somebody wrote for people; longer ones are cut."""
+
+_MAX_LISTED = 300
+_MAX_NAME = 200
+_MAX_SHOWN = 60
+_MOST = 10**20
+
+
+class Fields:
+    """One JSON object, whose fields are asked for by name and type; a missing one is empty.
+
+    Args:
+        value: What should be an object.
+        path: Where it stands, for errors: ``properties.on.forms[0]``.
+
+    Raises:
+        WireError: It is none.
+    """
+
+    def __init__(self, value: object, path: str) -> None:
+        self._path = path
+        if not isinstance(value, Mapping):
+            raise self._wrong("", "an object", value)
+        self._value: Mapping[object, object] = value
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._value
+
+    def problem(self, name: str, problem: str) -> WireError:
+        """Return the error that something is wrong with a field."""
+        return WireError(f"{self._where(name)}: {problem}")
+
+    def text(self, name: str, *, required: bool = False) -> str:
+        """Return a text, without control characters.
+
+        Raises:
+            WireError: It is none, or is missing or empty where it is *required*.
+        """
+        value = self._value.get(name)
+        if value is None and not required:
+            return ""
+        if not isinstance(value, str) or (required and not value.strip()):
+            raise self._wrong(name, "a text", value)
+        return "".join(one if one.isprintable() else " " for one in value[:MAX_TEXT]).strip()
+
+    def flag(self, name: str) -> bool:
+        """Return a boolean; False where it is missing."""
+        value = self._value.get(name, False)
+        if not isinstance(value, bool):
+            raise self._wrong(name, "true or false", value)
+        return value
+
+    def number(self, name: str) -> float | None:
+        """Return a number; None where it is missing."""
+        value = self._value.get(name)
+        if value is None:
+            return None
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise self._wrong(name, "a number", value)
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            raise self._wrong(name, "a finite number", value)
+        return number
+
+    def texts(self, name: str) -> tuple[str, ...]:
+        """Return a text or a list of texts, as a tuple."""
+        value = self._value.get(name)
+        if value is None:
+            return ()
+        listed = value if isinstance(value, list) else [value]
+        if not all(isinstance(one, str) for one in listed):
+            raise self._wrong(name, "a text or a list of texts", value)
+        self._check_length(name, len(listed))
+        return tuple(str(one)[:MAX_TEXT] for one in listed)
+
+    def plain(self, name: str) -> object:
+        """Return a field as it is; None where it is missing."""
+        return self._value.get(name)
+
+    def listed(self, name: str) -> tuple[object, ...]:
+        """Return the elements of a list."""
+        value = self._value.get(name)
+        if value is None:
+            return ()
+        if not isinstance(value, list):
+            raise self._wrong(name, "a list", value)
+        self._check_length(name, len(value))
+        return tuple(value)
+
+    def inner(self, name: str) -> Fields:
+        """Return the object in a field; an empty one where it is missing."""
+        return Fields(self._value.get(name, {}), self._where(name))
+
+    def names(self) -> tuple[str, ...]:
+        """Return the names of all fields.
+
+        Raises:
+            WireError: They are more than 300, or one is longer than 200 characters.
+        """
+        self._check_length("", len(self._value))
+        for name in self._value:
+            if not isinstance(name, str) or len(name) > _MAX_NAME:
+                raise self.problem(str(name), f"a name of at most {_MAX_NAME} characters is expected")
+        return tuple(str(name) for name in self._value)
+
+    def at(self, name: str) -> str:
+        """Return where a field stands."""
+        return self._where(name)
+
+    def _check_length(self, name: str, length: int) -> None:
+        if length > _MAX_LISTED:
+            raise self.problem(name, f"{length} is too many; the limit is {_MAX_LISTED}")
+
+    def _where(self, name: str) -> str:
+        text = name if len(name) <= _MAX_SHOWN else f"{name[:_MAX_SHOWN]}…"
+        text = text if text.isprintable() else ascii(text)
+        return f"{self._path}.{text}" if self._path and name else text or self._path or "the description"
+
+    def _wrong(self, name: str, expected: str, value: object) -> WireError:
+        if value is None:
+            return self.problem(name, f"is missing; expected {expected}")
+        return self.problem(name, f"expected {expected}, got {_shown(value)}")
+
+
+def _shown(value: object) -> str:
+    match value:
+        case dict():
+            return "an object"
+        case list():
+            return "a list"
+        case bool():
+            return "true" if value else "false"
+        case int() if abs(value) >= _MOST:
+            return "a finite number"
+        case _:
+            return ascii(value[:_MAX_SHOWN] if isinstance(value, str) else value)

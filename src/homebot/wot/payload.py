@@ -1,0 +1,221 @@
+"""Payloads of things: their formats, and their values as the data schemas say. Pure.
+
+A *document* is what a payload spells: null, a boolean, a number, a text, a list or an object.
+"""
+
+from __future__ import annotations
+
+import colorsys
+import json
+import math
+import re
+from collections.abc import Callable
+from typing import Protocol, TypeAlias
+
+from homebot.conventions.payload import MAX_STATE_BYTES, clean_text, is_unknown, parse_json, shown
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.part import Capability
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+from homebot.numbers import to_number
+from homebot.wot.scale import canonical, on_the_wire
+from homebot.wot.thing import Affordance
+
+__all__ = [
+    "TEXT_CONTENT_TYPE",
+    "PayloadFormat",
+    "PayloadFormats",
+    "basic_formats",
+    "decode_document",
+    "encode_document",
+    "media_type",
+]
+
+TEXT_CONTENT_TYPE = "text/plain"
+
+_JSON = re.compile(r"application/([a-z0-9.+-]+\+)?json")
+_TRUE = frozenset({"true", "on", "1", "yes", "open", "locked", "active"})
+_FALSE = frozenset({"false", "off", "0", "no", "closed", "unlocked", "inactive"})
+_RGB = re.compile(r"#([0-9a-fA-F]{6})")
+_LOCKS = {True: "locked", False: "unlocked"}
+_MAX_TEXT = 500
+
+
+class PayloadFormat(Protocol):
+    """A format of payloads."""
+
+    def parse(self, payload: bytes) -> object:
+        """Return the document that *payload* spells.
+
+        Raises:
+            WireError: It spells none.
+        """
+        ...
+
+    def encode(self, document: object) -> bytes:
+        """Return the payload that spells *document*."""
+        ...
+
+
+PayloadFormats: TypeAlias = Callable[[str], PayloadFormat | None]
+"""Returns the format that a content type names; None where it is not understood."""
+
+
+class _JsonOrWords:
+    """JSON, or bare words, which many devices send whatever the content type says."""
+
+    def parse(self, payload: bytes) -> object:
+        if len(payload) > MAX_STATE_BYTES:
+            raise WireError(f"a payload of {len(payload)} bytes is longer than {MAX_STATE_BYTES}")
+        try:
+            return parse_json(payload)
+        except WireError:
+            return payload.decode(errors="replace").strip()
+
+    def encode(self, document: object) -> bytes:
+        return json.dumps(document, ensure_ascii=False).encode(errors="replace")
+
+
+class _PlainWords(_JsonOrWords):
+    """Plain text; a number or a boolean is spelt as in JSON."""
+
+    def encode(self, document: object) -> bytes:
+        return document.encode(errors="replace") if isinstance(document, str) else super().encode(document)
+
+
+_JSON_OR_WORDS = _JsonOrWords()
+_WORDS = _PlainWords()
+
+
+def basic_formats(content_type: str) -> PayloadFormat | None:
+    """Return the format of JSON or of plain text, where *content_type* names one of them."""
+    kind = media_type(content_type)
+    if kind == TEXT_CONTENT_TYPE:
+        return _WORDS
+    return _JSON_OR_WORDS if _JSON.fullmatch(kind) else None
+
+
+def media_type(content_type: str) -> str:
+    """Return a content type without its parameters, in lower case."""
+    return content_type.partition(";")[0].strip().casefold()
+
+
+def decode_document(capability: Capability, affordance: Affordance, document: object) -> tuple[PlainValue] | None:
+    """Return the value of *capability* that *document* is, in the vocabulary's unit.
+
+    Returns:
+        The value, in a tuple because it may be None, unknown; None where it means nothing.
+    """
+    if affordance.kind == "event" and document in (None, ""):
+        return (affordance.name,)  # that it came is all there is to say
+    if isinstance(document, dict) and affordance.schema.member:
+        if affordance.schema.member not in document:
+            return None
+        document = document[affordance.schema.member]
+    elif isinstance(document, dict) and affordance.name in document and affordance.schema.type not in {"", "object"}:
+        document = document[affordance.name]  # as WebThings answer: {"on": true}
+    if document is None or (CAPABILITIES[capability.name].kind == "number" and is_unknown(document)):
+        return (None,)
+    found = _decode(capability, affordance, document)
+    return None if found is None else (found,)
+
+
+def encode_document(capability: Capability, affordance: Affordance, value: PlainValue) -> object:
+    """Return the document that makes *capability* become *value*.
+
+    Raises:
+        RefusedError: It is no value of this capability.
+    """
+    document = _encode(capability, affordance, value)
+    return {affordance.schema.member: document} if affordance.schema.member else document
+
+
+def _encode(capability: Capability, affordance: Affordance, value: PlainValue) -> object:
+    name, what = capability.name, f"{capability.name} {shown(value)}"
+    kind = CAPABILITIES[name].kind
+    if name == "color":
+        return _encode_color(what, value)
+    if name == "lock":
+        if value not in {"locked", "unlocked"}:
+            raise RefusedError(what, "it takes locked, unlocked")
+        if affordance.schema.type == "boolean":
+            return _encode_flag(affordance, value == "locked")
+        return next((one for one in affordance.schema.enum if str(one).casefold() == value), value)
+    if kind == "bool":
+        if not isinstance(value, bool):
+            raise RefusedError(what, "it takes true or false")
+        return _encode_flag(affordance, value)
+    if kind == "number":
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+            raise RefusedError(what, "it takes a number")
+        bounds = capability.bounds or CAPABILITIES[name].bounds
+        if bounds and not bounds[0] <= value <= bounds[-1]:
+            raise RefusedError(what, f"it takes {bounds[0]:g} to {bounds[-1]:g}")
+        number = on_the_wire(name, affordance, value)
+        if not math.isfinite(number):
+            raise RefusedError(what, "it takes a number that its format can express")
+        return int(number) if number.is_integer() else number
+    if not isinstance(value, str) or (capability.options and value not in capability.options):
+        raise RefusedError(what, f"it takes {', '.join(capability.options[:20])}" if capability.options else "a text")
+    return value
+
+
+def _decode(capability: Capability, affordance: Affordance, value: object) -> PlainValue:
+    name = capability.name
+    kind = CAPABILITIES[name].kind
+    if name == "color":
+        return _color(value)
+    if name == "lock" and not (isinstance(value, str) and value.casefold() in CAPABILITIES[name].options):
+        flag = _flag(affordance, value)
+        return None if flag is None else _LOCKS[flag]
+    if kind == "bool":
+        return _flag(affordance, value)
+    if kind == "number":
+        number = to_number(value)
+        return None if number is None else canonical(name, affordance, number)
+    if isinstance(value, str):
+        return clean_text(value.casefold() if name == "lock" else value, _MAX_TEXT)
+    return clean_text(json.dumps(value, ensure_ascii=False), _MAX_TEXT)
+
+
+def _flag(affordance: Affordance, value: object) -> bool | None:
+    """Return a flag; of two listed texts, the one that means yes, or else the second, is true."""
+    if isinstance(value, bool):
+        return value
+    enum = affordance.schema.enum
+    if len(enum) == 2 and value in enum:  # a yes and a no
+        return value == _values_by_flag(affordance)[True]
+    text = str(value).casefold() if isinstance(value, (str, int, float)) else ""
+    return True if text in _TRUE else False if text in _FALSE else None
+
+
+def _encode_flag(affordance: Affordance, value: bool) -> object:  # noqa: FBT001  # what it is about
+    if len(affordance.schema.enum) == 2 and affordance.schema.type != "boolean":  # a yes and a no
+        return _values_by_flag(affordance)[value]
+    if affordance.schema.type == "string":
+        return "true" if value else "false"
+    return value
+
+
+def _values_by_flag(affordance: Affordance) -> dict[bool, object]:
+    first, second = affordance.schema.enum
+    yes = str(first).casefold() in _TRUE or str(second).casefold() in _FALSE
+    return {True: first, False: second} if yes else {True: second, False: first}
+
+
+def _color(value: object) -> tuple[float, float] | None:
+    match = _RGB.fullmatch(value) if isinstance(value, str) else None
+    if match is None:
+        return None
+    red, green, blue = bytes.fromhex(match[1])
+    hue, saturation, _ = colorsys.rgb_to_hsv(red / 255, green / 255, blue / 255)
+    return round(hue * 360, 1), round(saturation * 100, 1)
+
+
+def _encode_color(what: str, value: PlainValue) -> str:
+    match value:
+        case (int() | float() as hue, int() | float() as saturation) if 0 <= hue <= 360 and 0 <= saturation <= 100:
+            rgb = colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1.0)
+            return "#" + "".join(f"{round(one * 255):02x}" for one in rgb)
+        case _:
+            raise RefusedError(what, "it takes hue 0 to 360 and saturation 0 to 100")
