@@ -55,6 +55,27 @@ async def test_devices_outlive_a_restart_unconfirmed(path: Path, announce: Annou
         assert len(directory.index.tombstones) == 1
 
 
+async def test_what_the_owner_decided_on_merging_outlives_a_restart(
+    path: Path, announce: Announce, part: MakePart
+) -> None:
+    """Also where nothing else changed since the file was written."""
+    lamp = part("light", "on_off", id="l")
+    sightings = [announce(one, lamp, ids=("mac:aabbccddeeff",), gateway=one, name=one) for one in ("radio", "cable")]
+    async with directory_with(path) as directory:
+        for sighting in sightings:
+            directory.index.observe(sighting)
+        assert len(directory.index) == 1
+        directory.index.split("radio", None, 0.0)
+        directory.index.unsaved.clear()
+    path_is_of = sqlite3.connect(path)
+    assert path_is_of.execute("SELECT name FROM owner").fetchall() == [("merging",)]
+    path_is_of.close()
+    async with directory_with(path) as directory:
+        for sighting in sightings:
+            directory.index.observe(sighting)
+        assert len(directory.index) == 2
+
+
 async def test_the_thesis_layout_outlives_it_as_well(path: Path) -> None:
     graph = Graph()
     async with Node(graph, "fake", namespace="/gateway") as node, directory_with(path, graph):
@@ -62,6 +83,17 @@ async def test_the_thesis_layout_outlives_it_as_well(path: Path) -> None:
         await anyio.wait_all_tasks_blocked()
     async with directory_with(path) as directory:
         assert [one.id for one in directory.index.devices("light")] == ["lights/lamp"]
+
+
+async def test_the_first_run_tells_of_no_last_one(path: Path, announce: Announce, part: MakePart) -> None:
+    with capture_logs() as lines:
+        async with directory_with(path) as directory:
+            directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",)))
+    assert [line for line in lines if "last run" in line.get("message", "")] == []
+    with capture_logs() as lines:
+        async with directory_with(path):
+            pass
+    assert "1 devices are known from the last run" in [line.get("message") for line in lines]
 
 
 async def test_without_persistence_no_file_is_made(path: Path, announce: Announce, part: MakePart) -> None:

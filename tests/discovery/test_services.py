@@ -25,10 +25,10 @@ from homebot.devices import (
 )
 from homebot.devices.gateway_messages import Report
 from homebot.devices.health import GetHealth
-from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE, GatewayNames
+from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE, MERGE_DEVICES, SPLIT_DEVICE, GatewayNames
 from homebot.devices.part import Part
 from homebot.devices.query import QueryTerm, parse_query, query_terms
-from homebot.devices.services import ForgetDevice
+from homebot.devices.services import ForgetDevice, MergeDevices, SplitDevice
 from homebot.discovery import Directory, DirectorySettings
 from homebot.errors import UsageError
 from homebot.graph import DurabilityPolicy, Graph, Node, Publisher, QoSProfile
@@ -172,6 +172,26 @@ async def test_a_forgotten_device_is_gone_until_it_speaks(lamp: Sighting, tell: 
         await house.hears(tell(lamp, "on_off", True, part="l"))
         assert [one.id for one in house.directory.index.devices()] == ["desk_lamp"]
         assert not (await forget.call(ForgetDevice.Request(device="nobody"))).success
+
+
+async def test_the_owner_splits_a_device_and_merges_it_again(announce: Announce, part: MakePart) -> None:
+    async with directory() as house:
+        own = announce("z", part(id="z"), convention="zigbee2mqtt", ids=("eui64:00158d0001abcdef",), name="Z lamp")
+        foreign = announce("l", part(id="l"), ids=("eui64:00158d0001abcdef",), name="L lamp")
+        await house.hears(own, foreign)
+        split = house.asker.create_client(SplitDevice, SPLIT_DEVICE)
+        merge = house.asker.create_client(MergeDevices, MERGE_DEVICES)
+        assert (await split.call(SplitDevice.Request(device="z_lamp"))).devices == ("z_lamp", "l_lamp")
+        again = await split.call(SplitDevice.Request(device="z_lamp"))
+        assert (again.success, again.message) == (
+            False,
+            "a split of z_lamp was refused: nothing was merged into it",
+        )
+        merged = await merge.call(MergeDevices.Request(devices=("l_lamp", "z_lamp")))
+        assert (merged.success, merged.device) == (True, "z_lamp")
+        assert [one.id for one in house.directory.index.devices()] == ["z_lamp"]
+        alone = await merge.call(MergeDevices.Request(devices=("z_lamp",)))
+        assert (alone.success, alone.message) == (False, "a merge was refused: it takes two different devices")
 
 
 async def test_health_counts(lamp: Sighting, tell: Tell) -> None:

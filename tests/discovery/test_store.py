@@ -72,8 +72,23 @@ def test_a_file_of_version_1_is_migrated(path: Path) -> None:
     old.close()
     file = IndexFile(path)
     assert file.open(0.0) is None
-    file.write(Records((), (("t", "stone"),)), ())
-    assert file.read() == Records((("a", "old"),), (("t", "stone"),))
+    file.write(Records((), (("t", "stone"),), (("merging", "{}"),)), ())
+    assert file.read() == Records((("a", "old"),), (("t", "stone"),), (("merging", "{}"),))
+    file.close()
+
+
+def test_a_file_of_version_2_is_migrated(path: Path) -> None:
+    """The owner could decide nothing."""
+    path.parent.mkdir()
+    with sqlite3.connect(path) as old:
+        for name in ("devices", "tombstones"):
+            old.execute(f"CREATE TABLE {name} (id TEXT PRIMARY KEY, record TEXT NOT NULL)")
+        old.execute("INSERT INTO tombstones VALUES ('t', 'stone')")
+        old.execute("PRAGMA user_version = 2")
+    old.close()
+    file = IndexFile(path)
+    assert file.open(0.0) is None
+    assert file.read() == Records((), (("t", "stone"),))
     file.close()
 
 

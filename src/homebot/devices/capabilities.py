@@ -29,6 +29,7 @@ class CapabilityType:
         options: The texts that it may be; empty where each device names its own.
         is_event: Whether a value is something that happened, and is over at once, rather than a state that lasts: each
             is reported once, also where it equals the one before, and none is ever reported again.
+        is_momentary: Whether setting it twice does something twice, so that no command is repeated.
     """
 
     name: str
@@ -39,6 +40,7 @@ class CapabilityType:
     bounds: tuple[float, ...] = ()
     options: tuple[str, ...] = ()
     is_event: bool = False
+    is_momentary: bool = False
 
 
 _PERCENT = (0.0, 100.0)
@@ -100,7 +102,7 @@ _CONTROLS = (
 
 _EVENTS = (
     CapabilityType("press", "text", "which button was pressed and how; an event, never a state", 0x003B, is_event=True),
-    CapabilityType("push", "bool", "set to true to press this button"),
+    CapabilityType("push", "bool", "set to true to press this button", is_momentary=True),
     CapabilityType("scene", "bool", "set to true to activate this scene", 0x0062),
     CapabilityType("scan", "text", "which tag was read; an event", is_event=True),
     CapabilityType("locate", "bool", "set to true to make the device identify itself", 0x0003),
@@ -127,14 +129,14 @@ _CONDITIONS = (
     CapabilityType("carbon_monoxide_alarm", "bool", "whether there is carbon monoxide", 0x005C),
     CapabilityType("gas", "bool", "whether there is gas"),
     CapabilityType("water_leak", "bool", "whether it is wet", 0x0045),
-    CapabilityType("rain", "bool", "whether it rains", 0x0045),
-    CapabilityType("freeze", "bool", "whether it freezes", 0x0045),
+    CapabilityType("rain", "bool", "whether it is raining", 0x0045),
+    CapabilityType("freeze", "bool", "whether freezing is detected", 0x0045),
     CapabilityType("heat", "bool", "whether it is too hot"),
     CapabilityType("tamper", "bool", "whether tampering is detected"),
     CapabilityType("vibration", "bool", "whether vibration is detected"),
     CapabilityType("sound", "bool", "whether sound is detected"),
-    CapabilityType("moving", "bool", "whether it moves"),
-    CapabilityType("running", "bool", "whether it runs"),
+    CapabilityType("moving", "bool", "whether it is moving"),
+    CapabilityType("running", "bool", "whether it is running"),
     CapabilityType("problem", "bool", "whether it has a problem"),
     CapabilityType("safety", "bool", "whether it is unsafe"),
     CapabilityType("light_detected", "bool", "whether light is detected"),
@@ -162,9 +164,9 @@ _MEASUREMENTS = (
     CapabilityType("battery", "number", "battery charge", 0x002F, "%", _PERCENT),
     CapabilityType("carbon_dioxide", "number", "carbon dioxide", 0x040D, "ppm"),
     CapabilityType("carbon_monoxide", "number", "carbon monoxide", 0x040C, "ppm"),
-    CapabilityType("pm25", "number", "fine dust (PM2.5)", 0x042A, "µg/m³"),
-    CapabilityType("pm10", "number", "dust (PM10)", 0x042D, "µg/m³"),
-    CapabilityType("pm1", "number", "finest dust (PM1)", 0x042C, "µg/m³"),
+    CapabilityType("pm25", "number", "particulate matter (PM2.5)", 0x042A, "µg/m³"),
+    CapabilityType("pm10", "number", "particulate matter (PM10)", 0x042D, "µg/m³"),
+    CapabilityType("pm1", "number", "particulate matter (PM1)", 0x042C, "µg/m³"),
     CapabilityType("volatile_organic_compounds", "number", "volatile organic compounds", 0x042E, "µg/m³"),
     CapabilityType("air_quality_index", "number", "air quality", 0x005B),
     CapabilityType("soil_moisture", "number", "soil moisture", 0x0430, "%", _PERCENT),
@@ -182,3 +184,6 @@ CAPABILITIES: Mapping[str, CapabilityType] = _by_name(_CONTROLS, _EVENTS, _SETTI
 
 EVENTS: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_event)
 """Names of those whose values are events."""
+
+MOMENTARY: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_momentary)
+"""Names of those of which no command is repeated."""

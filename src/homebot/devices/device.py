@@ -49,12 +49,18 @@ class Endpoint(Message):
         key: What that gateway calls the device.
         address: The address on which the device publishes, in the gateway's own terms (MQTT: the topic).
         command_address: The address to which it is subscribed; empty when it takes no commands.
+        freshness: As for :class:`Device`, by what was heard through this gateway alone.
+        last_seen: The time of its latest message or announcement there.
+        reachable: ``yes``, ``no`` or ``unknown``: whether it can be reached there, as it or the gateway reports it.
     """
 
     gateway: str
     key: str
     address: str
     command_address: str
+    freshness: Freshness = "fresh"
+    last_seen: Time = Time(sec=0, nanosec=0)
+    reachable: Literal["yes", "no", "unknown"] = "unknown"
 
 
 class Route(Message):
@@ -85,8 +91,10 @@ class DevicePart(Message):
     Attributes:
         id: Unique in the device; it stays the same when announcements are added or replaced.
         part: Its description by the best route, with the capabilities of all routes.
-        routes: The ways to send it commands, best first: of those that accept a command, the first whose gateway is
-            running is used. Empty while another device claims its topics; see :attr:`Device.conflicts`.
+        routes: The ways to send it commands, best first: those by which it can be reached and was heard lately, then
+            those of the device's own announcements, then the older ones. Of those that accept a command, the first
+            whose gateway is running is used. Empty while another device claims its topics; see
+            :attr:`Device.conflicts`.
     """
 
     id: str
@@ -156,7 +164,8 @@ class Device(Message):
         name: The name for people.
         service_type: Its main type: the level SERVICE_TYPE of the topic of a device that does not announce itself, for
             example ``lights``; otherwise a device type of the vocabulary, for example ``light``.
-        endpoints: The addresses for raw messages and texts, at least one.
+        endpoints: The addresses for raw messages and texts: one for each gateway, at least one, in the order of
+            :attr:`DevicePart.routes`.
         metadata: Further facts.
         first_seen: The time of its first message or announcement.
         last_seen: The time of its latest message or announcement, to about a second.

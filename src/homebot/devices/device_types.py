@@ -70,6 +70,7 @@ _TYPES = (
     DeviceType("x_scene", (), ("scene",)),
     DeviceType("x_robot", (), ("robot",)),
     DeviceType("x_tracker", (), ("tracker", "device tracker")),
+    DeviceType("x_tag", (), ("tag", "nfc tag", "rfid tag")),
     DeviceType("x_tag_reader", (), ("tag reader", "nfc reader", "rfid reader")),
     DeviceType("x_battery", (), ("battery",)),
     DeviceType("x_sensor", (), ("sensor",)),

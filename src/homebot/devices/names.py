@@ -13,9 +13,12 @@ __all__ = [
     "FORGET_DEVICE",
     "GET_CHANGES",
     "GET_INDEX_DATA",
+    "MERGE_DEVICES",
     "QUERY_DEVICES",
+    "SPLIT_DEVICE",
     "TEXT_SCHEME",
     "GatewayNames",
+    "TagNames",
     "gateway_of",
     "is_text_address",
     "read_text_address",
@@ -26,6 +29,8 @@ GET_INDEX_DATA = "/getIndexData"
 FIND_DEVICES = "/discovery/find_devices"
 QUERY_DEVICES = "/discovery/query"
 FORGET_DEVICE = "/discovery/forget"
+SPLIT_DEVICE = "/discovery/split"
+MERGE_DEVICES = "/discovery/merge"
 GET_CHANGES = "/discovery/changes_since"
 DEVICE_CHANGES = "/discovery/changes"
 DEVICE_STATES = "/discovery/states"
@@ -77,6 +82,24 @@ class GatewayNames:
     def received_data(self, *device: str) -> str:
         """Return the topic that mirrors a device's raw messages; its name is escaped where it is no legal token."""
         return "/".join((self._received_data, *(escape_token(part) for part in device)))
+
+
+class TagNames:
+    """The graph names of a gateway of tags beside those that every gateway has.
+
+    Attributes:
+        taps: Topic of the tags that are held to a reader, as :class:`homebot.devices.tags.TagTap`.
+        scan: Service :data:`homebot.devices.tags.ScanCode`.
+        read_tag: Service :data:`homebot.devices.tags.ReadTag`.
+        write_tag: Service :data:`homebot.devices.tags.WriteTag`.
+    """
+
+    def __init__(self, gateway: str) -> None:
+        base = f"{_GATEWAYS}{gateway}"
+        self.taps = f"{base}/taps"
+        self.scan = f"{base}/scan"
+        self.read_tag = f"{base}/read_tag"
+        self.write_tag = f"{base}/write_tag"
 
 
 def gateway_of(node: str) -> str:

@@ -7,7 +7,7 @@ from typing import Literal, TypeAlias
 
 from homebot.messages.message import Message
 
-__all__ = ["Capability", "Category", "Part", "size_of_parts", "size_of_texts"]
+__all__ = ["Capability", "Category", "Part", "size_of_texts", "texts_of"]
 
 
 Category: TypeAlias = Literal["", "config", "diagnostic"]
@@ -67,16 +67,14 @@ class Part(Message):
 
 def size_of_texts(texts: Iterable[str]) -> int:
     """Return the size of *texts* in bytes, about."""
-    known = tuple(texts)
+    known = texts if isinstance(texts, list) else tuple(texts)
     return len("".join(known)) + _EACH * len(known)
 
 
-def size_of_parts(parts: Iterable[Part]) -> int:
-    """Return the size of the topics and options of *parts* in bytes, about; the rest of a part is short."""
-    size = 0
-    for part in parts:
-        size += size_of_texts(part.reads + part.writes)
-        for capability in part.capabilities:
-            if capability.options:
-                size += size_of_texts(capability.options)
-    return size
+def texts_of(part: Part) -> list[str]:
+    """Return the topics and options of *part*, which make it long or short."""
+    texts = [*part.reads, *part.writes]
+    for capability in part.capabilities:
+        if capability.options:
+            texts += capability.options
+    return texts

@@ -195,6 +195,59 @@ class ForgetDeviceResponse(Message):
     announced_on: tuple[AnnouncedOn, ...] = ()
 
 
+class SplitDeviceRequest(Message):
+    """Make several devices of one, because it is not one; the directory remembers that over a restart.
+
+    Attributes:
+        device: Its id.
+        gateway: The gateway of the announcement that is not about it; empty to make one device of each announcement
+            that differs in its identifiers.
+        key: What that gateway calls the announcement.
+    """
+
+    device: str
+    gateway: str = ""
+    key: str = ""
+
+
+class SplitDeviceResponse(Message):
+    """The result of splitting a device.
+
+    Attributes:
+        success: Whether there are several devices now.
+        message: Why not.
+        devices: Their ids, that of the one before first.
+    """
+
+    success: bool
+    message: str = ""
+    devices: tuple[str, ...] = ()
+
+
+class MergeDevicesRequest(Message):
+    """Make several devices one, because they are one; the directory remembers that over a restart.
+
+    Attributes:
+        devices: Their ids, at least two.
+    """
+
+    devices: tuple[str, ...]
+
+
+class MergeDevicesResponse(Message):
+    """The result of merging devices.
+
+    Attributes:
+        success: Whether they are one device now.
+        message: Why not.
+        device: Its id.
+    """
+
+    success: bool
+    message: str = ""
+    device: str = ""
+
+
 class SubscribeToTopicRequest(Message):
     """Give me the raw messages of an address.
 
@@ -231,4 +284,6 @@ FindDevices = ServiceType("homebot/srv/FindDevices", FindDevicesRequest, FindDev
 QueryDevices = ServiceType("homebot/srv/QueryDevices", QueryDevicesRequest, QueryDevicesResponse)
 ForgetDevice = ServiceType("homebot/srv/ForgetDevice", ForgetDeviceRequest, ForgetDeviceResponse)
 GetChanges = ServiceType("homebot/srv/GetChanges", GetChangesRequest, GetChangesResponse)
+SplitDevice = ServiceType("homebot/srv/SplitDevice", SplitDeviceRequest, SplitDeviceResponse)
+MergeDevices = ServiceType("homebot/srv/MergeDevices", MergeDevicesRequest, MergeDevicesResponse)
 SubscribeToTopic = ServiceType("homebot/srv/SubscribeToTopic", SubscribeToTopicRequest, SubscribeToTopicResponse)

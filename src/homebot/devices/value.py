@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Annotated, TypeAlias
 
 from pydantic import Field
@@ -37,6 +38,8 @@ class Value(Message):
     def of(cls, plain: PlainValue) -> Value:
         """Return the message that carries *plain*."""
         match plain:
+            case float():
+                pass  # most values by far
             case None:
                 return UNKNOWN
             case bool():
@@ -45,22 +48,28 @@ class Value(Message):
                 return cls(type=_TEXT, text=plain)
             case tuple():
                 return cls(type=_NUMBERS, numbers=plain)
-            case _:
-                return cls.of_checked(type=_NUMBER, flag=False, number=float(plain), text="", numbers=())
+        return _of_number(float(plain))
 
     def plain(self) -> PlainValue:
         """Return the value in plain Python."""
         match self.type:
-            case 1:
-                return self.flag
             case 2:
                 return self.number
+            case 1:
+                return self.flag
             case 3:
                 return self.text
             case 4:
                 return self.numbers
             case _:
                 return None
+
+
+@lru_cache(maxsize=10_000)
+def _of_number(number: float) -> Value:
+    """Return the message that carries *number*: those that devices report come again and again."""
+    number += 0.0  # no negative zero, which equals the other and reads differently
+    return Value.of_checked(type=_NUMBER, flag=False, number=number, text="", numbers=())
 
 
 UNKNOWN = Value()

@@ -10,7 +10,7 @@ from typing import final
 from homebot.devices import Device, DeviceChange, State, StateChange
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import ChangeKind
-from homebot.devices.part import size_of_parts, size_of_texts
+from homebot.devices.part import size_of_texts, texts_of
 from homebot.discovery.entry import Entry
 from homebot.discovery.merging.parts import MergedParts
 from homebot.discovery.topics.ownership import TopicOwnership
@@ -113,9 +113,15 @@ class ChangeQueue:
         """
         taken = self.states if at_most is None else self.states[:at_most]
         self.states = [] if at_most is None else self.states[at_most:]
-        return tuple(
-            [self._state_change(entry, state) for entry, parts, state in taken if self._is_current(entry, parts, state)]
-        )
+        found: list[StateChange] = []
+        current: MergedParts | None = None  # the values of one message follow each other
+        for entry, parts, state in taken:
+            if parts is not current or state.capability in EVENTS:
+                if not self._is_current(entry, parts, state):
+                    continue
+                current = entry.parts(self._topics)
+            found.append(self._state_change(entry, state))
+        return tuple(found)
 
     def _is_current(self, entry: Entry, parts: MergedParts, state: State) -> bool:
         if self._entries.get(entry.id) is not entry:
@@ -194,7 +200,9 @@ class ChangeLog:
 
 def _size(change: DeviceChange) -> int:
     device = change.device
-    facts = [text for fact in device.metadata for text in (fact.key, fact.value)]
-    parts = [one.part for one in device.parts]
-    texts = (device.name, device.area, change.why, *device.identifiers, *device.evidence, *device.conflicts, *facts)
-    return _CHANGE + size_of_texts(texts) + size_of_parts(parts) + _PART * len(parts)
+    texts = [device.name, device.area, change.why, *device.identifiers, *device.evidence, *device.conflicts]
+    for fact in device.metadata:
+        texts += (fact.key, fact.value)
+    for one in device.parts:
+        texts += texts_of(one.part)
+    return _CHANGE + size_of_texts(texts) + _PART * len(device.parts)

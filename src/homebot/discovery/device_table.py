@@ -131,4 +131,4 @@ class UnsavedDevices:
     def add_all(self) -> None:
         """Note that no record is up to date."""
         self.ids.update(dict.fromkeys(self._known))
-        self.ids.update((stone.id, None) for stone in self._tombstones)
+        self.ids.update((tombstone.id, None) for tombstone in self._tombstones)

@@ -114,10 +114,12 @@ class Directory:
         self._persistence = IndexPersistence(node, self.index, file if settings.persist else None)
         self._services = DirectoryServices(node, self.index, self._persistence, self._publish_some)
         self._sources: dict[str, Subscription[Sighting] | Subscription[Report]] = {}
+        self._collects_states = False
         self._wakes_at = math.inf
         self._rejected = 0
         self._earlier_deadline = anyio.Event()
         self._happened = anyio.Event()
+        self._is_idle = True
         self._limit = LogLimit(clock)
         self._change_limit = LogLimit(clock, burst=BURST)
 
@@ -164,7 +166,7 @@ class Directory:
         elif (publisher.name, publisher.ros_type) == (names.readings, Report.ros_type):
             self._listen(Report, publisher, partial(self._report, gateway))
 
-    def _listen(self, kind: type[MessageT], publisher: EndpointInfo, take: Callable[[MessageT], None]) -> None:
+    def _listen(self, kind: type[MessageT], publisher: EndpointInfo, take: Callable[[MessageT, float], None]) -> None:
         topic = publisher.name
         try:
             source = self._node.create_subscription(kind, topic, qos_profile=_SOURCES_QOS, from_node=publisher.node)
@@ -173,18 +175,18 @@ class Directory:
             return
         self._sources[topic] = source
         while (kept := source.take()) is not None:
-            take(kept)
+            take(kept, self._clock.monotonic())
         self._node.create_task(lambda: source.run(self._with_pauses(take), concurrent=False))
 
-    def _with_pauses(self, take: Callable[[MessageT], None]) -> Callable[[MessageT], Awaitable[None] | None]:
+    def _with_pauses(self, take: Callable[[MessageT, float], None]) -> Callable[[MessageT], Awaitable[None] | None]:
         """Return what takes messages in, and pauses after 5 ms of work each."""
-        clock, spent = self._clock, 0.0
+        monotonic, spent = self._clock.monotonic, 0.0
 
         def taken(message: MessageT) -> Awaitable[None] | None:
             nonlocal spent
-            began = clock.monotonic()
-            take(message)
-            spent += clock.monotonic() - began
+            began = monotonic()
+            take(message, began)
+            spent += monotonic() - began
             if spent < SLICE:
                 return None
             spent = 0.0
@@ -192,10 +194,8 @@ class Directory:
 
         return taken
 
-    def _is_own(self, gateway: str, message: Sighting | Report) -> bool:
-        """Return whether *gateway* publishes in its own name; one that does not is logged, and not believed."""
-        if message.gateway == gateway:
-            return True
+    def _reject_foreign(self, gateway: str, message: Sighting | Report) -> None:
+        """Log that *gateway* published in the name of another, which is not believed."""
         if self._limit.allows(FOREIGN) is not None:
             self._node.log.warning(
                 FOREIGN,
@@ -203,31 +203,30 @@ class Directory:
                 "a gateway may publish only its own devices",
                 gateway=gateway,
             )
-        return False
 
-    def _observe(self, gateway: str, sighting: Sighting) -> None:
-        if not self._is_own(gateway, sighting):
+    def _observe(self, gateway: str, sighting: Sighting, now: float) -> None:
+        if sighting.gateway != gateway:
+            self._reject_foreign(gateway, sighting)
             return
-        self.index.observe(sighting, self._heard_at(sighting))
+        self.index.observe(sighting, _heard_at(sighting, now))
         if self.index.counters.rejected > self._rejected:
             self._log_rejected(sighting)
         self._wake_workers()
 
-    def _report(self, gateway: str, report: Report) -> None:
-        if not self._is_own(gateway, report):
+    def _report(self, gateway: str, report: Report, now: float) -> None:
+        if report.gateway != gateway:
+            self._reject_foreign(gateway, report)
             return
-        self.index.collects_states = self._states.subscription_count > 0
-        self.index.report(report, self._heard_at(report))
+        collects_states = self._states.subscription_count > 0
+        if collects_states is not self._collects_states:
+            self.index.collects_states = self._collects_states = collects_states
+        self.index.report(report, _heard_at(report, now))
         self._wake_workers()
-
-    def _heard_at(self, message: Sighting | Report) -> float:
-        """Return when *message* was heard: what a gateway keeps for late joiners may be old."""
-        now = self._clock.monotonic()
-        return min(message.heard_at or now, now)
 
     def _wake_workers(self) -> None:
         """Wake those who have something to do now."""
-        if not self._happened.is_set():
+        if self._is_idle:
+            self._is_idle = False
             self._happened.set()
         deadline = self.index.next_deadline()
         if deadline is not None and deadline < self._wakes_at:
@@ -238,9 +237,16 @@ class Directory:
         with isolated(self._node.full_name):
             while True:
                 await self._happened.wait()
-                self._happened = anyio.Event()
-                while self.index.is_behind and (self._publish_some(_FEW) or self.index.sort(_FEW)):
+                self._happened, self._is_idle = anyio.Event(), True
+                while self.index.is_behind and (self._publish_some(_FEW) or self._sort_some()):
                     await anyio.lowlevel.checkpoint()
+
+    def _sort_some(self) -> bool:
+        """Make a few devices findable, unless more was heard, perhaps of them; return whether some are left.
+
+        Who asks meanwhile has all made findable first; see :meth:`DeviceIndex.find`.
+        """
+        return not self._happened.is_set() and self.index.sort(_FEW)
 
     async def _expire(self) -> None:
         while True:
@@ -263,6 +269,8 @@ class Directory:
             self._log(change)
         if len(changes) >= at_most:
             return True
+        if not self.index.has_states:
+            return False
         for state in self.index.take_states(at_most * _STATES_PER_CHANGE):
             self._states.publish(state)
         return self.index.has_states
@@ -291,6 +299,12 @@ class Directory:
             self._node.log.warning(
                 REJECTED, message=f"{sighting.key} was not added: the index is full", rejected=self._rejected
             )
+
+
+def _heard_at(message: Sighting | Report, now: float) -> float:
+    """Return when *message*, which is taken in *now*, was heard: what a gateway keeps for late joiners may be old."""
+    heard_at = message.heard_at
+    return heard_at if heard_at and heard_at < now else now
 
 
 _WORDS = {

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from homebot.devices import (
     Device,
     DevicePart,
-    Endpoint,
     Fact,
     Freshness,
     KeyValue,
@@ -17,10 +16,9 @@ from homebot.devices import (
     State,
 )
 from homebot.devices.device_types import wanted_types
-from homebot.devices.names import text_address
-from homebot.devices.text.commands import accepts_text
 from homebot.devices.value import PlainValue, Value
 from homebot.discovery.echoes import Echoes
+from homebot.discovery.endpoints import Addresses, addresses, endpoint_reach, endpoints, last_seen, sorted_routes
 from homebot.discovery.liveness import ReportInterval
 from homebot.discovery.merging.parts import NO_IDS, MergedParts, PartIds, lost_ids, main_part, merge_parts
 from homebot.discovery.reachability import offline_parts, reachability
@@ -55,6 +53,8 @@ class Entry:
         saved_at: When it was last to be written to the index file that it was seen, on the clock that is never set.
         known_ids: Ids that parts had, beside those of the description that stands.
         is_denied: Whether any of its announcements says that something of it cannot be reached.
+        is_shared: Whether several gateways know it.
+        stale_gateways: The gateways at which it was silent for too long, of several that know it.
         echoes: What happened lately, and by how many routes that was reported; None where nothing happens.
     """
 
@@ -72,6 +72,8 @@ class Entry:
     topic_owner: str = ""
     known_ids: PartIds = field(default_factory=lambda: NO_IDS)
     is_denied: bool = False
+    is_shared: bool = False
+    stale_gateways: frozenset[str] = frozenset()
     echoes: Echoes | None = None
     _description: _Description | None = None
     _device: Device | None = None
@@ -92,10 +94,7 @@ class Entry:
 
     def last_seen(self) -> Time:
         """Return when it was last heard of: when it spoke, or else was announced."""
-        if len(self.sources) == 1:
-            return next(iter(self.sources.values())).seen_at
-        confirmed = [source for source in self.sources.values() if source.confirmed]
-        return max(confirmed or self.sources.values(), key=lambda one: (one.heard_at, _moment(one.seen_at))).seen_at
+        return last_seen(self.sources.values())
 
     def invalidate_device(self) -> None:
         """Build the device anew when it is next asked for: its states or its freshness changed."""
@@ -117,17 +116,25 @@ class Entry:
 
     def parts(self, topics: TopicOwnership) -> MergedParts:
         """Return its parts."""
-        return self._described(topics).merged
+        described = self._description
+        return (self._described(topics) if described is None else described).merged
 
     def to_device(self, topics: TopicOwnership) -> Device:
         """Return the message that tells all of it; the same object as long as nothing is new."""
         if self._device is None:
             described = self._described(topics)
+            has_states = has_events = False
+            for source in self.sources.values():
+                has_states = has_states or bool(source.values)
+                has_events = has_events or bool(source.events)
+            parts = described.merged.parts
+            if self.stale_gateways or self.is_denied:
+                parts = sorted_routes(parts, self.sources, self.stale_gateways)
             self._device = Device.of_checked(
                 id=self.id,
                 name=described.name,
                 service_type=described.service_type,
-                endpoints=described.endpoints,
+                endpoints=endpoints(described.addresses, self.sources, self.freshness, self.stale_gateways),
                 metadata=described.metadata,
                 first_seen=self.first_seen,
                 last_seen=self.last_seen(),
@@ -137,12 +144,12 @@ class Entry:
                 area=described.area,
                 names=described.names,
                 identifiers=described.identifiers,
-                parts=described.merged.parts,
+                parts=parts,
                 facts=described.facts,
                 reachable=self.reachability(),
-                offline_parts=self.offline_parts(described.merged),
-                states=self._newest(described.merged, events=False),
-                events=self._newest(described.merged, events=True),
+                offline_parts=self.offline_parts(described.merged) if self.is_denied else (),
+                states=self._newest(described.merged, events=False) if has_states else (),
+                events=self._newest(described.merged, events=True) if has_events else (),
                 evidence=self.evidence,
                 conflicts=described.merged.conflicts,
             )
@@ -154,6 +161,18 @@ class Entry:
             if source.reach:
                 return reachability(self.sources.values())
         return _NOT_REPORTED
+
+    def endpoint_reach(self) -> tuple[str, ...]:
+        """Return whether it can be reached at each of its gateways; nothing where there is only one."""
+        return endpoint_reach(self.sources) if self.is_shared else ()
+
+    def gateways(self) -> frozenset[str]:
+        """Return the gateways that know it."""
+        return frozenset(gateway for gateway, _ in self.sources)
+
+    def silent_gateways(self) -> frozenset[str]:
+        """Return the gateways at which it has been silent for too long: all of them where it is stale."""
+        return self.gateways() if self.freshness == "stale" else self.stale_gateways
 
     def offline_parts(self, merged: MergedParts) -> tuple[str, ...]:
         """Return the ids of its parts that cannot be reached."""
@@ -219,7 +238,7 @@ class _Description:
     identifiers: tuple[str, ...]
     metadata: tuple[KeyValue, ...]
     facts: tuple[Fact, ...]
-    endpoints: tuple[Endpoint, ...]
+    addresses: tuple[Addresses, ...]
     merged: MergedParts
 
 
@@ -234,13 +253,17 @@ def _describe(sources: tuple[SourceRecord, ...], topics: TopicOwnership, known_i
         names=(first.name,) if is_single else tuple(dict.fromkeys(source.sighting.name for source in ordered)),
         service_type=first.service_type if main is None or first.is_plain_text else main.part.service_type,
         service_types=_service_types(ordered, merged.parts),
-        area=first.area or next((source.sighting.area for source in ordered if source.sighting.area), ""),
-        identifiers=_identifiers(ordered),
+        area=first.area if first.area or is_single else _area(ordered),
+        identifiers=tuple(dict.fromkeys(first.identifiers)) if is_single else _identifiers(ordered),
         metadata=first.metadata if is_single else _metadata(ordered),
         facts=_facts(ordered),
-        endpoints=_endpoints(ordered, main),
+        addresses=addresses(ordered, main),
         merged=merged,
     )
+
+
+def _area(sources: Sequence[SourceRecord]) -> str:
+    return next((source.sighting.area for source in sources if source.sighting.area), "")
 
 
 def _identifiers(sources: Sequence[SourceRecord]) -> tuple[str, ...]:
@@ -276,8 +299,12 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
     """Return each value once for each gateway and convention, by the first announcement that has it."""
     found: dict[tuple[str, str, str, str], Fact] = {}
     for source in sources:
-        gateway, key, convention = source.sighting.gateway, source.sighting.key, source.sighting.convention
-        for name, value in _facts_of(source):
+        sighting = source.sighting
+        gateway, key, convention = sighting.gateway, sighting.key, sighting.convention
+        said = [("name", sighting.name), ("area", sighting.area)]
+        for one in sighting.metadata:
+            said.append((one.key, one.value))  # noqa: PERF401 - a list within the list costs more
+        for name, value in said:
             place = (name, value, gateway, convention)
             if not value or place in found:
                 continue
@@ -290,52 +317,6 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
             if len(found) >= MAX_FACTS:
                 return tuple(found.values())
     return tuple(found.values())
-
-
-def _facts_of(source: SourceRecord) -> list[tuple[str, str]]:
-    sighting = source.sighting
-    return [("name", sighting.name), ("area", sighting.area), *[(one.key, one.value) for one in sighting.metadata]]
-
-
-def _endpoints(sources: Sequence[SourceRecord], main: DevicePart | None) -> tuple[Endpoint, ...]:
-    """Return one for each gateway: two conventions at one gateway publish everything twice."""
-    found: dict[str, Endpoint] = {}
-    if main is not None:
-        sightings = {source.key: source.sighting for source in sources}
-        accepts = accepts_text(main.part)
-        for route in main.routes:
-            if route.gateway in found:
-                continue
-            sighting = sightings[route.gateway, route.key]
-            if sighting.is_plain_text:
-                address, command_address = sighting.address, sighting.command_address
-            else:
-                address = text_address(route.key, route.part)
-                command_address = address if accepts and route.takes else _command_address(main, route.gateway)
-            endpoint = Endpoint.of_checked(
-                gateway=route.gateway, key=route.key, address=address, command_address=command_address
-            )
-            found[route.gateway] = endpoint
-    for source in sources if not found else ():
-        sighting = source.sighting
-        if sighting.gateway not in found:
-            found[sighting.gateway] = Endpoint.of_checked(
-                gateway=sighting.gateway,
-                key=sighting.key,
-                address=sighting.address,
-                command_address="" if main is not None else sighting.command_address,
-            )
-    return tuple(found.values())
-
-
-def _command_address(part: DevicePart, gateway: str) -> str:
-    """Return where *part* takes text: by the first of the gateway's routes that takes any."""
-    ways = (one for one in part.routes if one.gateway == gateway and one.takes) if accepts_text(part.part) else ()
-    return next((text_address(one.key, one.part) for one in ways), "")
-
-
-def _moment(time: Time | None) -> tuple[int, int]:
-    return (time.sec, time.nanosec) if time is not None else (0, 0)
 
 
 def _weight(stored: StoredValue) -> tuple[bool, float, int, int]:

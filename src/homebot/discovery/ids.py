@@ -87,48 +87,48 @@ class Tombstones:
 
     def __init__(self, at_most: int = MAX_TOMBSTONES) -> None:
         self._at_most = at_most
-        self._stones: OrderedDict[str, Tombstone] = OrderedDict()
+        self._tombstones: OrderedDict[str, Tombstone] = OrderedDict()
         self._by_key: dict[SourceKey, str] = {}
         self._by_hardware: dict[str, str] = {}
 
     def __len__(self) -> int:
-        return len(self._stones)
+        return len(self._tombstones)
 
     def __contains__(self, device_id: object) -> bool:
-        return device_id in self._stones
+        return device_id in self._tombstones
 
     def __iter__(self) -> Iterator[Tombstone]:
-        return iter(tuple(self._stones.values()))
+        return iter(tuple(self._tombstones.values()))
 
-    def put(self, stone: Tombstone) -> Tombstone | None:
-        """Remember *stone*; return the one that is forgotten for it, if any."""
-        self.take(stone.id)
-        self._stones[stone.id] = stone
-        self._by_key.update(dict.fromkeys(stone.keys, stone.id))
-        self._by_hardware.update(dict.fromkeys(stone.hardware, stone.id))
-        return self.take(next(iter(self._stones))) if len(self._stones) > self._at_most else None
+    def put(self, tombstone: Tombstone) -> Tombstone | None:
+        """Remember *tombstone*; return the one that is forgotten for it, if any."""
+        self.take(tombstone.id)
+        self._tombstones[tombstone.id] = tombstone
+        self._by_key.update(dict.fromkeys(tombstone.keys, tombstone.id))
+        self._by_hardware.update(dict.fromkeys(tombstone.hardware, tombstone.id))
+        return self.take(next(iter(self._tombstones))) if len(self._tombstones) > self._at_most else None
 
     def find(self, key: SourceKey, identifiers: Iterable[str]) -> Tombstone | None:
         """Return the device that *key* announced, or that has one of the hardware addresses among *identifiers*."""
         if key in self._by_key:
-            return self._stones[self._by_key[key]]
+            return self._tombstones[self._by_key[key]]
         for identifier in identifiers:
             if identifier in self._by_hardware:
-                return self._stones[self._by_hardware[identifier]]
+                return self._tombstones[self._by_hardware[identifier]]
         return None
 
     def get(self, device_id: str) -> Tombstone | None:
         """Return what is remembered of the device."""
-        return self._stones.get(device_id)
+        return self._tombstones.get(device_id)
 
     def take(self, device_id: str) -> Tombstone | None:
         """Forget the device and return what was remembered of it."""
-        stone = self._stones.pop(device_id, None)
-        if stone is not None:
-            for key in stone.keys:
+        tombstone = self._tombstones.pop(device_id, None)
+        if tombstone is not None:
+            for key in tombstone.keys:
                 if self._by_key.get(key) == device_id:
                     del self._by_key[key]
-            for one in stone.hardware:
+            for one in tombstone.hardware:
                 if self._by_hardware.get(one) == device_id:
                     del self._by_hardware[one]
-        return stone
+        return tombstone

@@ -7,21 +7,25 @@ messages is published once.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import asdict
 from typing import final
 
 from homebot.devices import Device, DeviceChange, Sighting, StateChange
 from homebot.devices.gateway_messages import Report
 from homebot.devices.query import Query, facets_of, type_is
+from homebot.devices.value import PlainValue
 from homebot.discovery.device_table import DeviceTable, IndexCounters
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
+from homebot.discovery.merging.decisions import MergeDecisions
 from homebot.discovery.merging.intake import SightingIntake
 from homebot.discovery.merging.merger import DeviceMerger
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.search.postings import Postings
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.states import StateRecorder
+from homebot.errors import RefusedError
 
 __all__ = ["MAX_DEVICES", "DeviceIndex", "IndexCounters"]
 
@@ -39,6 +43,7 @@ class DeviceIndex:
 
     Attributes:
         counters: What was not taken in.
+        next_deadline: Returns when :meth:`expire` has something to do, in seconds of its clock; None for never.
         tombstones: Devices that went.
     """
 
@@ -50,6 +55,7 @@ class DeviceIndex:
         self._sources = table.sources
         self._pending = PendingReports()
         self._liveness = Liveness(table, forget_after)
+        self.next_deadline = self._liveness.next_deadline
         self._merger = DeviceMerger(table, self._liveness, self._pending)
         self._intake = SightingIntake(table, self._liveness, self._merger, self._pending, max_devices)
         self._states = StateRecorder(table, self._liveness)
@@ -148,10 +154,6 @@ class DeviceIndex:
                 self._liveness.mark_stale(entry)
         return made
 
-    def next_deadline(self) -> float | None:
-        """Return when :meth:`expire` has something to do, in seconds of its clock; None for never."""
-        return self._liveness.next_deadline()
-
     @property
     def is_behind(self) -> bool:
         """True if changes wait to be taken, or devices to be made findable."""
@@ -216,8 +218,10 @@ class DeviceIndex:
             del outdated[device_id]
             device = table.entries[device_id].to_device(topics)
             facets = facets_of(device)
-            values = zip(device.states, facets.values, strict=True)
-            table.postings.put(facets, [(state.part, *value) for state, value in values])
+            values: list[tuple[str, str, str, PlainValue]] = []
+            if device.states:
+                values = [(state.part, *value) for state, value in zip(device.states, facets.values, strict=True)]
+            table.postings.put(facets, values)
             done += 1
         return bool(outdated)
 
@@ -237,6 +241,52 @@ class DeviceIndex:
         sightings = [source.sighting for source in entry.sources.values()]
         self._merger.remove(entry, "it was forgotten on request", retained_only=True, at=now)
         return tuple((sighting.gateway, sighting.announced_on) for sighting in sightings if sighting.announced_on)
+
+    @property
+    def decisions(self) -> MergeDecisions:
+        """Decisions of the owner on which announcements are one device, for the index file."""
+        return self._merger.decisions
+
+    def split(self, device_id: str, key: SourceKey | None, now: float) -> tuple[str, ...]:
+        """Make several devices of one, because the owner says so; return their ids, that of the one first.
+
+        Args:
+            device_id: The device.
+            key: Gateway and key of the announcement that is not about it; None to make one device of each.
+            now: As for :meth:`expire`.
+
+        Raises:
+            RefusedError: There is no such device or announcement, nothing was merged into it, or there are too many
+                decisions.
+        """
+        entry = self._entry(device_id)
+        if key is not None and key not in entry.sources:
+            known = ", ".join(f"{gateway} {name}" for gateway, name in entry.sources)
+            raise RefusedError(f"a split of {device_id}", f"it has no announcement {' '.join(key)}; it has {known}")
+        self._liveness.now = now
+        return tuple(one.id for one in self._merger.split(entry, key))
+
+    def merge(self, device_ids: Iterable[str], now: float) -> str:
+        """Make several devices one, because the owner says so; return the id that it has, that of the oldest.
+
+        Args:
+            device_ids: The devices, at least two.
+            now: As for :meth:`expire`.
+
+        Raises:
+            RefusedError: There is no such device, or there are too many decisions.
+        """
+        entries = tuple(self._entry(device_id) for device_id in dict.fromkeys(device_ids))
+        if len(entries) < 2:
+            raise RefusedError("a merge", "it takes two different devices")
+        self._liveness.now = now
+        return self._merger.merge(entries).id
+
+    def _entry(self, device_id: str) -> Entry:
+        entry = self._table.entries.get(device_id)
+        if entry is None:
+            raise RefusedError(f"a change of {device_id!r}", "there is no device of that id")
+        return entry
 
     @property
     def is_saved(self) -> bool:

@@ -22,9 +22,9 @@ _KEPT = 8
 _BURST = 1.0
 """Seconds within which messages belong together: a device often says several things at once."""
 
-_FEW = 3
+_MIN_GAPS = 3
 
-_TIMES = 3.0
+_SILENCE_FACTOR = 3.0
 """How many usual gaps may pass: two reports may be lost on the way."""
 
 _LONGEST_OF_FEW = 86_400.0
@@ -95,15 +95,17 @@ class Liveness:
 
     Attributes:
         now: Time of what was taken in last, in seconds of a clock that is never set.
+        next_deadline: Returns when :meth:`take_silent` has a device, in seconds of that clock; None for never.
     """
 
-    __slots__ = ("_deadlines", "_forget_after", "_table", "now")
+    __slots__ = ("_deadlines", "_forget_after", "_table", "next_deadline", "now")
 
     def __init__(self, table: DeviceTable, forget_after: float) -> None:
         self.now = -math.inf
         self._table = table
         self._forget_after = forget_after
         self._deadlines: TimerQueue[str, None] = TimerQueue()
+        self.next_deadline = self._deadlines.next
 
     def mark_seen(self, entry: Entry, source: SourceRecord, stamp: Time, why: str) -> None:
         """Note that *entry* itself spoke now, through *source*: it is fresh.
@@ -128,7 +130,10 @@ class Liveness:
             silence = _ONLINE_FOR
         before, entry.freshness = entry.freshness, "fresh"
         entry.deadline, entry.expires = now + silence, stamp.sec + stamp.nanosec / 1e9 + silence
-        self._deadlines.set(entry.id, entry.deadline, None)
+        if entry.is_shared:
+            self._mark_gateway_seen(entry, source.key[0], was_stale=before == "stale")
+        else:
+            self._deadlines.set(entry.id, entry.deadline, None)
         if before == "fresh":
             return
         self._table.outdated[entry.id] = None
@@ -165,30 +170,63 @@ class Liveness:
 
     def schedule(self, entry: Entry) -> None:
         """Watch over the deadline of *entry*."""
-        forgets = self._forget_after if entry.freshness == "stale" else 0.0
-        self._deadlines.set(entry.id, entry.deadline + forgets, None)
+        due = self._due(entry)
+        if entry.is_shared and entry.freshness != "stale":
+            due = min((due, *self._gateway_deadlines(entry).values()))
+        self._deadlines.set(entry.id, due, None)
 
     def discard(self, entry: Entry) -> None:
         """Watch over *entry* no more."""
         self._deadlines.discard(entry.id)
-
-    def next_deadline(self) -> float | None:
-        """Return when :meth:`take_silent` has a device, in seconds of the clock that is never set; None for never."""
-        return self._deadlines.next()
 
     def take_silent(self, now: float) -> Entry | None:
         """Return a device that has been silent for too long at *now*; None where there is none.
 
         One that is stale is to be removed, any other to be marked as stale.
         """
-        due = self._deadlines.pop(now)
-        return None if due is None else self._table.entries[due[0]]
+        while (due := self._deadlines.pop(now)) is not None:
+            entry = self._table.entries[due[0]]
+            if self._due(entry) <= now:
+                return entry
+            self._mark_gateways_stale(entry, now)
+        return None
 
     def mark_stale(self, entry: Entry) -> None:
-        """Note that *entry* was silent for too long."""
+        """Note that *entry* was silent for too long, at every gateway."""
         entry.freshness = "stale"
         self.schedule(entry)
         self._table.note("stale", entry, "it has been silent for too long")
+
+    def _due(self, entry: Entry) -> float:
+        """Return when *entry* is stale; where it is, when it is to be removed."""
+        return entry.deadline + self._forget_after if entry.freshness == "stale" else entry.deadline
+
+    def _gateway_deadlines(self, entry: Entry) -> dict[str, float]:
+        """Return when *entry* is stale at each of its gateways that heard it since the start, and where it is not."""
+        usual = entry.report_interval.expected_silence()
+        found: dict[str, float] = {}
+        for (gateway, _), source in entry.sources.items():
+            if source.heard_at > -math.inf and gateway not in entry.stale_gateways:
+                silence = max(source.lasts, usual, _ONLINE_FOR if source.is_online else 0.0)
+                found[gateway] = max(found.get(gateway, -math.inf), source.heard_at + silence)
+        return found
+
+    def _mark_gateway_seen(self, entry: Entry, gateway: str, *, was_stale: bool) -> None:
+        """Note that *entry*, which several announcements are about, was heard at *gateway*."""
+        if was_stale:
+            entry.stale_gateways = entry.gateways() - {gateway}
+        elif gateway in entry.stale_gateways:
+            entry.stale_gateways -= {gateway}
+            self._table.note("changed", entry, f"it reported again over {gateway}")
+        self.schedule(entry)
+
+    def _mark_gateways_stale(self, entry: Entry, now: float) -> None:
+        """Note at which gateways *entry* was silent for too long at *now*; at others it was not."""
+        silent = sorted(gateway for gateway, due in self._gateway_deadlines(entry).items() if due <= now)
+        entry.stale_gateways |= frozenset(silent)
+        if silent:
+            self._table.note("changed", entry, f"it has been silent for too long over {', '.join(silent)}")
+        self.schedule(entry)
 
     def forgotten_at(self, entry: Entry) -> float:
         """Return when a stale device is to be removed, in seconds since the Unix epoch."""
@@ -198,6 +236,6 @@ class Liveness:
 def _usual_silence(gaps: tuple[float, ...]) -> float:
     if not gaps:
         return 0.0
-    if len(gaps) < _FEW:
-        return min(_TIMES * min(gaps), _LONGEST_OF_FEW)
-    return min(_TIMES * sorted(gaps)[-2], _LONGEST)
+    if len(gaps) < _MIN_GAPS:
+        return min(_SILENCE_FACTOR * min(gaps), _LONGEST_OF_FEW)
+    return min(_SILENCE_FACTOR * sorted(gaps)[-2], _LONGEST)

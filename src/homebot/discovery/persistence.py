@@ -5,7 +5,8 @@ All of SQLite happens in a worker thread. Without a file it does nothing.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -39,6 +40,9 @@ SAVE_EVERY = 2.0
 
 RETRY_AFTER = 5.0
 """Seconds until a file that could not be written is tried again."""
+
+DECISIONS = "merging"
+"""The name of the record of what the owner decided on merging."""
 
 _BATCH = 200
 """Devices written in one transaction."""
@@ -82,8 +86,9 @@ class IndexPersistence:
         except LinkError as exc:
             await self._set_aside(self._file, str(exc))
             return
-        for stone in known.tombstones:
-            self._index.tombstones.put(stone)
+        for tombstone in known.tombstones:
+            self._index.tombstones.put(tombstone)
+        rejected = known.rejected + self._restore_decisions(known.owner)
         now, wall = self._clock.monotonic(), self._clock.now()
         work = TimeSlice(self._clock)
         for entry in known.entries:
@@ -91,9 +96,21 @@ class IndexPersistence:
             if work.is_over:
                 await work.pause()
         self._index.unsaved.clear()
-        if known.rejected:
-            self._node.log.warning(BAD_RECORD, message=f"{known.rejected} devices of {self.file} could not be read")
-        self._node.log.info(LOADED, message=f"{len(known.entries)} devices are known from the last run", file=self.file)
+        if rejected:
+            self._node.log.warning(BAD_RECORD, message=f"{rejected} records of {self.file} could not be read")
+        if known.entries:
+            self._node.log.info(
+                LOADED, message=f"{len(known.entries)} devices are known from the last run", file=self.file
+            )
+
+    def _restore_decisions(self, owner: Mapping[str, str]) -> int:
+        """Take over what the owner decided; return how many records could not be read."""
+        try:
+            if (record := owner.get(DECISIONS)) is not None:
+                self._index.decisions.restore(record)
+        except WireError:
+            return 1
+        return 0
 
     async def run(self) -> None:
         """Write what changes until cancelled, then once more."""
@@ -122,24 +139,29 @@ class IndexPersistence:
         if damaged is not None:
             self._log_damage(damaged)
             self._index.save_all()
+            self._index.decisions.is_unsaved = True
         return True
 
     async def _save(self, file: IndexFile) -> None:
-        while self._index.unsaved:
+        while self._index.unsaved or self._index.decisions.is_unsaved:
             batch = tuple(islice(self._index.unsaved, _BATCH))
             for device_id in batch:
                 del self._index.unsaved[device_id]
+            decisions, self._index.decisions.is_unsaved = self._index.decisions.is_unsaved, False
             is_written = False
             try:
-                is_written = await self._write(file, batch)
+                is_written = await self._write(file, batch, with_decisions=decisions)
             finally:
                 if not is_written:
                     self._index.unsaved.update(dict.fromkeys(batch))
+                    self._index.decisions.is_unsaved |= decisions
             if not is_written:
                 return
 
-    async def _write(self, file: IndexFile, batch: tuple[str, ...]) -> bool:
+    async def _write(self, file: IndexFile, batch: tuple[str, ...], *, with_decisions: bool) -> bool:
         records = await self._records(batch)
+        if with_decisions:
+            records = replace(records, owner=((DECISIONS, self._index.decisions.record()),))
         if self.state != "ok" and not await self._open(file):
             return False
         try:
@@ -163,8 +185,8 @@ class IndexPersistence:
         for device_id in batch:
             if (row := self._row(device_id)) is not None:
                 devices.append(row)
-            if (stone := self._index.tombstones.get(device_id)) is not None:
-                stones.append((stone.id, tombstone_record(stone)))
+            if (tombstone := self._index.tombstones.get(device_id)) is not None:
+                stones.append((tombstone.id, tombstone_record(tombstone)))
             if work.is_over:
                 await work.pause()
         return Records(tuple(devices), tuple(stones))
@@ -188,6 +210,7 @@ class IndexPersistence:
             self._log_failure(LinkError(f"{self.file} cannot be set aside: {exc}"))
             return
         self._index.save_all()
+        self._index.decisions.is_unsaved = True
         if await self._open(file):
             self.state = "ok"
 
@@ -213,6 +236,7 @@ class _SavedState:
 
     entries: tuple[Entry, ...]
     tombstones: tuple[Tombstone, ...]
+    owner: Mapping[str, str]
     rejected: int
 
 
@@ -234,7 +258,7 @@ def _read(file: IndexFile) -> _SavedState:
             rejected += 1
     entries.sort(key=lambda one: (one.first_seen.sec, one.first_seen.nanosec, one.id))
     tombstones.sort(key=lambda one: (one.at, one.id))
-    return _SavedState(tuple(entries), tuple(tombstones), rejected)
+    return _SavedState(tuple(entries), tuple(tombstones), dict(records.owner), rejected)
 
 
 def _index_file(path: Path) -> IndexFile:

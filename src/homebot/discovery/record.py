@@ -32,10 +32,12 @@ class Records:
     Attributes:
         devices: Of devices that are known.
         tombstones: Of those that went.
+        owner: What the owner decided, by the name of what it is about.
     """
 
     devices: tuple[tuple[str, str], ...] = ()
     tombstones: tuple[tuple[str, str], ...] = ()
+    owner: tuple[tuple[str, str], ...] = ()
 
 
 class _SavedSource(BaseModel):
@@ -126,9 +128,16 @@ def read_entry(device_id: str, text: str) -> Entry:
     )
 
 
-def tombstone_record(stone: Tombstone) -> str:
+def tombstone_record(tombstone: Tombstone) -> str:
     """Return the record of a device that went."""
-    return json.dumps({"keys": stone.keys, "hardware": stone.hardware, "is_ghost": stone.retained_only, "at": stone.at})
+    return json.dumps(
+        {
+            "keys": tombstone.keys,
+            "hardware": tombstone.hardware,
+            "is_ghost": tombstone.retained_only,
+            "at": tombstone.at,
+        }
+    )
 
 
 def read_tombstone(device_id: str, text: str) -> Tombstone:

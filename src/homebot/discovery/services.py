@@ -19,7 +19,7 @@ from homebot.devices import (
     QueryDevices,
 )
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
-from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE
+from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE, MERGE_DEVICES, SPLIT_DEVICE
 from homebot.devices.query import And, read_terms, type_is
 from homebot.devices.services import (
     AnnouncedOn,
@@ -33,15 +33,21 @@ from homebot.devices.services import (
     GetIndexDataRequest,
     GetIndexDataResponse,
     IndexEntry,
+    MergeDevices,
+    MergeDevicesRequest,
+    MergeDevicesResponse,
     QueryDevicesRequest,
     QueryDevicesResponse,
+    SplitDevice,
+    SplitDeviceRequest,
+    SplitDeviceResponse,
 )
 from homebot.discovery.changes import ChangeLog
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.search.rank import rank, reasons
 from homebot.discovery.search.unknown_words import unknown_word
-from homebot.errors import UsageError
+from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
 
 __all__ = ["DirectoryServices"]
@@ -82,6 +88,8 @@ class DirectoryServices:
         node.create_service(QueryDevices, QUERY_DEVICES, self._query)
         node.create_service(GetChanges, GET_CHANGES, self._get_changes)
         node.create_service(ForgetDevice, FORGET_DEVICE, self._forget)
+        node.create_service(SplitDevice, SPLIT_DEVICE, self._split)
+        node.create_service(MergeDevices, MERGE_DEVICES, self._merge)
         node.create_service(GetHealth, DISCOVERY_HEALTH, self._get_health)
 
     def remember(self, change: DeviceChange) -> None:
@@ -166,6 +174,23 @@ class DirectoryServices:
     def _publish_all(self) -> None:
         while self._publish_some(_FEW):
             pass
+
+    def _split(self, request: SplitDeviceRequest) -> SplitDeviceResponse:
+        key = (request.gateway, request.key) if request.gateway or request.key else None
+        try:
+            devices = self._index.split(request.device, key, self._clock.monotonic())
+        except RefusedError as exc:
+            return SplitDeviceResponse(success=False, message=str(exc))
+        self._publish_all()
+        return SplitDeviceResponse(success=True, devices=devices)
+
+    def _merge(self, request: MergeDevicesRequest) -> MergeDevicesResponse:
+        try:
+            device = self._index.merge(request.devices, self._clock.monotonic())
+        except RefusedError as exc:
+            return MergeDevicesResponse(success=False, message=str(exc))
+        self._publish_all()
+        return MergeDevicesResponse(success=True, device=device)
 
     def _get_health(self, _: HealthRequest) -> HealthResponse:
         counts = {

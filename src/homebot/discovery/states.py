@@ -80,9 +80,10 @@ class StateRecorder:
         else:  # the device reports it no longer
             source.set_reach({part: reach for part, reach in source.reach.items() if part != reading.part})
 
-    def _reach(self, entry: Entry) -> tuple[str, tuple[str, ...]]:
-        """Return whether *entry* can be reached, and which of its parts cannot."""
-        return entry.reachability().state, entry.offline_parts(entry.parts(self._table.topics))
+    def _reach(self, entry: Entry) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
+        """Return whether *entry* can be reached, which of its parts cannot, and at which of its gateways."""
+        offline = entry.offline_parts(entry.parts(self._table.topics))
+        return entry.reachability().state, offline, entry.endpoint_reach()
 
     def _publish(self, entry: Entry, source: SourceRecord, new: list[tuple[Reading, StoredValue]]) -> None:
         """Make new values findable, and publish them."""
@@ -149,8 +150,11 @@ def store_reachability(
 
 def is_denied(sources: Iterable[SourceRecord]) -> bool:
     """Return whether any of *sources* says that something cannot be reached."""
-    denials = [reach for source in sources if source.reach for reach in source.reach.values() if reach.value is False]
-    return bool(denials)
+    for source in sources:
+        for reach in source.reach.values():
+            if reach.value is False:
+                return True
+    return False
 
 
 def state_of(part_id: str, reading: Reading, stored: StoredValue) -> State:

@@ -19,16 +19,18 @@ from homebot.names import escape_token
 
 __all__ = ["VERSION", "IndexFile", "index_path", "take_over"]
 
-VERSION = 2
+VERSION = 3
 """Of the schema, kept as SQLite's ``user_version``."""
 
 _SCHEMA = (
     "CREATE TABLE devices (id TEXT PRIMARY KEY, record TEXT NOT NULL)",
     "CREATE TABLE tombstones (id TEXT PRIMARY KEY, record TEXT NOT NULL)",
+    "CREATE TABLE owner (name TEXT PRIMARY KEY, record TEXT NOT NULL)",
 )
 
 _MIGRATIONS: dict[int, Sequence[str]] = {
     1: (_SCHEMA[1],),  # version 1 knew no tombstones
+    2: (_SCHEMA[2],),  # version 2 knew nothing that the owner decides
 }
 """What makes the next version out of each."""
 
@@ -127,9 +129,10 @@ class IndexFile:
         try:
             devices = connection.execute("SELECT id, record FROM devices ORDER BY id").fetchall()
             tombstones = connection.execute("SELECT id, record FROM tombstones ORDER BY id").fetchall()
+            owner = connection.execute("SELECT name, record FROM owner ORDER BY name").fetchall()
         except sqlite3.Error as exc:
             raise LinkError(f"the index file {self.path} cannot be read: {exc}") from exc
-        return Records(_texts(devices), _texts(tombstones))
+        return Records(_texts(devices), _texts(tombstones), _texts(owner))
 
     def write(self, records: Records, gone: Sequence[str]) -> None:
         """Write the records in one transaction; *gone* are ids of which nothing is kept, or only what is written.
@@ -147,6 +150,7 @@ class IndexFile:
                 connection.executemany("DELETE FROM tombstones WHERE id = ?", rows)
                 connection.executemany("INSERT OR REPLACE INTO devices VALUES (?, ?)", records.devices)
                 connection.executemany("INSERT OR REPLACE INTO tombstones VALUES (?, ?)", stones)
+                connection.executemany("INSERT OR REPLACE INTO owner VALUES (?, ?)", records.owner)
         except sqlite3.Error as exc:
             if _is_damage(exc):
                 raise WireError(f"the index file {self.path} is damaged: {exc}", b"") from exc

@@ -9,7 +9,7 @@ import pytest
 from homebot.devices import Route
 from homebot.devices.device import EVERYTHING
 from homebot.devices.gateway_messages import SendCommandResponse
-from homebot.devices.handles import Light
+from homebot.devices.handles import Handle, Light
 from homebot.errors import LinkError, RefusedError
 
 if TYPE_CHECKING:
@@ -45,3 +45,31 @@ async def test_a_command_goes_by_the_best_way_that_can_do_it(house: House) -> No
     house.answers["third"] = SendCommandResponse(success=False, message="no link", problem="unreachable")
     with pytest.raises(LinkError, match="on_off was not sent to a: no link"):
         await light.turn_on()
+
+
+async def test_a_device_that_one_gateway_cannot_reach_is_reached_by_another(house: House) -> None:
+    ways = tuple(Route(gateway=one, key="k", part=one, takes=EVERYTHING) for one in ("away", "radio", "cable"))
+    lamp = house.part("light", "on_off")
+    house.has(house.device("a", lamp.model_copy(update={"routes": ways})))
+    for one in ("radio", "cable"):
+        house.gateway(one)
+    house.answers["radio"] = SendCommandResponse(success=False, message="it left", problem="unreachable")
+    (light,) = await house.devices.find(Light)
+    await light.turn_on()
+    assert [one[0] for one in house.told] == ["cable"]
+
+
+async def test_a_button_that_may_have_been_pressed_is_not_pressed_by_another_route(house: House) -> None:
+    """A gateway that is not running pressed nothing; one that lost the device on the way may have."""
+    ways = tuple(Route(gateway=one, key="k", part=one, takes=EVERYTHING) for one in ("away", "radio", "cable"))
+    bell = house.part("button", "push")
+    house.has(house.device("a", bell.model_copy(update={"routes": ways})))
+    for one in ("radio", "cable"):
+        house.gateway(one)
+    (button,) = await house.devices.find(Handle)
+    await button.command("push", True)
+    assert [one[0] for one in house.told] == ["radio"]
+    house.answers["radio"] = SendCommandResponse(success=False, message="it did not answer", problem="unreachable")
+    with pytest.raises(LinkError, match="it did not answer"):
+        await button.command("push", True)
+    assert [one[0] for one in house.told] == ["radio"]

@@ -53,6 +53,21 @@ async def test_a_query_of_a_state_is_live(house: House) -> None:
     assert await heard(lamps) == []
 
 
+async def test_a_query_of_no_state_hears_each_value_and_each_description(house: House) -> None:
+    """A new value is a change, and what is described as something else afterwards is no lamp any more."""
+    house.has(house.device("a", house.part("light", "level")))
+    lamps = house.devices.follow(Light)
+    assert await heard(lamps) == ["appeared a"]
+    for told_at in (1, 2):
+        house.says("a", "level", float(told_at), told_at=told_at)
+        assert await heard(lamps) == ["changed a"]
+    house.tells("changed", house.device("a", house.part("plug", "on_off")))
+    assert await heard(lamps) == ["removed a"]
+    house.tells("changed", house.device("a", house.part("light", "level")))
+    assert await heard(lamps) == ["appeared a"]
+    lamps.close()
+
+
 async def test_each_part_is_followed_by_itself(house: House) -> None:
     """One of two relays that goes on is one change."""
     house.has(

@@ -26,6 +26,7 @@ REFUSED = {
     "type=xyzzy": "'xyzzy' is not a device type, and no device was announced as one; known are ",
     "lights in kichen": "no device is in 'kichen'; did you mean kitchen?",
     "lights not in kitchne": "no device is in 'kitchne'; did you mean kitchen?",
+    "dimable": "no device has the word 'dimable'; did you mean dimmable?",
     "ligths": "no device has the word 'ligths'; did you mean lights?",
     "plug or vavle": "no device has the word 'vavle'; did you mean valve?",
     "gateway=mqt": "",

@@ -11,7 +11,7 @@ import anyio
 import anyio.lowlevel
 
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.device import State, StateChange
+from homebot.devices.device import Device, State, StateChange
 from homebot.devices.follow import Follow
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleQuery
@@ -74,6 +74,7 @@ class FollowHandles(Generic[HandleT]):
         self._devices: Follow | None = None
         self._tracked: dict[str, TrackedDevice] = {}
         self._reported: dict[str, dict[str, HandleT]] = {}
+        self._compared: dict[str, Device] = {}  # by the description alone: no new value changes what matches
         self._changed: dict[str, None] = {}
         self._ready: deque[HandleChange[HandleT]] = deque()
         self.events_lost = 0
@@ -141,9 +142,11 @@ class FollowHandles(Generic[HandleT]):
             self.close()
 
     def _on_state(self, change: StateChange) -> None:
+        device_id = change.device
         if change.state.capability not in EVENTS:
-            self._mark_changed(change.device)
-        elif change.device in self._tracked:
+            if device_id not in self._changed:
+                self._mark_changed(device_id)
+        elif device_id in self._tracked:
             self._add_event(change)
         else:  # the event that made the device known comes on another topic than its description
             self._early_events.append((self._clock.monotonic(), change))
@@ -170,14 +173,18 @@ class FollowHandles(Generic[HandleT]):
 
     def _mark_changed(self, device_id: str) -> None:
         if device_id in self._tracked:
+            if not self._changed:  # while others wait, the reader is awake
+                self._has_news.set()
             self._changed[device_id] = None
-            self._has_news.set()
 
     def _compare(self, device_id: str) -> None:
         """Compare the handles of a device that the reader has with those that match now."""
         known = self._tracked[device_id]
-        parts = [] if known.is_gone else self._query.parts(known.current())
         reported = self._reported.get(device_id, {})
+        if self._compared.get(device_id) is known.device and not known.is_gone:
+            self._ready.extend([HandleChange("changed", handle) for handle in reported.values()])
+            return
+        parts = [] if known.is_gone else self._query.parts(known.current())
         for part in [part for part in reported if part not in parts]:
             self._ready.append(HandleChange("removed", reported.pop(part)))
         for part in parts:
@@ -188,6 +195,9 @@ class FollowHandles(Generic[HandleT]):
                 self._ready.append(HandleChange("appeared", reported[part]))
         if known.is_gone:
             del self._tracked[device_id]
+            self._compared.pop(device_id, None)
+        elif not self._query.asks_for_values:
+            self._compared[device_id] = known.device
         if reported:
             self._reported[device_id] = reported
         else:

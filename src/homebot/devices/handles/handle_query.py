@@ -75,13 +75,14 @@ class HandleQuery(Generic[HandleT]):
     Attributes:
         kind: The class of the handles.
         search: The query for the devices that may have such parts; :meth:`parts` decides.
+        asks_for_values: Whether there is a condition on a value, so that each new one may change what matches.
 
     Raises:
         TypeError: A filter is unknown, or a value is of another type.
         ValueError: There is no such category.
     """
 
-    __slots__ = ("_category", "_device_terms", "_part_terms", "kind", "search")
+    __slots__ = ("_category", "_device_terms", "_part_terms", "asks_for_values", "kind", "search")
 
     def __init__(self, kind: type[HandleT], filters: CommonFilters, terms: tuple[Term, ...] = ()) -> None:
         _check(kind, filters, terms)
@@ -107,6 +108,7 @@ class HandleQuery(Generic[HandleT]):
         self._part_terms: Final = (*part_terms, *terms)
         self.kind: Final = kind
         self.search: Final[Query] = And(tuple(found))
+        self.asks_for_values: Final = any(_is_of_value(term) for term in terms)
 
     def parts(self, device: Device) -> list[str]:
         """Return the ids of the parts of *device* that match.
@@ -129,6 +131,10 @@ class HandleQuery(Generic[HandleT]):
             else:
                 matching.append(part.id)
         return matching
+
+
+def _is_of_value(term: Query) -> bool:
+    return isinstance(term, StateIs) or (isinstance(term, Not) and _is_of_value(term.term))
 
 
 class HandleType(Protocol[P, HandleT]):

@@ -6,14 +6,14 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 from weakref import WeakValueDictionary
 
-from homebot.devices.capabilities import EVENTS
+from homebot.devices.capabilities import EVENTS, MOMENTARY
 from homebot.devices.device import EVERYTHING, Device, DeviceChange, DevicePart, State, StateChange
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES, GatewayNames
 from homebot.devices.query import query_terms
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.devices.value import PlainValue, Value
-from homebot.errors import InvalidNameError, LinkError, RefusedError, ServiceError
+from homebot.errors import InvalidNameError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node
 
 if TYPE_CHECKING:
@@ -54,12 +54,14 @@ class TrackedDevice:
         parts = {part.id for part in device.parts}
         self._states = {name: stored for name, stored in self._states.items() if stored[1].part in parts}
         for state in device.states:
-            self._put(state, sequence)
+            self.update_state(state, sequence)
 
-    def update_state(self, change: StateChange) -> None:
-        """Store a state; one older than the stored one changes nothing, and an event is no state."""
-        if change.state.capability not in EVENTS:
-            self._put(change.state, change.sequence)
+    def update_state(self, state: State, sequence: int) -> None:
+        """Store a state in place of an older one by its number: the clock of its stamp may have been set back."""
+        place = state.part, state.capability
+        stored = self._states.get(place)
+        if stored is None or stored[0] <= sequence:
+            self._states[place] = sequence, state
 
     def part(self, part_id: str) -> DevicePart | None:
         """Return the part, or None where the device has none of that id, or no longer."""
@@ -83,12 +85,6 @@ class TrackedDevice:
         states = tuple([state for _, state in self._states.values()])
         return self.device.with_checked(states=states)
 
-    def _put(self, state: State, sequence: int) -> None:
-        """Put *state* in place of an older one by its number, as the clock of its stamp may have been set back."""
-        stored = self._states.get((state.part, state.capability))
-        if stored is None or stored[0] <= sequence:
-            self._states[state.part, state.capability] = sequence, state
-
 
 class CommandSender:
     """Sends commands by the best route that accepts them.
@@ -106,8 +102,9 @@ class CommandSender:
     ) -> None:
         """Set *capability* to *value* within *transition* seconds; return when the network has accepted the command.
 
-        Where a route cannot do that, and sent nothing, the next one is tried; what a gateway refuses to do at all is
-        not done by another route.
+        Where a route cannot do that, and sent nothing, or cannot reach the device, the next one is tried; what a
+        gateway refuses to do at all is not done by another route. A button is not pressed by a second route where the
+        first may have pressed it.
 
         Raises:
             RefusedError: The gateway or the part refuses, or the part is disputed.
@@ -119,7 +116,7 @@ class CommandSender:
         takes = [route for route in part.routes if capability in route.takes or route.takes == EVERYTHING]
         routes = takes or part.routes
         problem, unable = f"its gateway {routes[0].gateway} is not running", ""
-        is_away = False
+        is_away, is_momentary = False, capability in MOMENTARY
         sent = Value.of(value)
         for route in routes:
             response = await self._call(
@@ -128,10 +125,14 @@ class CommandSender:
                     key=route.key, part=route.part, capability=capability, value=sent, transition=transition, code=code
                 ),
             )
-            if response.success:
+            if response is None:
+                is_away = True
+            elif response.success:
                 return
-            if response.problem == "unreachable":
+            elif response.problem == "unreachable":
                 is_away, problem = True, response.message or problem
+                if is_momentary:
+                    break
             elif not response.unable:
                 raise RefusedError(f"{capability} of {device.id}", response.message)
             else:
@@ -140,7 +141,8 @@ class CommandSender:
             raise RefusedError(f"{capability} of {device.id}", unable)
         raise LinkError(f"{capability} was not sent to {device.id}: {problem}")
 
-    async def _call(self, gateway: str, command: Command) -> SendCommandResponse:
+    async def _call(self, gateway: str, command: Command) -> SendCommandResponse | None:
+        """Return the gateway's answer; None where it is not running, so that nothing was sent."""
         client = self._clients.get(gateway)
         try:
             if client is None:
@@ -150,9 +152,11 @@ class CommandSender:
                 return await client.call(command)
         except InvalidNameError as exc:
             return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=True)
+        except ServiceUnavailableError:
+            return None
         except ServiceError as exc:
             return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
-        return SendCommandResponse(success=False, problem="unreachable")
+        return None
 
 
 class Handles:
@@ -206,9 +210,10 @@ class Handles:
             tracked.update(change.device, change.sequence, is_gone=change.kind == "removed")
 
     def _on_state(self, change: StateChange) -> None:
-        tracked = self._tracked.get(change.device)
-        if tracked is not None:
-            tracked.update_state(change)
-        if tracked is not None or change.state.capability in EVENTS:
-            for watcher in self._watchers:
-                watcher(change)
+        tracked, state = self._tracked.get(change.device), change.state
+        if state.capability not in EVENTS:
+            if tracked is None:
+                return
+            tracked.update_state(state, change.sequence)
+        for watcher in self._watchers:
+            watcher(change)

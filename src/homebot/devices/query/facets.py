@@ -120,11 +120,15 @@ def facets_of(device: Device) -> Facets:
         conventions=shared[5],
         categories=shared[6],
         facts=facts,
-        values=tuple([(types.get(one.part, ""), one.capability, one.value.plain()) for one in device.states]),
+        values=_values_of(device, types) if device.states else (),
         main_type=main.service_type if main is not None else device.service_type,
         is_guessed=main.guessed if main is not None else False,
         is_disputed=bool(device.conflicts),
     )
+
+
+def _values_of(device: Device, types: Mapping[str, str]) -> tuple[tuple[str, str, PlainValue], ...]:
+    return tuple([(types.get(one.part, ""), one.capability, one.value.plain()) for one in device.states])
 
 
 _FEW = 8

@@ -36,7 +36,10 @@ def fold(text: str) -> str:
 @lru_cache(maxsize=4096)
 def words_of(text: str) -> tuple[str, ...]:
     """Return the words of *text*, folded, each once, in order."""
-    return tuple(dict.fromkeys([word[:MAX_WORD] for word in _WORD.findall(fold(text))]))
+    words = _WORD.findall(fold(text))
+    if max(map(len, words), default=0) > MAX_WORD:
+        words = [word[:MAX_WORD] for word in words]
+    return tuple(dict.fromkeys(words))
 
 
 def may_be_typo(word: str) -> bool:

@@ -7,6 +7,9 @@ other identifier is, unless it is a word that many devices have, or comes with d
 A device that has a topic for itself is also known by that, and so is one that speaks and listens nowhere but below a
 topic that ends with an identifier of its: it is ``BigSlowDog`` to Home Assistant and ``valetudo/BigSlowDog`` to Homie.
 
+What the owner decided outranks all of this: an identifier may be no evidence, and announcements may have one that the
+owner gave them.
+
 Where it does not matter who came first, it does not: the same announcements in any order are the same devices.
 """
 
@@ -18,6 +21,7 @@ from itertools import combinations
 from typing import TypeAlias, final
 
 from homebot.devices import Sighting
+from homebot.discovery.merging.decisions import OWNER, MergeDecisions
 from homebot.discovery.source_record import SourceKey
 
 __all__ = ["MAX_HOLDERS", "MAX_IDENTIFIERS", "IdentityGraph", "is_generic"]
@@ -71,7 +75,7 @@ class Identity:
     @property
     def hardware(self) -> frozenset[str]:
         """The hardware addresses among its identifiers."""
-        return frozenset(one for one in self.identifiers if not one.startswith("id:"))
+        return frozenset(one for one in self.identifiers if one.startswith(_HARDWARE))
 
     @property
     def others(self) -> frozenset[str]:
@@ -83,12 +87,16 @@ class Identity:
 class IdentityGraph:
     """Keeps who shares which identifiers.
 
+    Args:
+        decisions: What the owner decided.
+
     Attributes:
         cut: Announcements of whose identifiers some were left out.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, decisions: MergeDecisions) -> None:
         self.cut = 0
+        self._decisions = decisions
         self._identities: dict[SourceKey, Identity] = {}
         self._known: dict[_IdentityKey, Identity] = {}
         self._sources: dict[Identity, dict[SourceKey, None]] = {}
@@ -150,6 +158,11 @@ class IdentityGraph:
                 reached |= self._connected(self._holders[identifier])
         return frozenset(source for one in reached for source in self._sources[one])
 
+    def forget_links(self, identifiers: Iterable[str]) -> None:
+        """Forget whether *identifiers* connect those that share them: the owner decided on them."""
+        for identifier in identifiers:
+            self._links.pop(identifier, None)
+
     def groups(self, keys: Iterable[SourceKey]) -> tuple[frozenset[SourceKey], ...]:
         """Return the devices that the announcements *keys* are about, each as the set of all its announcements."""
         found: list[frozenset[SourceKey]] = []
@@ -170,7 +183,7 @@ class IdentityGraph:
         if len(identities) < _PAIR:
             return
         for identifier in dict.fromkeys(one for identity in identities for one in identity.identifiers):
-            if not _PAIR <= len(self._holders[identifier]) <= MAX_HOLDERS or not self._is_link(identifier):
+            if len(self._holders[identifier]) < _PAIR or not self._is_link(identifier):
                 continue
             holders = sorted(
                 (one for one in self._holders[identifier] if one in identities), key=identities.__getitem__
@@ -186,6 +199,8 @@ class IdentityGraph:
         is_own = sighting.whole_device or not _are_specific(found)
         if place := _own_topic(sighting):
             found = tuple(dict.fromkeys((*found, f"id:{place}")))
+        if given := self._decisions.identifiers(key):
+            found = (*found, *given)
         identity_key = (key[0], sighting.convention, found, key[1] if is_own else "")
         identity = self._known.get(identity_key)
         if identity is None:
@@ -216,14 +231,18 @@ class IdentityGraph:
     def _is_link(self, identifier: str) -> bool:
         known = self._links.get(identifier)
         if known is None:
-            known = self._links[identifier] = _is_specific(identifier, self._holders[identifier])
+            known = identifier not in self._decisions.ignored and _is_specific(identifier, self._holders[identifier])
+            self._links[identifier] = known
         return known
 
 
 _PAIR = 2
+_HARDWARE = ("mac:", "eui64:")
 
 
 def _is_specific(identifier: str, holders: dict[Identity, None]) -> bool:
+    if identifier.startswith(OWNER):
+        return True
     if len(holders) > MAX_HOLDERS:
         return False
     if identifier.startswith("eui64:"):
@@ -254,9 +273,11 @@ def _own_topic(sighting: Sighting) -> str:
     for identifier in sighting.identifiers:
         if not identifier.startswith("id:") or not _is_specific_word(identifier):
             continue
-        topics = topics or [topic for part in sighting.parts for topic in (*part.reads, *part.writes)]
         if not topics:
-            return ""
+            for part in sighting.parts:
+                topics += part.reads + part.writes
+            if not topics:
+                return ""
         name = identifier[len("id:") :]
         before, level, _ = topics[0].partition(f"/{name}/")
         if level and all(topic.startswith(f"{before}{level}") for topic in topics):

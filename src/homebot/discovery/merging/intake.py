@@ -48,8 +48,8 @@ class SightingIntake:
     def add(self, key: SourceKey, sighting: Sighting) -> None:
         """Take in an announcement that is not known yet; it may be rejected, which is counted."""
         table, merger, now = self._table, self._merger, self._liveness.now
-        stone = table.tombstones.find(key, ())
-        if stone is not None and stone.retained_only and not sighting.confirmed:
+        tombstone = table.tombstones.find(key, ())
+        if tombstone is not None and tombstone.retained_only and not sighting.confirmed:
             table.counters.retained_only += 1
             self._pending.remember_forgotten(key, sighting)
             return

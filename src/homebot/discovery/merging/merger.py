@@ -11,12 +11,14 @@ from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone, new_id
 from homebot.discovery.liveness import Liveness
+from homebot.discovery.merging.decisions import OWNER, MergeDecisions
 from homebot.discovery.merging.identity import IdentityGraph
 from homebot.discovery.merging.parts import NO_IDS
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.states import is_denied
 from homebot.discovery.topics.use import topic_use
+from homebot.errors import RefusedError
 from homebot.messages import Time
 
 __all__ = ["DeviceMerger", "Regrouped", "regroup"]
@@ -35,13 +37,15 @@ class DeviceMerger:
         pending: Where the announcements of devices that were forgotten are kept.
 
     Attributes:
+        decisions: What the owner decided on that.
         identities: Which announcements are about one device.
     """
 
-    __slots__ = ("_liveness", "_pending", "_table", "identities")
+    __slots__ = ("_liveness", "_pending", "_table", "decisions", "identities")
 
     def __init__(self, table: DeviceTable, liveness: Liveness, pending: PendingReports) -> None:
-        self.identities = IdentityGraph()
+        self.decisions = MergeDecisions()
+        self.identities = IdentityGraph(self.decisions)
         self._table = table
         self._liveness = liveness
         self._pending = pending
@@ -54,12 +58,12 @@ class DeviceMerger:
             why: The reason to give.
         """
         table = self._table
-        stone = self._tombstone(sources)
-        if stone is not None:
-            table.tombstones.take(stone.id)
-        is_back = stone is not None and stone.id not in table.entries
-        if stone is not None and is_back:
-            device_id = stone.id
+        tombstone = self._tombstone(sources)
+        if tombstone is not None:
+            table.tombstones.take(tombstone.id)
+        is_back = tombstone is not None and tombstone.id not in table.entries
+        if tombstone is not None and is_back:
+            device_id = tombstone.id
         else:
             device_id = new_id(next(iter(sources.values())).sighting, table.entries, table.tombstones)
         entry = Entry(device_id, _first_seen(sources), "unconfirmed", sources, known_ids=NO_IDS)
@@ -116,7 +120,7 @@ class DeviceMerger:
         """
         table = self._table
         table.changes.note_removed(entry, why)
-        stone = Tombstone(entry.id, tuple(entry.sources), entry.hardware(), retained_only, at)
+        tombstone = Tombstone(entry.id, tuple(entry.sources), entry.hardware(), retained_only, at)
         self._drop(entry)
         affected: set[SourceKey] = set()
         for key, source in entry.sources.items():
@@ -125,7 +129,7 @@ class DeviceMerger:
             affected |= self.identities.discard(key)
             del table.sources[key], table.owners[key]
             self._refresh_conflicts(table.topics.discard(key))
-        forgotten = table.tombstones.put(stone)
+        forgotten = table.tombstones.put(tombstone)
         if forgotten is not None:
             table.unsaved.add(forgotten.id)
         if affected := affected - entry.sources.keys():
@@ -150,12 +154,57 @@ class DeviceMerger:
             else:
                 self._split(group, why)
 
+    def split(self, entry: Entry, key: SourceKey | None) -> tuple[Entry, ...]:
+        """Make several devices of *entry*, because the owner says so; return them, *entry* first.
+
+        Args:
+            entry: The device.
+            key: The announcement that is not about it, with those that say the same of who the device is; None for each
+                of them to be a device of its own.
+
+        Raises:
+            RefusedError: Its announcements all say the same of who the device is, or there are too many decisions.
+        """
+        keys = tuple(entry.sources)
+        shared = [identifier for identifier, _ in self.identities.shared(keys)]
+        if not shared:
+            raise RefusedError(f"a split of {entry.id}", "nothing was merged into it")
+        eldest = {one: self.identities.same_identity(one) or one for one in keys}
+        rest = sorted({elder for elder in eldest.values() if key is not None and elder != eldest[key]})
+        self.decisions.split(shared, self.decisions.merged_with(keys))
+        if len(rest) > 1:
+            self.decisions.merge(rest)
+        self._decide(keys, shared, "the owner split it")
+        return tuple(dict.fromkeys((entry, *(self._table.owners[one] for one in keys))))
+
+    def merge(self, entries: Iterable[Entry]) -> Entry:
+        """Make *entries* one device, because the owner says so; return it.
+
+        Raises:
+            RefusedError: There are too many decisions.
+        """
+        keys = tuple(next(iter(entry.sources)) for entry in entries)
+        self.decisions.merge(keys)
+        self._decide(keys, (), "the owner merged them")
+        return self._table.owners[keys[0]]
+
+    def _decide(self, keys: Iterable[SourceKey], identifiers: Iterable[str], why: str) -> None:
+        """Make the devices those that announcements *keys* are about, after a decision on them and *identifiers*."""
+        self.identities.forget_links(identifiers)
+        affected = set(keys)
+        for key in keys:
+            affected |= self.identities.put(key, self._table.sources[key].sighting)
+        self.regroup(affected, why)
+
     def describe(self, entry: Entry, new: SourceRecord | None = None) -> None:
         """Bring up to date what follows from the announcements of *entry*: all changed, or *new* was added."""
         table = self._table
         entry.invalidate_description()
         sources = tuple(entry.sources.values()) if new is None else (new,)
         if new is None:
+            entry.is_shared = len(sources) > 1 and len(entry.gateways()) > 1
+            if entry.stale_gateways:
+                entry.stale_gateways &= entry.gateways()
             entry.evidence = tuple(self._evidence(entry)) if len(sources) > 1 else ()
             silence = 0.0
             for source in sources:
@@ -164,6 +213,7 @@ class DeviceMerger:
             entry.is_denied = is_denied(sources)
         else:
             entry.silence_allowed = max(entry.silence_allowed, new.lasts)
+            entry.is_shared = entry.is_shared or new.key[0] != next(iter(entry.sources))[0]
         concerned: set[str] = set()
         for source in sources:
             concerned |= table.topics.put(topic_use(source, entry.id))
@@ -184,8 +234,8 @@ class DeviceMerger:
 
     def _tombstone(self, sources: dict[SourceKey, SourceRecord]) -> Tombstone | None:
         for key, source in sources.items():
-            if (stone := self._table.tombstones.find(key, source.sighting.identifiers)) is not None:
-                return stone
+            if (tombstone := self._table.tombstones.find(key, source.sighting.identifiers)) is not None:
+                return tombstone
         return None
 
     def _drop(self, entry: Entry) -> None:
@@ -207,6 +257,9 @@ class DeviceMerger:
         new = sources.keys() - entry.sources.keys()
         if not new and len(sources) == len(entry.sources):
             return
+        before_merged = (entry, *group.gone)
+        heard = frozenset[str]().union(*(one.gateways() - one.silent_gateways() for one in before_merged))
+        silent = frozenset[str]().union(*(one.silent_gateways() for one in before_merged)) - heard
         for other in group.gone:
             table.changes.note_removed(other, f"it is the same device as {entry.id}", entry.id)
             self._drop(other)
@@ -215,7 +268,7 @@ class DeviceMerger:
                 entry.deadline, entry.expires = other.deadline, other.expires
             if other.freshness == "fresh" or entry.freshness == "stale":
                 entry.freshness = other.freshness
-        entry.sources = sources
+        entry.sources, entry.stale_gateways = sources, silent
         table.owners.update(dict.fromkeys(sources, entry))
         before = entry.evidence
         self.describe(entry)
@@ -231,7 +284,10 @@ class DeviceMerger:
         for number, (identifier, keys) in enumerate(self.identities.shared(entry.sources)):
             if number >= _MAX_EVIDENCE:
                 return
-            yield f"same {identifier} in {' and '.join(sources[key].label for key in keys)}"
+            labels = " and ".join(
+                f"{sources[key].label} on {key[0]}" if entry.is_shared else sources[key].label for key in keys
+            )
+            yield f"the owner merged {labels}" if identifier.startswith(OWNER) else f"same {identifier} in {labels}"
 
     def _refresh_conflicts(self, concerned: Iterable[str]) -> None:
         """Look again at devices that share a topic with one that came or went."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
+from operator import attrgetter
 from types import MappingProxyType
 from typing import TypeAlias
 
@@ -67,7 +68,7 @@ _Occurrence: TypeAlias = tuple[SourceRecord, Part, _SourcePart]
 
 @dataclass(slots=True)
 class _Merged:
-    """A part in the making, the so-manieth; *ways* are those that nobody disputes, the preferred ones first.
+    """A part in the making; *number* is its index, and *ways* are those that nobody disputes, the preferred ones first.
 
     What the part is does not depend on which came first, so the ways decide on that in the order of their origins.
     """
@@ -163,7 +164,7 @@ def part_ids(parts: Sequence[Named], known: PartIds) -> tuple[str, ...]:
     A part has the id that it had, by its oldest announcement; a new one what its best announcement calls it. Of two
     that were one, the one that is called so has the id.
     """
-    held = _held(parts, known) if known else {}
+    held = _claimed_ids(parts, known) if known else {}
     taken = set(held.values())
     found = []
     for number, part in enumerate(parts):
@@ -224,6 +225,9 @@ def _settable_by(part: Part, whole: Part) -> tuple[str, ...]:
     return EVERYTHING if names == _settable(whole) else tuple(names)
 
 
+_ID = attrgetter("id")
+
+
 def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) -> MergedParts:
     """Return the parts of the usual device, of one announcement: nothing is to be matched."""
     conflicts: list[str] = []
@@ -231,7 +235,7 @@ def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) 
     parts = source.sighting.parts[:MAX_PARTS]
     gateway, key = source.key
     convention = source.sighting.convention
-    ids: Sequence[str] = [part.id for part in parts]
+    ids: Sequence[str] = tuple(map(_ID, parts))
     if known or len(set(ids)) < len(ids):
         label = source.label
         ids = part_ids([Named(part, label, [(source.number, (gateway, key, part))]) for part in ids], known)
@@ -346,13 +350,13 @@ def _joined(best: Capability, other: Capability) -> Capability:
     return shown.model_copy(update={"readable": readable, "settable": settable, "options": options})
 
 
-def _held(parts: Sequence[Named], known: PartIds) -> dict[int, str]:
-    bids: dict[str, tuple[bool, int, int]] = {}
+def _claimed_ids(parts: Sequence[Named], known: PartIds) -> dict[int, str]:
+    claims: dict[str, tuple[bool, int, int]] = {}
     for number, part in enumerate(parts):
         had = min(((age, known[place]) for age, place in part.places if place in known), default=None)
         if had is not None:
             age, part_id = had
-            is_called_so = any(place[2] == part_id for _, place in part.places)
-            bid = (not is_called_so, age, number)
-            bids[part_id] = min(bid, bids.get(part_id, bid))
-    return {number: part_id for part_id, (_, _, number) in bids.items()}
+            has_same_id = any(place[2] == part_id for _, place in part.places)
+            claim = (not has_same_id, age, number)
+            claims[part_id] = min(claim, claims.get(part_id, claim))
+    return {number: part_id for part_id, (_, _, number) in claims.items()}

@@ -279,7 +279,8 @@ def _keys(facets: Facets) -> list[_Key]:
         keys.append(("area", facets.area))
     if facets.possible_types:
         keys.append(("sense", facets.possible_types))
-    keys += [(f"kind {service_type}", tag) for service_type, tag in facets.kinds]
+    for service_type, tag in facets.kinds:
+        keys.append((f"kind {service_type}", tag))
     keys += zip(repeat("advertised"), facets.advertised)
     keys += zip(repeat("can"), facets.capabilities)
     keys += zip(repeat("set"), facets.settable)

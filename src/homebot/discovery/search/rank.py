@@ -28,7 +28,7 @@ def rank(query: Query, found: Iterable[str], postings: Postings) -> list[Ranked]
     scored = []
     for one in found:
         facets = postings.facets(one)
-        score = _standing(facets)
+        score = _status_score(facets)
         for scorer in scorers:
             score += scorer(facets)
         scored.append((-score, one))
@@ -46,7 +46,7 @@ def reasons(query: Query, device_id: str, postings: Postings) -> tuple[str, ...]
             score, why = (1.0, f"{term.capability} is {_shown(value)}") if value is not None else (0.0, "")
         if why:
             found.append((score, why))
-    found += [one for one in _standings(facets) if one[1]]
+    found += [one for one in _status_scores(facets) if one[1]]
     return tuple(dict.fromkeys(why for _, why in sorted(found, key=lambda one: -abs(one[0]))))
 
 
@@ -126,14 +126,14 @@ _is_near = lru_cache(maxsize=4096)(is_typo)
 """The words of a house are few, and many devices share them."""
 
 
-def _standing(facets: Facets) -> float:
+def _status_score(facets: Facets) -> float:
     score = _FRESHNESS.get(facets.freshness, _STALE)[0]
     if facets.reachable == "no":
         score += _OFFLINE[0]
     return score + _GUESSED[0] if facets.is_guessed else score
 
 
-def _standings(facets: Facets) -> Iterator[tuple[float, str]]:
+def _status_scores(facets: Facets) -> Iterator[tuple[float, str]]:
     yield _FRESHNESS.get(facets.freshness, _STALE)
     if facets.reachable == "no":
         yield _OFFLINE

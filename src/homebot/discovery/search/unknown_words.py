@@ -10,14 +10,14 @@ from collections.abc import Iterable, Iterator
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query import And, FactIs, GatewayIs, HasText, InArea, Not, Or, Query, TypeIs
 from homebot.devices.query.folding import is_typo
-from homebot.devices.query.vocabulary import ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, TYPE_WORDS
+from homebot.devices.query.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, TYPE_WORDS
 from homebot.discovery.search.postings import Postings
 from homebot.similar import did_you_mean
 
 __all__ = ["unknown_word"]
 
 _SHOWN = 12
-_WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ADJECTIVES, *CONDITIONS})
+_WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ABILITIES, *ADJECTIVES, *CONDITIONS})
 
 
 def unknown_word(query: Query, postings: Postings) -> str:

@@ -174,12 +174,16 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
     sighting = source.sighting
     parts = sighting.parts
     if len(parts) == 1:
-        writes, reads = _once(parts[0].writes), _once(parts[0].reads)
+        writes, reads = parts[0].writes, parts[0].reads  # the same objects take no memory
     else:
-        writes = tuple(dict.fromkeys([topic for part in parts for topic in part.writes]))
-        reads = tuple(dict.fromkeys([topic for part in parts for topic in part.reads]))
+        writes = tuple([topic for part in parts for topic in part.writes])
+        reads = tuple([topic for part in parts for topic in part.reads])
     if sighting.command_address and sighting.is_plain_text:
-        writes = _once((*writes, sighting.command_address))
+        writes = (*writes, sighting.command_address)
+    if len(writes) > 1:
+        writes = tuple(dict.fromkeys(writes))
+    if len(reads) > 1:
+        reads = tuple(dict.fromkeys(reads))
     bridge = ""
     for fact in sighting.metadata:
         if fact.key == "via_device":
@@ -197,8 +201,3 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
         not sighting.identifiers,
         sighting.native,
     )
-
-
-def _once(topics: tuple[str, ...]) -> tuple[str, ...]:
-    # The same object takes no memory.
-    return topics if len(topics) < 2 else tuple(dict.fromkeys(topics))

@@ -1,0 +1,170 @@
+"""Tags and codes that point to devices: what a gateway of tags says of them, and what can be asked of it."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal, TypeAlias
+
+from pydantic import Field
+
+from homebot.devices.device import KeyValue
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.message import Message, ServiceType
+
+__all__ = ["ReadTag", "ScanCode", "TagProblem", "TagTap", "WriteTag"]
+
+TagProblem: TypeAlias = Literal[
+    "",
+    "busy",
+    "lost",
+    "no_device",
+    "no_reader",
+    "no_tag",
+    "not_a_tag",
+    "protected",
+    "refused",
+    "too_small",
+    "unreadable",
+]
+"""The reason why a tag was not read or written; empty where it was."""
+
+_Wait: TypeAlias = Annotated[float, Field(ge=0, le=600)]
+_MAX_CODE = 8192
+
+
+class TagTap(Message):
+    """A tag that was held to a reader: it happened once.
+
+    Attributes:
+        tag: Its number in hexadecimal digits, which is its key in the gateway.
+        reader: The reader.
+        points_to: What it says of the device, in words.
+        device: The id of the device that it points to; empty where there is none, or are several.
+        candidates: The ids of all devices that it may mean.
+        area: The room that the tag is in, as the settings or the tag itself say; empty for unknown.
+        tapped_at: When.
+    """
+
+    key_field: ClassVar[str | None] = "tag"
+
+    tag: str
+    reader: str
+    points_to: str = ""
+    device: str = ""
+    candidates: tuple[str, ...] = ()
+    area: str = ""
+    tapped_at: Time
+
+
+class ScanCodeRequest(Message):
+    """A question for the device that a code points to.
+
+    Attributes:
+        text: The text of the code, as a camera or a scanner reads it.
+        ndef: An NDEF message instead, as another reader of tags reads it.
+    """
+
+    text: Annotated[str, Field(max_length=_MAX_CODE)] = ""
+    ndef: Annotated[bytes, Field(max_length=_MAX_CODE)] = b""
+
+
+class ScanCodeResponse(Message):
+    """The device that a code points to.
+
+    Attributes:
+        success: Whether the code was understood, known device or not.
+        message: What it is, in words, or why it was not understood.
+        kind: What kind of code it is: ``homebot``, ``thing``, ``matter``, ``homekit``, ``mqtt``, ``url`` or ``text``.
+        device: The id of the device; empty where there is none, or are several.
+        candidates: The ids of all devices that it may mean.
+        area: The room that it names; empty for none.
+        facts: What else it says; no secrets.
+    """
+
+    success: bool
+    message: str = ""
+    kind: str = ""
+    device: str = ""
+    candidates: tuple[str, ...] = ()
+    area: str = ""
+    facts: tuple[KeyValue, ...] = ()
+
+
+class ReadTagRequest(Message):
+    """A question for the tag that is at a reader, or is held to it next.
+
+    Attributes:
+        reader: The reader; empty for any.
+        wait: Seconds to wait for a tag.
+    """
+
+    reader: str = ""
+    wait: _Wait = 30.0
+
+
+class ReadTagResponse(Message):
+    """The tag.
+
+    Attributes:
+        success: Whether one was read.
+        message: Why not, or what it says, in words.
+        problem: Why not.
+        tag: Its number in hexadecimal digits.
+        reader: The reader.
+        tag_type: What kind of tag it is.
+        ndef: The NDEF message on it.
+        device: The id of the device that it points to; empty where there is none, or are several.
+        candidates: The ids of all devices that it may mean.
+        area: The room that it is in; empty for unknown.
+    """
+
+    success: bool
+    message: str = ""
+    problem: TagProblem = ""
+    tag: str = ""
+    reader: str = ""
+    tag_type: str = ""
+    ndef: bytes = b""
+    device: str = ""
+    candidates: tuple[str, ...] = ()
+    area: str = ""
+
+
+class WriteTagRequest(Message):
+    """Let the tag that is at a reader, or is held to it next, point to a device; what was on it is overwritten.
+
+    Attributes:
+        device: The id or the name of the device.
+        area: The room that the tag is in, which is written too; empty for none.
+        reader: The reader; empty for any.
+        wait: Seconds to wait for a tag.
+    """
+
+    device: str
+    area: Annotated[str, Field(max_length=100)] = ""
+    reader: str = ""
+    wait: _Wait = 30.0
+
+
+class WriteTagResponse(Message):
+    """The result of writing a tag, which was read again and compared.
+
+    Attributes:
+        success: Whether it was written.
+        message: Why not, as text.
+        problem: Why not.
+        tag: Its number in hexadecimal digits.
+        reader: The reader.
+        device: The id of the device that it points to now.
+    """
+
+    success: bool
+    message: str = ""
+    problem: TagProblem = ""
+    tag: str = ""
+    reader: str = ""
+    device: str = ""
+
+
+ScanCode = ServiceType("homebot/srv/ScanCode", ScanCodeRequest, ScanCodeResponse)
+ReadTag = ServiceType("homebot/srv/ReadTag", ReadTagRequest, ReadTagResponse)
+WriteTag = ServiceType("homebot/srv/WriteTag", WriteTagRequest, WriteTagResponse)

@@ -1,0 +1,126 @@
+"""Endpoints of a device: one for each gateway that knows it, each as fresh as what is heard there. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TypeAlias
+
+from homebot.devices import DevicePart, Endpoint, Freshness, Route
+from homebot.devices.names import text_address
+from homebot.devices.text.commands import accepts_text
+from homebot.discovery.reachability import reachability
+from homebot.discovery.source_record import SourceKey, SourceRecord
+from homebot.messages import Time
+
+__all__ = ["Addresses", "addresses", "endpoint_reach", "endpoints", "last_seen", "sorted_routes"]
+
+Addresses: TypeAlias = tuple[SourceKey, str, str]
+"""The announcement that counts at one gateway, where the device publishes there, and where it takes texts."""
+
+
+def addresses(sources: Sequence[SourceRecord], main: DevicePart | None) -> tuple[Addresses, ...]:
+    """Return those of each gateway: two conventions at one gateway publish everything twice.
+
+    Args:
+        sources: The announcements, the preferred ones first.
+        main: The part that the device is there for; None where nobody knows its parts.
+    """
+    found: dict[str, Addresses] = {}
+    if main is not None:
+        sightings = {source.key: source.sighting for source in sources}
+        accepts = accepts_text(main.part)
+        for route in main.routes:
+            if route.gateway in found:
+                continue
+            sighting = sightings[route.gateway, route.key]
+            if sighting.is_plain_text:
+                address, command_address = sighting.address, sighting.command_address
+            else:
+                address = text_address(route.key, route.part)
+                command_address = address if accepts and route.takes else _command_address(main, route.gateway)
+            found[route.gateway] = (route.gateway, route.key), address, command_address
+    for source in sources:
+        sighting = source.sighting
+        if sighting.gateway not in found:
+            command_address = "" if main is not None else sighting.command_address
+            found[sighting.gateway] = source.key, sighting.address, command_address
+    return tuple(found.values())
+
+
+def endpoints(
+    described: Iterable[Addresses],
+    sources: Mapping[SourceKey, SourceRecord],
+    freshness: Freshness,
+    stale_gateways: frozenset[str],
+) -> tuple[Endpoint, ...]:
+    """Return the endpoints as they are now; those that are offline or stale come last.
+
+    Args:
+        described: Their addresses.
+        sources: The announcements of the device.
+        freshness: Of the device.
+        stale_gateways: The gateways at which it was silent for too long.
+    """
+    found: list[Endpoint] = []
+    for (gateway, key), address, command_address in described:
+        heard = [source for source in sources.values() if source.key[0] == gateway]
+        found.append(
+            Endpoint.of_checked(
+                gateway=gateway,
+                key=key,
+                address=address,
+                command_address=command_address,
+                freshness=_freshness(heard, freshness, is_stale=gateway in stale_gateways),
+                last_seen=last_seen(heard),
+                reachable=reachability(heard).state,
+            )
+        )
+    if len(found) > 1:
+        found.sort(key=lambda one: (one.reachable == "no", one.freshness == "stale"))
+    return tuple(found)
+
+
+def endpoint_reach(sources: Mapping[SourceKey, SourceRecord]) -> tuple[str, ...]:
+    """Return whether the device can be reached at each of its gateways."""
+    gateways = dict.fromkeys(gateway for gateway, _ in sources)
+    return tuple(
+        reachability([source for source in sources.values() if source.key[0] == gateway]).state for gateway in gateways
+    )
+
+
+def sorted_routes(
+    parts: tuple[DevicePart, ...], sources: Mapping[SourceKey, SourceRecord], stale_gateways: frozenset[str]
+) -> tuple[DevicePart, ...]:
+    """Return *parts* with the routes by which nothing can be reached, and stale ones, last."""
+
+    def order(route: Route) -> tuple[bool, bool]:
+        reach = sources[route.gateway, route.key].reach_of(route.part)
+        return reach is not None and reach.value is False, route.gateway in stale_gateways
+
+    found = []
+    for part in parts:
+        routes = tuple(sorted(part.routes, key=order)) if len(part.routes) > 1 else part.routes
+        is_same = routes == part.routes
+        found.append(part if is_same else DevicePart.of_checked(id=part.id, part=part.part, routes=routes))
+    return tuple(found)
+
+
+def last_seen(sources: Iterable[SourceRecord]) -> Time:
+    """Return when a device was last heard of in *sources*: when it spoke, or else was announced."""
+    known = tuple(sources)
+    if len(known) == 1:
+        return known[0].seen_at
+    confirmed = [source for source in known if source.confirmed]
+    return max(confirmed or known, key=lambda one: (one.heard_at, one.seen_at.sec, one.seen_at.nanosec)).seen_at
+
+
+def _freshness(sources: Iterable[SourceRecord], device: Freshness, *, is_stale: bool) -> Freshness:
+    if is_stale or device == "stale":
+        return "stale"
+    return "fresh" if device == "fresh" and any(source.confirmed for source in sources) else "unconfirmed"
+
+
+def _command_address(part: DevicePart, gateway: str) -> str:
+    """Return where *part* takes text: by the first of the gateway's routes that takes any."""
+    ways = (one for one in part.routes if one.gateway == gateway and one.takes) if accepts_text(part.part) else ()
+    return next((text_address(one.key, one.part) for one in ways), "")

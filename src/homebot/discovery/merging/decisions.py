@@ -1,0 +1,103 @@
+"""Decisions of the owner on which announcements are one device; they outrank the evidence. Pure."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from typing import final
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from homebot.discovery.source_record import SourceKey
+from homebot.errors import RefusedError, WireError
+
+__all__ = ["MAX_DECISIONS", "OWNER", "MergeDecisions"]
+
+OWNER = "owner:"
+"""What an identifier begins with that the owner gave."""
+
+MAX_DECISIONS = 10_000
+"""Identifiers that are no evidence, and announcements that were merged by hand; further ones are refused."""
+
+
+class _Record(BaseModel):
+    model_config = ConfigDict(extra="ignore", defer_build=True)
+
+    ignored: tuple[str, ...] = ()
+    merged: tuple[tuple[str, str, str], ...] = ()
+
+
+@final
+class MergeDecisions:
+    """Keeps which identifiers are no evidence, and which announcements are one device because the owner says so.
+
+    Attributes:
+        ignored: Identifiers that connect nothing.
+        is_unsaved: Whether something was decided that is not in the index file.
+    """
+
+    def __init__(self) -> None:
+        self.ignored: set[str] = set()
+        self.is_unsaved = False
+        self._merged: dict[SourceKey, str] = {}
+
+    def identifiers(self, key: SourceKey) -> tuple[str, ...]:
+        """Return the identifiers that the owner gave to the announcement *key*."""
+        given = self._merged.get(key)
+        return () if given is None else (given,)
+
+    def split(self, identifiers: Iterable[str], keys: Iterable[SourceKey]) -> None:
+        """Decide that *identifiers* are no evidence, and that *keys* were not to be merged.
+
+        Raises:
+            RefusedError: There are too many decisions.
+        """
+        ignored = {one for one in identifiers if not one.startswith(OWNER)} | self.ignored
+        self._check("a split", len(ignored))
+        self.ignored = ignored
+        for key in keys:
+            self._merged.pop(key, None)
+        self.is_unsaved = True
+
+    def merge(self, keys: Iterable[SourceKey]) -> None:
+        """Decide that the devices that announcements *keys* are about are one.
+
+        Raises:
+            RefusedError: There are too many decisions.
+        """
+        announcements = tuple(keys)
+        self._check("a merge", len(self._merged) + len(announcements))
+        known = {given for key in announcements if (given := self._merged.get(key)) is not None}
+        name = min(known) if known else f"{OWNER}{'/'.join(min(announcements))}"
+        for key, given in self._merged.items():
+            if given in known:
+                self._merged[key] = name
+        self._merged.update(dict.fromkeys(announcements, name))
+        self.is_unsaved = True
+
+    def merged_with(self, keys: Iterable[SourceKey]) -> tuple[SourceKey, ...]:
+        """Return the announcements that were merged by hand with one of *keys*, those included."""
+        given = {self._merged[key] for key in keys if key in self._merged}
+        return tuple(key for key, name in self._merged.items() if name in given)
+
+    def record(self) -> str:
+        """Return them as text, for the index file."""
+        merged = [[*key, name] for key, name in sorted(self._merged.items())]
+        return json.dumps({"ignored": sorted(self.ignored), "merged": merged})
+
+    def restore(self, record: str) -> None:
+        """Take over what :meth:`record` returned.
+
+        Raises:
+            WireError: It is no such text.
+        """
+        try:
+            read = _Record.model_validate_json(record)
+        except ValidationError as exc:
+            raise WireError(f"no decisions: {exc.errors()[0]['msg']}", record[:100].encode(errors="replace")) from exc
+        self.ignored = set(read.ignored[:MAX_DECISIONS])
+        self._merged = {(gateway, key): name for gateway, key, name in read.merged[:MAX_DECISIONS]}
+
+    def _check(self, what: str, count: int) -> None:
+        if count > MAX_DECISIONS:
+            raise RefusedError(what, f"there are {MAX_DECISIONS:,} decisions already; undo some")

@@ -1,0 +1,30 @@
+"""A value of a capability as a message."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from homebot.devices.value import PlainValue, Value
+
+
+@pytest.mark.parametrize("plain", [None, True, False, 1.0, 0.0, -0.5, 1e300, math.inf, "on", "", (1.0, 2.0), ()])
+def test_a_value_comes_back_as_it_was(plain: PlainValue) -> None:
+    """The type as well: 1.0 is no true."""
+    back = Value.of(plain).plain()
+    assert (back, type(back)) == (plain, type(plain))
+
+
+def test_a_number_is_always_a_float() -> None:
+    assert type(Value.of(1).plain()) is float
+
+
+def test_there_is_no_negative_zero() -> None:
+    """It equals zero and would be shown as -0."""
+    assert math.copysign(1.0, Value.of(-0.0).number) == 1.0
+    assert Value.of(-0.0) is Value.of(0.0)
+
+
+def test_a_number_that_is_none_stays_one() -> None:
+    assert math.isnan(Value.of(math.nan).number)

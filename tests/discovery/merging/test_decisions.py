@@ -1,0 +1,151 @@
+"""The owner says which announcements are one device: that outranks the evidence, and is remembered."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import permutations
+
+import pytest
+
+from homebot.devices import Device, Sighting
+from homebot.devices.part import Part
+from homebot.discovery import DeviceIndex
+from homebot.discovery.merging import decisions
+from homebot.discovery.merging.decisions import MergeDecisions
+from homebot.errors import RefusedError, WireError
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+
+MAC = "mac:aabbccddeeff"
+SERIAL = "id:SN-4711-0815"
+
+
+@pytest.fixture
+def index() -> DeviceIndex:
+    return DeviceIndex(forget_after=1000.0)
+
+
+@pytest.fixture
+def announced(announce: Announce, part: MakePart) -> tuple[Sighting, ...]:
+    """One lamp over three gateways: two name its hardware address, two its serial number."""
+    lamp = part("light", "on_off", id="l")
+    return (
+        announce("a", lamp, ids=(MAC,), gateway="radio", name="Radio"),
+        announce("b", lamp, ids=(MAC, SERIAL), gateway="cable", name="Cable"),
+        announce("c", lamp, ids=(SERIAL,), gateway="web", name="Web"),
+    )
+
+
+def after(index: DeviceIndex, *sightings: Sighting) -> dict[str, list[str]]:
+    """Return the gateways of each device."""
+    for one in sightings:
+        index.observe(one, 0.0)
+    return gateways(index.devices())
+
+
+def gateways(devices: tuple[Device, ...]) -> dict[str, list[str]]:
+    return {device.id: sorted(one.gateway for one in device.endpoints) for device in devices}
+
+
+def test_a_device_that_is_split_is_one_for_each_that_it_was_said_to_be(
+    index: DeviceIndex, announced: tuple[Sighting, ...]
+) -> None:
+    assert after(index, *announced) == {"radio": ["cable", "radio", "web"]}
+    index.take_changes()
+    assert index.split("radio", None, 1.0) == ("radio", "cable", "web")
+    assert gateways(index.devices()) == {"radio": ["radio"], "cable": ["cable"], "web": ["web"]}
+    unmerged = {one.other for one in index.take_changes() if one.kind == "unmerged"}
+    assert unmerged <= {"cable", "web"}
+
+
+def test_one_announcement_is_split_off_and_the_others_stay_one(
+    index: DeviceIndex, announced: tuple[Sighting, ...]
+) -> None:
+    after(index, *announced)
+    index.split("radio", ("cable", "homeassistant:b"), 1.0)
+    assert sorted(gateways(index.devices()).values()) == [["cable"], ["radio", "web"]]
+
+
+@pytest.mark.parametrize("order", list(permutations(range(3))))
+def test_a_split_holds_in_whatever_order_they_are_announced_again(
+    order: tuple[int, ...], index: DeviceIndex, announced: tuple[Sighting, ...], announce: Announce
+) -> None:
+    after(index, *announced)
+    index.split("radio", None, 1.0)
+    for one in announced:
+        index.observe(one.model_copy(update={"kind": "removed"}), 2.0)
+    assert index.devices() == ()
+    found = after(index, *(announced[number] for number in order))
+    assert sorted(found.values()) == [["cable"], ["radio"], ["web"]]
+
+
+def test_what_was_split_can_be_merged_again_and_split_again(
+    index: DeviceIndex, announced: tuple[Sighting, ...]
+) -> None:
+    after(index, *announced)
+    index.split("radio", None, 1.0)
+    assert index.merge(("web", "radio"), 2.0) == "radio"
+    assert gateways(index.devices()) == {"radio": ["radio", "web"], "cable": ["cable"]}
+    index.split("radio", None, 3.0)
+    assert sorted(gateways(index.devices()).values()) == [["cable"], ["radio"], ["web"]]
+
+
+def test_devices_without_anything_in_common_are_merged_with_the_reason(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    after(index, announce("a", part("light", "on_off"), name="A"), announce("b", part("light", "on_off"), name="B"))
+    index.take_changes()
+    index.merge(("homeassistant:a", "homeassistant:b") if index.get("homeassistant:a") else ("a", "b"), 1.0)
+    (device,) = index.devices()
+    assert device.evidence == ("the owner merged homeassistant:a and homeassistant:b",)
+
+
+def test_they_outlast_a_restart(index: DeviceIndex, announced: tuple[Sighting, ...]) -> None:
+    after(index, *announced)
+    index.split("radio", None, 1.0)
+    index.merge(("web", "radio"), 2.0)
+    restarted = DeviceIndex(forget_after=1000.0)
+    restarted.decisions.restore(index.decisions.record())
+    assert sorted(after(restarted, *announced).values()) == [["cable"], ["radio", "web"]]
+
+
+def test_a_device_of_one_announcement_cannot_be_split(index: DeviceIndex, announced: tuple[Sighting, ...]) -> None:
+    after(index, announced[0])
+    with pytest.raises(RefusedError, match="nothing was merged into it"):
+        index.split("radio", None, 1.0)
+
+
+def test_an_announcement_that_is_not_there_is_answered_with_those_that_are(
+    index: DeviceIndex, announced: tuple[Sighting, ...]
+) -> None:
+    after(index, *announced)
+    with pytest.raises(RefusedError, match="it has no announcement cable x; it has radio homeassistant:a, cable"):
+        index.split("radio", ("cable", "x"), 1.0)
+
+
+def test_a_merge_takes_two_devices_that_are_there(index: DeviceIndex, announced: tuple[Sighting, ...]) -> None:
+    after(index, *announced)
+    with pytest.raises(RefusedError, match="two different devices"):
+        index.merge(("radio", "radio"), 1.0)
+    with pytest.raises(RefusedError, match="a change of 'attic' was refused: there is no device of that id"):
+        index.merge(("radio", "attic"), 1.0)
+
+
+def test_too_many_are_refused_and_nothing_is_changed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(decisions, "MAX_DECISIONS", 2)
+    made = MergeDecisions()
+    made.merge([("a", "1"), ("a", "2")])
+    before = made.record()
+    with pytest.raises(RefusedError, match="there are 2 decisions already"):
+        made.merge([("a", "3"), ("a", "4")])
+    with pytest.raises(RefusedError):
+        made.split(["id:one", "id:two", "id:three"], [])
+    assert made.record() == before
+
+
+def test_a_damaged_record_is_no_decision() -> None:
+    made = MergeDecisions()
+    with pytest.raises(WireError):
+        made.restore('{"ignored": 5}')
+    assert made.record() == MergeDecisions().record()

@@ -1,0 +1,155 @@
+"""One device over several gateways: each way to reach it has its own freshness, and the best is used first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from homebot.devices import Device, Sighting
+from homebot.devices.gateway_messages import Report
+from homebot.devices.part import Part
+from homebot.discovery import DeviceIndex
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+Tell = Callable[..., Report]
+Hear = Callable[..., None]
+
+MAC = "mac:aabbccddeeff"
+HOUR = 3600.0
+
+
+@pytest.fixture
+def index() -> DeviceIndex:
+    return DeviceIndex(forget_after=1000.0)
+
+
+@pytest.fixture
+def announced(announce: Announce, part: MakePart) -> dict[str, Sighting]:
+    """One lamp as two gateways announce it: silent for at most an hour."""
+    lamp = part("light", "on_off", id="l")
+    return {one: announce("lamp", lamp, ids=(MAC,), gateway=one, confirmed=True) for one in ("radio", "cable")}
+
+
+@pytest.fixture
+def lamp(index: DeviceIndex, announced: dict[str, Sighting]) -> Device:
+    """That lamp, heard over both at 0 s."""
+    for sighting in announced.values():
+        index.observe(sighting, 0.0)
+    return only(index)
+
+
+@pytest.fixture
+def hear(index: DeviceIndex, announced: dict[str, Sighting], tell: Tell) -> Hear:
+    """Lets the lamp report over a gateway."""
+
+    def report(gateway: str, at: float, capability: str = "on_off", *, value: bool = True) -> None:
+        part = "l" if capability == "on_off" else ""
+        index.report(tell(announced[gateway], capability, value, part=part, at=at), at)
+
+    return report
+
+
+def only(index: DeviceIndex) -> Device:
+    (device,) = index.devices()
+    return device
+
+
+def life(device: Device) -> list[tuple[str, str, str]]:
+    return [(one.gateway, one.freshness, one.reachable) for one in device.endpoints]
+
+
+def routes(device: Device) -> list[str]:
+    (part,) = device.parts
+    return [route.gateway for route in part.routes]
+
+
+def test_it_is_one_device_with_an_endpoint_for_each_gateway(lamp: Device) -> None:
+    assert life(lamp) == [("radio", "fresh", "unknown"), ("cable", "fresh", "unknown")]
+    assert routes(lamp) == ["radio", "cable"]
+
+
+def test_a_gateway_at_which_it_is_silent_is_stale_and_used_last_while_the_device_is_fresh(
+    index: DeviceIndex, lamp: Device, hear: Hear
+) -> None:
+    index.take_changes()
+    hear("cable", 1000.0)
+    index.take_changes()
+    assert index.next_deadline() == HOUR
+    assert index.expire(HOUR) == 0, "the device is not stale"
+    (change,) = index.take_changes()
+    assert (change.kind, change.why) == ("changed", "it has been silent for too long over radio")
+    assert change.device.freshness == "fresh"
+    assert life(change.device) == [("cable", "fresh", "unknown"), ("radio", "stale", "unknown")]
+    assert routes(change.device) == ["cable", "radio"]
+
+
+def test_a_gateway_that_hears_it_again_is_fresh_and_in_its_old_place(
+    index: DeviceIndex, lamp: Device, hear: Hear
+) -> None:
+    hear("cable", 1000.0)
+    index.expire(HOUR)
+    index.take_changes()
+    hear("radio", 4000.0)
+    (change,) = index.take_changes()
+    assert change.why == "it reported again over radio"
+    assert life(change.device) == [("radio", "fresh", "unknown"), ("cable", "fresh", "unknown")]
+    assert routes(change.device) == ["radio", "cable"]
+
+
+def test_one_that_was_stale_everywhere_returns_over_the_gateway_that_hears_it(
+    index: DeviceIndex, lamp: Device, hear: Hear
+) -> None:
+    index.expire(HOUR)
+    assert life(only(index)) == [("radio", "stale", "unknown"), ("cable", "stale", "unknown")]
+    hear("cable", 3700.0)
+    assert only(index).freshness == "fresh"
+    assert life(only(index)) == [("cable", "fresh", "unknown"), ("radio", "stale", "unknown")]
+
+
+def test_the_route_that_says_that_it_cannot_be_reached_there_comes_last(
+    index: DeviceIndex, lamp: Device, hear: Hear
+) -> None:
+    index.take_changes()
+    hear("radio", 10.0, "reachable", value=False)
+    (change,) = index.take_changes()
+    assert life(change.device) == [("cable", "fresh", "unknown"), ("radio", "fresh", "no")]
+    assert routes(change.device) == ["cable", "radio"]
+    hear("radio", 11.0, "reachable", value=True)
+    (change,) = index.take_changes()
+    assert routes(change.device) == ["radio", "cable"]
+
+
+def test_a_gateway_without_a_part_of_it_is_an_endpoint_as_well(
+    index: DeviceIndex, lamp: Device, announce: Announce
+) -> None:
+    index.observe(announce("page", ids=(MAC,), gateway="web", confirmed=True), 1.0)
+    assert [one.gateway for one in only(index).endpoints] == ["radio", "cable", "web"]
+
+
+def test_a_gateway_that_loses_it_is_no_endpoint_any_more(index: DeviceIndex, lamp: Device, announce: Announce) -> None:
+    index.observe(announce("lamp", ids=(MAC,), gateway="radio", kind="removed", at=5.0), 5.0)
+    assert life(only(index)) == [("cable", "fresh", "unknown")]
+
+
+def test_a_device_of_one_gateway_is_as_fresh_there_as_everywhere(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    index.observe(announce("lamp", part("light", "on_off", id="l"), ids=(MAC,), confirmed=True), 0.0)
+    index.expire(HOUR)
+    (endpoint,) = only(index).endpoints
+    assert (endpoint.freshness, endpoint.last_seen) == ("stale", only(index).last_seen)
+
+
+def test_two_devices_that_become_one_keep_which_gateway_was_silent(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    index.observe(announce("lamp", part("light", "on_off", id="l"), ids=("id:first one",), confirmed=True), 0.0)
+    index.expire(HOUR)
+    late = announce("lamp", part("light", "on_off", id="l"), ids=(MAC,), gateway="cable", at=4000.0, confirmed=True)
+    index.observe(late, 4000.0)
+    both = announce("lamp", part("light", "on_off", id="l"), ids=(MAC,), at=0.0)
+    index.observe(both, 4001.0)
+    assert only(index).freshness == "fresh"
+    assert {one[0]: one[1] for one in life(only(index))} == {"mqtt": "stale", "cable": "fresh"}
