@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import anyio
 import pytest
 from structlog.testing import capture_logs
 
 from homebot.devices import GatewayNames, RawMessage
 from homebot.errors import InvalidNameError, RefusedError
-from homebot.gateways.raw_delivery import FULL_INBOX_WAIT, RawDelivery
+from homebot.gateways.raw_delivery import FULL_INBOX_WAIT, PartTexts, RawDelivery
 from homebot.graph import Graph, Node, Publisher, Subscription
 from homebot.messages import Time
 
@@ -171,3 +173,29 @@ async def test_what_cannot_be_a_listener_is_refused() -> None:
         house.listeners.add("a", "lights/a", "a", "/nobody")
     with pytest.raises(InvalidNameError):
         house.listeners.add("a", "lights/a", "a" * 1000, "")
+
+
+def test_a_late_text_is_made_when_it_is_asked_for_and_once() -> None:
+    """Among those that were made at once it keeps its place, and of all only the last ten are kept."""
+    texts, made = PartTexts(), list[int]()
+
+    def make(number: int) -> RawMessage:
+        made.append(number)
+        return message(number)
+
+    for number in range(12):
+        texts.keep_late(partial(make, number), float(number))
+    texts.keep(message(12), 12.0, is_event=False)
+    assert made == []
+    for _ in range(2):
+        assert [one.payload for one in texts.missed_by(10.0, 12.0)] == [b"10", b"11", b"12"]
+    assert made == list(range(3, 12))
+
+
+def test_a_part_that_is_described_anew_takes_over_its_texts() -> None:
+    """Those that were not made yet as well."""
+    before, now = PartTexts(), PartTexts()
+    before.keep_late(lambda: message(1), 1.0)
+    before.keep(message(2), 2.0, is_event=True)
+    now.take_over(before)
+    assert [one.payload for one in now.missed_by(0.0, 3.0)] == [b"1", b"2"]

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import anyio
 
@@ -15,7 +16,7 @@ from homebot.graph import EntityKind, Node, Publisher, QoSProfile
 from homebot.log import LogLimit
 from homebot.messages import Time
 
-__all__ = ["PartTexts", "RawDelivery", "begin_of", "missed"]
+__all__ = ["LateText", "PartTexts", "RawDelivery", "begin_of", "missed"]
 
 SLOW_LISTENER = "gateway.slow_listener"
 
@@ -104,6 +105,10 @@ class RawDelivery:
     def of(self, address: str) -> list[Publisher[RawMessage]]:
         """Return who gets what is said on *address*; the same list until :meth:`tidy`, so that it can be kept."""
         return self._by_address[address]
+
+    def has_listeners(self, address: str) -> bool:
+        """Return whether anybody gets what is said on *address* at this moment."""
+        return bool(self._by_address.get(address))
 
     def now(self, address: str) -> tuple[Publisher[RawMessage], ...]:
         """Return who gets what is said on *address* at this moment."""
@@ -205,17 +210,31 @@ def begin_of(since: Time, clock: Clock) -> float:
     return clock.monotonic() - (clock.now() - since.to_seconds()) - _ROUNDED
 
 
+LateText: TypeAlias = Callable[[], RawMessage]
+"""Makes a text of at most 4 KiB; most are never asked for."""
+
+
 @dataclass(slots=True, eq=False)
 class PartTexts:
     """The last texts of one part of a device.
 
     Attributes:
-        kept: Its last 10 states as text, of at most 4 KiB, and when each came, for a listener that comes later.
-        events: Likewise of texts that tell what happened; they are good for a moment only.
+        events: Texts that tell what happened, as :attr:`kept`; they are good for a moment only.
     """
 
-    kept: tuple[tuple[float, RawMessage], ...] = field(default=(), init=False)
+    _kept: tuple[tuple[float, RawMessage | LateText], ...] = field(default=(), init=False)
     events: tuple[tuple[float, RawMessage], ...] = field(default=(), init=False)
+
+    @property
+    def kept(self) -> tuple[tuple[float, RawMessage], ...]:
+        """Its last 10 states as text, of at most 4 KiB, and when each came, for a listener that comes later."""
+        made = tuple((came, one if isinstance(one, RawMessage) else one()) for came, one in self._kept)
+        self._kept = made
+        return made
+
+    def take_over(self, before: PartTexts) -> None:
+        """Take over the texts of the same part as it was described *before*."""
+        self._kept, self.events = before._kept, before.events
 
     def keep(self, message: RawMessage, now: float, *, is_event: bool) -> None:
         """Remember a text that came at *now* on the monotonic clock, unless it is long."""
@@ -224,18 +243,22 @@ class PartTexts:
         if is_event:
             self.events = (*self.events[1 - _KEPT :], (now, message))
         else:
-            self.kept = (*self.kept[1 - _KEPT :], (now, message))
+            self._kept = (*self._kept[1 - _KEPT :], (now, message))
+
+    def keep_late(self, make: LateText, now: float) -> None:
+        """Remember a state that came at *now*, and whose text is made when it is asked for."""
+        self._kept = (*self._kept[1 - _KEPT :], (now, make))
 
     def missed_by(self, since: float, now: float) -> tuple[RawMessage, ...]:
         """Return the kept texts that a listener wants that was there from *since* on, on the monotonic clock.
 
         What was kept from before is among them where it is still the part's last text.
         """
-        recent = missed(self.events, max(since, now - _MOMENT))
+        recent, kept = missed(self.events, max(since, now - _MOMENT)), self.kept
         if not recent:
-            return missed(self.kept, since)
-        wanted = {id(one) for one in (*recent, *missed(self.kept, since))}
-        told = sorted((*self.kept, *self.events), key=lambda one: one[0])
+            return missed(kept, since)
+        wanted = {id(one) for one in (*recent, *missed(kept, since))}
+        told = sorted((*kept, *self.events), key=lambda one: one[0])
         return tuple(one for _, one in told if id(one) in wanted)
 
 

@@ -29,3 +29,12 @@ def test_a_long_one_is_not_kept_and_neither_is_what_it_replaces() -> None:
     words.keep("a", word(b"123"))
     words.keep("a", word(b"1234"))
     assert words.get("a") is None
+
+
+def test_what_is_replaced_or_too_long_makes_room() -> None:
+    words = LastMessageCache(max_total=22, max_each=10)
+    for payload in (b"0123456789", b"1", b"0123456789", b"01234567890"):
+        words.keep("a", word(payload))
+    for name in "bc":
+        words.keep(name, word(b"0123456789"))
+    assert [words.get(name) is None for name in "abc"] == [True, False, False]

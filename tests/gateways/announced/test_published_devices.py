@@ -13,11 +13,12 @@ import pytest
 from tests.gateways.contract import KEPT, kept, listen, running
 
 from homebot.conventions.description import AutoExpiry
-from homebot.devices import GatewayState, RawMessage, Sighting, SubscribeToTopic
+from homebot.devices import Devices, GatewayState, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.names import text_address
 from homebot.devices.part import Capability, Part
 from homebot.devices.services import SubscribeToTopicRequest
+from homebot.discovery import Directory, DirectorySettings
 from homebot.errors import UsageError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.announced.work_budget import MESSAGE_WORK, SHARED_BURST
@@ -62,6 +63,18 @@ async def test_who_listens_later_gets_the_last_state_as_one_that_was_kept() -> N
         await anyio.sleep(100)
         missed = await text_of(gateway, watcher, "hall")
     assert [(one.text(), one.retained) for one in missed] == [("off", True)]
+
+
+async def test_a_late_joiner_gets_each_value_of_a_part_that_reports_them_one_by_one() -> None:
+    """The newest of each comes last, also where one report had several."""
+    async with house() as (gateway, watcher):
+        gateway.devices.put(LAMP, "new")
+        await gateway.devices.report("hall", {"on_off": True, "level": 10.0})
+        await gateway.devices.report("hall", {"level": 20.0})
+        await gateway.devices.report("hall", {"on_off": False})
+        late = kept(listen(watcher, Report, gateway.names.readings))
+    readings = [one for report in late for one in report.readings]
+    assert {one.capability: one.value.plain() for one in readings} == {"on_off": False, "level": 20.0}
 
 
 @pytest.mark.parametrize(
@@ -117,6 +130,24 @@ async def test_reachable_is_reported_when_it_changes_and_the_device_stays() -> N
             heard += [(one.readings[0].capability, one.readings[0].value.plain()) for one in kept(reports)]
         assert heard == [(REACHABLE, True), (REACHABLE, False), (REACHABLE, None)]
         assert [one.kind for one in kept(sightings)] == ["appeared"]
+
+
+@pytest.mark.parametrize("lamp", [LAMP, replace(LAMP, parts=())], ids=["with parts", "without"])
+async def test_the_directory_hears_of_reachability(lamp: GatewayDevice) -> None:
+    """With it an empty address means that the device reports it no longer."""
+    async with house() as (gateway, watcher), Node(gateway.node.graph, "discovery") as node:
+        gateway.devices.put(lamp, "new")
+        async with anyio.create_task_group() as tasks:
+            await tasks.start(Directory(node, DirectorySettings()).serve)
+            devices = Devices(watcher)
+            heard = []
+            for reachable in (True, False, None):
+                gateway.devices.report_reachable("hall", reachable=reachable)
+                await anyio.sleep(1)
+                (device,) = await devices.find()
+                heard.append(device.reachable.state)
+            tasks.cancel_scope.cancel()
+    assert heard == ["yes", "no", "unknown"]
 
 
 async def test_a_device_described_anew_is_sighted_at_once_and_one_that_is_the_same_once_a_second() -> None:

@@ -40,18 +40,18 @@ def test_the_words_are_joined_by_the_mode(
 ) -> None:
     known = reachability(mode)
     for index, said in words:
-        known.hear(index, said, retained=False)
+        known.update(index, said, retained=False)
     assert known.value is meaning
 
 
 @pytest.mark.parametrize("mode", ["all", "any", "latest"])
 def test_a_sign_of_life_makes_a_kept_no_unknown_and_no_live_one(mode: AvailabilityMode) -> None:
     known = reachability(mode)
-    known.hear(0, False, retained=True)
-    known.hear(1, False, retained=True)
-    known.doubt()
+    known.update(0, False, retained=True)
+    known.update(1, False, retained=True)
+    known.discard_retained_offline()
     assert known.value is None
-    known.hear(0, False, retained=False)
-    known.hear(1, False, retained=False)
-    known.doubt()
+    known.update(0, False, retained=False)
+    known.update(1, False, retained=False)
+    known.discard_retained_offline()
     assert known.value is False

@@ -474,7 +474,7 @@ async def test_each_lost_link_is_told_and_the_waiting_for_the_next_is_not_repeat
             "unavailable",
             "receives nothing",
         ),
-        (("home425",), "active", "listening to home home425"),
+        (("home425",), "active", "listening to home425"),
     ],
 )
 async def test_a_broker_that_refuses_subscriptions_is_told_in_one_line(

@@ -113,7 +113,7 @@ def test_who_reads_a_topic_that_is_read_already_is_told_once() -> None:
 def test_what_is_known_of_a_device_outlives_a_new_description() -> None:
     registry, _ = empty()
     first = registry.put(described("one", ("s/a",), online=("s/b",))).stored
-    first.reachability[""].hear(0, True, retained=False)
+    first.reachability[""].update(0, True, retained=False)
     first.is_confirmed = True
     second = registry.put(described("one", ("s/c",), online=("s/b",))).stored
     assert second.reachability[""] is first.reachability[""]

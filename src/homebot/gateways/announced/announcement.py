@@ -9,6 +9,7 @@ from typing import Literal, TypeAlias
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, TextEndpoint
 from homebot.devices import KeyValue, Sighting
 from homebot.devices.names import text_address
+from homebot.devices.part import Part
 from homebot.devices.text.commands import accepts_text, main_part
 from homebot.gateways.announced.reachability import ReachabilityReader
 from homebot.gateways.raw_delivery import PartTexts
@@ -69,7 +70,7 @@ class StoredAnnouncement:
         is_confirmed: Whether the last sighting was a sign of life of the device itself.
         refresh_at: Reading of the monotonic clock from which on another sign of life is worth a sighting.
         reachable: Whether the device (``""``) and its parts can be reached, as it was published last.
-        report_streams: The streams of reports that late joiners get.
+        report_streams: The streams of reports that late joiners get, by what was said on them.
         template: A sighting with all that its sightings have in common.
     """
 
@@ -84,7 +85,7 @@ class StoredAnnouncement:
     is_confirmed: bool = field(default=False, init=False)
     refresh_at: float = field(default=0.0, init=False)
     reachable: dict[str, bool | None] = field(default_factory=dict, init=False)
-    report_streams: set[str] = field(default_factory=set, init=False)
+    report_streams: dict[str, str] = field(default_factory=dict, init=False)
     template: Sighting = field(init=False)
 
     def __post_init__(self) -> None:
@@ -92,12 +93,15 @@ class StoredAnnouncement:
         self.parts, self.reachability = {}, {}
         if described.availability is not None and described.availability.sources:
             self.reachability[""] = ReachabilityReader(described.availability)
+        shown: list[Part] = []
         for one in described.parts:
             part = one.part.id
+            if one.part.service_type:
+                shown.append(one.part)
             self.parts[part] = AnnouncedPart(self, one, text_address(self.key, part) if text is None else text.address)
             if one.availability is not None and one.availability.sources:
                 self.reachability[part] = ReachabilityReader(one.availability)
-        self.template = _template(self.gateway, self.key, described)  # so that what cannot be told is found at once
+        self.template = self._template(tuple(shown))  # so that what cannot be told is found at once
 
     def publishes_the_same(self, other: StoredAnnouncement) -> bool:
         """Return whether the graph sees no difference between the two."""
@@ -105,11 +109,11 @@ class StoredAnnouncement:
 
     def report_stream(self, address: str) -> str:
         """Return the name of the stream of what is said on *address*; of a device with hundreds, they share one."""
-        name = f"{self.key} {address}"
-        if name not in self.report_streams:
+        name = self.report_streams.get(address)
+        if name is None:
             if len(self.report_streams) >= _MAX_STREAMS:
-                name = f"{self.key} *"
-            self.report_streams.add(name)
+                address = "*"
+            name = self.report_streams[address] = f"{self.key} {address}"
         return name
 
     def sighting(
@@ -136,49 +140,48 @@ class StoredAnnouncement:
                 self.reachability[part] = old_one
         for part_id, announced_part in self.parts.items():
             if (old := before.parts.get(part_id)) is not None:
-                announced_part.kept, announced_part.events = old.kept, old.events
+                announced_part.take_over(old)
 
     def let_go(self) -> None:
         """Forget its parts, which know it: what stands no more must not wait for the collector of circular garbage."""
         self.parts, self.reachability, self.subscriptions = {}, {}, []
 
+    def _template(self, parts: tuple[Part, ...]) -> Sighting:
+        """Return what all its sightings have in common; its addresses are those of its main part's texts.
 
-def _template(gateway: str, key: str, described: DeviceAnnounced) -> Sighting:
-    """Return what all sightings of a device have in common; its addresses are those of its main part's texts.
+        One that says text by itself has the addresses, and the service type, of that.
 
-    One that says text by itself has the addresses, and the service type, of that.
-
-    Raises:
-        pydantic.ValidationError: A value is none that a sighting can have.
-    """
-    parts = tuple([one.part for one in described.parts if one.part.service_type])
-    endpoint = text = described.text
-    if endpoint is None and (main := main_part(parts)) is not None:
-        address = text_address(key, main.id)
-        endpoint = TextEndpoint(main.service_type, address, address if accepts_text(main) else "")
-    endpoint = endpoint or _NO_ENDPOINT
-    return Sighting(
-        gateway=gateway,
-        key=key,
-        kind="updated",
-        why="",
-        name=described.name,
-        service_type=endpoint.service_type,
-        address=endpoint.address,
-        command_address=endpoint.command_address,
-        metadata=tuple(map(_fact, described.facts, described.facts.values())),
-        convention=described.convention if text is None else "",
-        native=described.native or text is not None,
-        whole_device=described.whole_device,
-        identifiers=described.identifiers,
-        area=described.area,
-        parts=parts,
-        owns=described.owns,
-        announced_on=described.topic if text is None else "",
-        seen_at=_NEVER,
-        expires_at=_NEVER,
-        confirmed=False,
-    ).slimmed()
+        Raises:
+            pydantic.ValidationError: A value is none that a sighting can have.
+        """
+        described = self.described
+        endpoint = text = described.text
+        if endpoint is None and (main := main_part(parts)) is not None:
+            address = self.parts[main.id].address
+            endpoint = TextEndpoint(main.service_type, address, address if accepts_text(main) else "")
+        endpoint = endpoint or _NO_ENDPOINT
+        return Sighting(
+            gateway=self.gateway,
+            key=self.key,
+            kind="updated",
+            why="",
+            name=described.name,
+            service_type=endpoint.service_type,
+            address=endpoint.address,
+            command_address=endpoint.command_address,
+            metadata=tuple(map(_fact, described.facts, described.facts.values())),
+            convention=described.convention if text is None else "",
+            native=described.native or text is not None,
+            whole_device=described.whole_device,
+            identifiers=described.identifiers,
+            area=described.area,
+            parts=parts,
+            owns=described.owns,
+            announced_on=described.topic if text is None else "",
+            seen_at=_NEVER,
+            expires_at=_NEVER,
+            confirmed=False,
+        ).slimmed()
 
 
 @lru_cache(maxsize=10_000)

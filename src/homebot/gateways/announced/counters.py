@@ -32,7 +32,7 @@ class GatewayCounters:
         failures: Times that a convention raised what it must not.
         asks: Questions to devices for their state.
         asks_dropped: Questions that were one too many.
-        fades_dropped: Values that do not end by themselves because too many others do.
+        expiries_dropped: Values that do not end by themselves because too many others do.
         quarantines: Times that a peer, or a group of them, began to be read a little at a time.
     """
 
@@ -54,7 +54,7 @@ class GatewayCounters:
     failures: int = 0
     asks: int = 0
     asks_dropped: int = 0
-    fades_dropped: int = 0
+    expiries_dropped: int = 0
     quarantines: int = 0
 
     def counts(self) -> tuple[Count, ...]:

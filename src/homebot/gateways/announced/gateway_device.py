@@ -32,7 +32,8 @@ class GatewayDevice:
         address: Where it says the state of its main part by itself, as plain text (``on``, ``21.5``) that apps read; by
             default the text address of that part, on which the gateway says it.
         command_address: Where it takes plain text by itself; likewise.
-        raw_address: Where its raw messages are listened to, whatever they look like; by default *address*.
+        raw_address: Where its raw messages are listened to, whatever they look like; by default *address*,
+            or else its key: apps that read plain text never hear them.
         stale_after: Seconds of silence after which it counts as stale; 0 for what the gateway says of all.
         expiries: Values that end by themselves, by the id of the part, such as of a motion sensor that never says that
             all is quiet again.
@@ -53,8 +54,8 @@ class GatewayDevice:
 
     @property
     def raw(self) -> str:
-        """The address on which its raw messages are listened to; empty for none of its own."""
-        return self.raw_address or self.address
+        """The address on which its raw messages are listened to; never the text address that the engine makes."""
+        return self.raw_address or self.address or self.key
 
     def described(self) -> DeviceAnnounced:
         """Return it as an announcement of no convention."""

@@ -43,13 +43,15 @@ class LastMessageCache:
 
     def keep(self, topic: str, word: CachedMessage) -> None:
         """Remember *word* as the last one on *topic*."""
-        self.forget(topic)
-        if len(word.payload) > self._max_each:
+        kept, length = self._kept, len(word.payload)
+        before = kept.pop(topic, None)
+        if length > self._max_each:
+            self._total -= 0 if before is None else len(before.payload) + len(topic)
             return
-        self._kept[topic] = word
-        self._total += len(word.payload) + len(topic)
+        kept[topic] = word
+        self._total += length + len(topic) if before is None else length - len(before.payload)
         while self._total > self._max_total:
-            oldest, lost = self._kept.popitem(last=False)
+            oldest, lost = kept.popitem(last=False)
             self._total -= len(lost.payload) + len(oldest)
 
     def get(self, topic: str) -> CachedMessage | None:

@@ -165,7 +165,9 @@ class PublishedDevices:
             return
         self._reporter.refresh_time()
         stored.reachable[part] = reachable
-        self._reporter.report_reachable(stored, part, "", reachable=reachable, retained=False)
+        # Without an address it would say that the device reports it no longer, which is what None means.
+        address = "" if reachable is None else stored.template.address or key
+        self._reporter.report_reachable(stored, part, address, reachable=reachable, retained=False)
 
     async def deliver_raw(self, key: str, payload: bytes, *, retained: bool = False) -> None:
         """Deliver a raw message of a device, to who listens to its address."""
@@ -177,7 +179,7 @@ class PublishedDevices:
         message = RawMessage(
             gateway=stored.gateway,
             key=key,
-            address=self._given[key].raw or stored.template.address,
+            address=self._given[key].raw,
             payload=payload,
             retained=retained,
             received_at=self._reporter.stamp,

@@ -74,7 +74,7 @@ class PeerQuarantine(Generic[MessageT]):
         self._reporter = reporter
         self._scheduler = scheduler
         self._counters = counters
-        self._some_wait = anyio.Event()
+        self._work_available = anyio.Event()
         self._events = gateway.node.create_publisher(Quarantine, gateway.names.quarantine, _QOS)
         self._limit = LogLimit(gateway.node.graph.clock)
         self._flood_limit = LogLimit(gateway.node.graph.clock, burst=MAX_WARNINGS)
@@ -95,7 +95,7 @@ class PeerQuarantine(Generic[MessageT]):
             return False
         self._counters.announcements_deferred += 1
         self.waiting.add(message, source, len(payload), payer, is_like=self.budgets.resembles(source, payload))
-        self._some_wait.set()
+        self._work_available.set()
         self._defer(payer)
         return True
 
@@ -129,8 +129,8 @@ class PeerQuarantine(Generic[MessageT]):
             read_next: Takes the next message out, reads it, and returns True; False where none is to be had.
         """
         while True:
-            await self._some_wait.wait()
-            self._some_wait = anyio.Event()
+            await self._work_available.wait()
+            self._work_available = anyio.Event()
             while self.waiting:
                 self._reporter.refresh_time()
                 messages = self.waiting.take(lambda payer: self.budgets.admits(payer, self._reporter.now))
@@ -163,9 +163,9 @@ class PeerQuarantine(Generic[MessageT]):
         """Log a culprit once in a while, and so many culprits at most."""
         source = source[:_LONGEST]
         repeated = self._limit.allows(f"{event} {source}")
-        if repeated is None or (unheard := self._flood_limit.allows(event)) is None:
+        if repeated is None or (suppressed := self._flood_limit.allows(event)) is None:
             return
-        held_back = repeated + unheard
+        held_back = repeated + suppressed
         facts = {self._log_key: source, "held_back": held_back}
         self._node.log.warning(event, message=f"{words}{more_like_this(held_back)}", **facts)
 

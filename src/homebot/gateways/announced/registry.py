@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from homebot.conventions.description import DeviceAnnounced
-from homebot.devices.part import size_of_parts, size_of_texts
+from homebot.devices.part import size_of_texts, texts_of
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 
@@ -147,7 +147,8 @@ class DeviceRegistry:
         before = self.by_key.get(key)
         self._check_room(described, before)
         excess = excess_of(described, length)
-        self._excess.check(described.key, excess, 0 if before is None else before.excess)
+        if excess:
+            self._excess.check(described.key, excess, 0 if before is None else before.excess)
         stored = StoredAnnouncement(self.gateway, key, described, excess)
         if before is not None:
             stored.take_over_state(before)
@@ -211,9 +212,10 @@ def excess_of(described: DeviceAnnounced, length: int) -> int:
         length: Of the message that it alone was made of; 0 where many were, or the length is unknown: then only what
             the description shows counts, which is the lists, topics and facts.
     """
-    shown = size_of_parts([one.part for one in described.parts])
-    shown += size_of_texts(described.identifiers) + size_of_texts(described.facts.values())
-    return max(0, max(length, shown) - _FREE - _FREE_PART * len(described.parts))
+    texts = [*described.identifiers, *described.facts.values()]
+    for one in described.parts:
+        texts += texts_of(one.part)
+    return max(0, max(length, size_of_texts(texts)) - _FREE - _FREE_PART * len(described.parts))
 
 
 class Excess:
@@ -272,8 +274,9 @@ class MemoryAccount:
         Raises:
             WireError: There is no more room for it.
         """
-        more = _memory_of(described) - (0 if before is None else _memory_of(before))
-        if _who(described) not in self._devices:
+        who, size = _account_of(described)
+        more = size - (0 if before is None else _account_of(before)[1])
+        if who not in self._devices:
             more += _DEVICE
         if more > 0 and self.total + more > self._most:
             raise WireError(
@@ -283,25 +286,22 @@ class MemoryAccount:
 
     def put(self, described: DeviceAnnounced) -> None:
         """Count what stands from now on."""
-        who = _who(described)
+        who, size = _account_of(described)
         count = self._devices.get(who, 0)
         self._devices[who] = count + 1
-        self.total += _memory_of(described) + (0 if count else _DEVICE)
+        self.total += size + (0 if count else _DEVICE)
 
     def drop(self, described: DeviceAnnounced) -> None:
         """Count no more what was put before."""
-        who = _who(described)
+        who, size = _account_of(described)
         self._devices[who] -= 1
-        self.total -= _memory_of(described)
+        self.total -= size
         if not self._devices[who]:
             del self._devices[who]
             self.total -= _DEVICE
 
 
-def _who(described: DeviceAnnounced) -> tuple[str, ...]:
-    """Return what identifies the device: its identifiers; an announcement without any is a device by itself."""
-    return described.identifiers or (described.convention, described.key)
-
-
-def _memory_of(described: DeviceAnnounced) -> int:
-    return _ANNOUNCEMENT + _PART * len(described.parts)
+def _account_of(described: DeviceAnnounced) -> tuple[tuple[str, ...], int]:
+    """Return what identifies the device, and the bytes of this announcement; one without identifiers is a device."""
+    who = described.identifiers or (described.convention, described.key)
+    return who, _ANNOUNCEMENT + _PART * len(described.parts)

@@ -101,8 +101,8 @@ class DeviceReporter:
             address: Where it was said; empty where the protocol has no addresses.
             retained: Whether it was kept from before.
         """
-        events = tuple(one for one in readings if one.capability in EVENTS)
-        states = tuple(one for one in readings if one.capability not in EVENTS) if events else tuple(readings)
+        states = tuple([one for one in readings if one.capability not in EVENTS])
+        events = () if len(states) == len(readings) else tuple([one for one in readings if one.capability in EVENTS])
         if states:
             self.publish_report(device.key, states, address, device.report_stream(source), retained=retained)
         if events and not retained:
@@ -125,7 +125,7 @@ class DeviceReporter:
 
     def dispose_all(self, device: StoredAnnouncement) -> None:
         """Keep no report of a device for late joiners any more."""
-        for stream in device.report_streams:
+        for stream in device.report_streams.values():
             self.dispose(stream)
         device.report_streams.clear()
 

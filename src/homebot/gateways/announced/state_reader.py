@@ -23,6 +23,7 @@ from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
 from homebot.gateways.raw_delivery import RawDelivery
+from homebot.messages import Time
 
 __all__ = ["StateReader"]
 
@@ -35,7 +36,7 @@ class StateReader:
 
     Args:
         devices: What stands, by key.
-        reporter: Where it is told.
+        reporter: Where it is reported.
         listeners: Who wants texts.
         scheduler: Ends values that end by themselves.
         counters: Of the gateway.
@@ -75,7 +76,7 @@ class StateReader:
                 read[id(source)] = self._read_source(source, stored, address, payload)
             said = read[id(source)]
             if said is not None:
-                reachability.hear(availability_reader.index, said, retained=retained)
+                reachability.update(availability_reader.index, said, retained=retained)
                 self._report_reachable(stored, part, address, retained=retained)
 
     async def read(
@@ -106,17 +107,20 @@ class StateReader:
         for number, announced_part in enumerate(announced_parts, 1):
             if number % _TURN == 0:
                 await anyio.lowlevel.checkpoint()
-            told = self._decode(announced_part, address, payload, retained=retained)
-            if not told:
+            decoded = self._decode(announced_part, address, payload, retained=retained)
+            if not decoded:
                 continue
             if announced_part.stored is not stored:
                 if stored is not None:
                     self._report(stored, readings, address, retained=retained)
                 stored, readings = announced_part.stored, []
-            readings += told[1]
-            for fade in announced_part.described.expiries:
-                self._plan(announced_part, fade, told[0])
-            text = self._as_text(announced_part, told[0], retained=retained)
+            readings += decoded[1]
+            for expiry in announced_part.described.expiries:
+                self._schedule_expiry(announced_part, expiry, decoded[0])
+            if not self._listeners.has_listeners(announced_part.address) and _is_brief(decoded[0]):
+                self._keep_late(announced_part, decoded[0], retained=retained)
+                continue
+            text = self._as_text(announced_part, decoded[0], retained=retained)
             if text is not None:
                 await self._listeners.deliver(text, wait_if_full=wait_if_full)
         if stored is not None:
@@ -130,10 +134,10 @@ class StateReader:
         stored, now = part.stored, self._reporter.now
         if not retained and (now >= stored.refresh_at or not stored.is_confirmed):
             self._reporter.publish_sighting(stored, "updated", f"message on {address}", confirmed=True)
-        told = self._decode(part, address, payload, retained=retained)
-        if told is not None:
+        decoded = self._decode(part, address, payload, retained=retained)
+        if decoded is not None:
             self._counters.reports += 1
-            self._reporter.publish_readings(stored, told[1], address, address, retained=retained)
+            self._reporter.publish_readings(stored, decoded[1], address, address, retained=retained)
         raw = RawMessage.of_checked(
             gateway=stored.gateway,
             key=stored.key,
@@ -149,9 +153,11 @@ class StateReader:
         """Publish *values* of a part whose gateway has read them itself."""
         name = part.described.part.id
         readings = [Reading(part=name, capability=one, value=Value.of(value)) for one, value in values.items()]
-        for fade in part.described.expiries:
-            self._plan(part, fade, values)
-        self._report(part.stored, readings, "", retained=retained, stream=name)
+        for expiry in part.described.expiries:
+            self._schedule_expiry(part, expiry, values)
+        # By what it has a value of: a report of one capability takes the place of no other's.
+        stream = " ".join((name, *sorted(values)))
+        self._report(part.stored, readings, "", retained=retained, stream=stream)
         text = self._as_text(part, values, retained=retained)
         if text is not None:
             await self._listeners.deliver(text, wait_if_full=True)
@@ -169,15 +175,15 @@ class StateReader:
         self, announced_part: AnnouncedPart, address: str, payload: bytes, *, retained: bool
     ) -> tuple[Mapping[str, PlainValue], list[Reading]] | None:
         try:
-            told = announced_part.described.codec.read(address, payload, retained=retained)
-            if not told:
+            values = announced_part.described.codec.read(address, payload, retained=retained)
+            if not values:
                 return None
             part = announced_part.described.part.id
-            return told, [
+            return values, [
                 Reading.of_checked(part=part, capability=name, value=Value.of(value))
                 if str.isascii(name)
                 else Reading(part=part, capability=name, value=Value.of(value))
-                for name, value in told.items()
+                for name, value in values.items()
             ]
         except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
             self._record_failure(address, announced_part.stored.described.convention, exc)
@@ -201,7 +207,7 @@ class StateReader:
         """Forget each "offline" that had been retained from before a message of *parts*."""
         for part in parts:
             if stored.reachable.get(part) is False and (reachability := stored.reachability.get(part)) is not None:
-                reachability.doubt()
+                reachability.discard_retained_offline()
                 self._report_reachable(stored, part, address, retained=False)
 
     def _report_reachable(self, stored: StoredAnnouncement, part: str, address: str, *, retained: bool) -> None:
@@ -213,45 +219,81 @@ class StateReader:
         stored.reachable[part] = reachable
         self._reporter.report_reachable(stored, part, address, reachable=reachable, retained=retained)
 
+    def _keep_late(self, announced_part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool) -> None:
+        """Keep what is not listened to now as a text that is made once somebody asks for what was missed."""
+        stored, stamp = announced_part.stored, self._reporter.stamp
+        make = partial(_late_text, stored.gateway, stored.key, announced_part.address, values, stamp, retained)
+        announced_part.keep_late(make, self._reporter.now)
+
     def _as_text(
-        self, announced_part: AnnouncedPart, told: Mapping[str, PlainValue], *, retained: bool
+        self, announced_part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool
     ) -> RawMessage | None:
         if retained:
-            told = {name: value for name, value in told.items() if name not in EVENTS}
-        said = encode_state(told)
-        if said is None:
+            values = {name: value for name, value in values.items() if name not in EVENTS}
+        text = encode_state(values)
+        if text is None:
             return None
         raw = RawMessage.of_checked(
             gateway=announced_part.stored.gateway,
             key=announced_part.stored.key,
             address=announced_part.address,
-            payload=said.encode(),
+            payload=text.encode(),
             retained=retained,
             received_at=self._reporter.stamp,
         )
-        announced_part.keep(raw, self._reporter.now, is_event=not EVENTS.isdisjoint(told))
+        announced_part.keep(raw, self._reporter.now, is_event=not EVENTS.isdisjoint(values))
         return raw
 
-    def _plan(self, announced_part: AnnouncedPart, fade: AutoExpiry, told: Mapping[str, PlainValue]) -> None:
-        if fade.capability not in told:
+    def _schedule_expiry(
+        self, announced_part: AnnouncedPart, expiry: AutoExpiry, values: Mapping[str, PlainValue]
+    ) -> None:
+        if expiry.capability not in values:
             return
-        value = told[fade.capability]
-        name = ("fade", announced_part.stored.key, announced_part.described.part.id, fade.capability)
-        if value == fade.value or (fade.only is not None and value != fade.only):
+        value = values[expiry.capability]
+        name = ("expiry", announced_part.stored.key, announced_part.described.part.id, expiry.capability)
+        if value == expiry.value or (expiry.only is not None and value != expiry.only):
             self._scheduler.drop(name)
-        elif not self._scheduler.plan(name, fade.after, partial(self._expire, *name[1:], fade)):
-            self._counters.fades_dropped += 1
+        elif not self._scheduler.plan(name, expiry.after, partial(self._expire, *name[1:], expiry)):
+            self._counters.expiries_dropped += 1
 
-    def _expire(self, key: str, part: str, capability: str, fade: AutoExpiry) -> None:
+    def _expire(self, key: str, part: str, capability: str, expiry: AutoExpiry) -> None:
         stored = self._devices.get(key)
         announced_part = None if stored is None else stored.parts.get(part)
-        if announced_part is None or fade not in announced_part.described.expiries:
+        if announced_part is None or expiry not in announced_part.described.expiries:
             return
         self._reporter.refresh_time()
-        reading = Reading(part=part, capability=capability, value=Value.of(fade.value))
-        stream = announced_part.stored.report_stream(f"fade {part} {capability}")
+        reading = Reading(part=part, capability=capability, value=Value.of(expiry.value))
+        stream = announced_part.stored.report_stream(f"expiry {part} {capability}")
         self._reporter.publish_report(announced_part.stored.key, (reading,), "", stream, retained=False)
-        raw = self._as_text(announced_part, {capability: fade.value}, retained=False)
+        raw = self._as_text(announced_part, {capability: expiry.value}, retained=False)
         if raw is not None:
             for listener in self._listeners.now(announced_part.address):
                 listener.publish(raw)
+
+
+def _is_brief(values: Mapping[str, PlainValue]) -> bool:
+    """Return whether *values* has a text for sure, and a short one: of states that are no texts themselves."""
+    kinds = {type(value) for value in values.values()}
+    return kinds <= _BRIEF and not kinds.isdisjoint(_TOLD) and EVENTS.isdisjoint(values)
+
+
+_TOLD = frozenset({bool, float})
+_BRIEF = _TOLD | {tuple, type(None)}
+
+
+def _late_text(
+    gateway: str,
+    key: str,
+    address: str,
+    values: Mapping[str, PlainValue],
+    stamp: Time,
+    retained: bool,  # noqa: FBT001 - bound once, above
+) -> RawMessage:
+    return RawMessage.of_checked(
+        gateway=gateway,
+        key=key,
+        address=address,
+        payload=(encode_state(values) or "").encode(),
+        retained=retained,
+        received_at=stamp,
+    )

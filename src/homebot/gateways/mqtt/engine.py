@@ -153,7 +153,7 @@ class AnnouncedDevices:
             ):
                 tasks.start_soon(run_as, self._owner, work)
 
-    async def hear(self, message: MqttMessage, route: TopicReaders, *, raw: bool = True) -> None:
+    async def handle_message(self, message: MqttMessage, route: TopicReaders, *, raw: bool = True) -> None:
         """Take a message on a topic that *route* leads from; whom it makes known reads it as well.
 
         An empty one takes a device that says text out of the house.
@@ -197,7 +197,7 @@ class AnnouncedDevices:
                 wait_if_full=message.qos > 0,
                 longest=longest,
             )
-            if raw and self._listeners.now(topic):
+            if raw and self._listeners.has_listeners(topic):
                 raw_text = self._raw(route.announced_parts[0], topic, payload, retained=message.retain)
                 await self._listeners.deliver(raw_text, wait_if_full=message.qos > 0)
 

@@ -174,7 +174,7 @@ class MqttGateway(Gateway):
                 connection.ack(batch)
 
     def _listening_to(self) -> str:
-        return f"home {self._settings.root}" if self._settings.root else "every home"
+        return self._settings.root or "every home"
 
     async def _handle(self, batch: Iterable[MqttMessage]) -> None:
         described, lease, sent = self._described, self._lease, self._described.secrets.sent
@@ -202,7 +202,7 @@ class MqttGateway(Gateway):
                 )
             else:
                 work += _ANNOUNCEMENT * len(route.conventions) + len(route.announced_parts)
-                await described.hear(message, route)
+                await described.handle_message(message, route)
 
     async def _take_long(self, message: MqttMessage, route: TopicReaders | None) -> int:
         """Take a long message, which only comes where devices are announced; return how much work it was."""
@@ -210,7 +210,7 @@ class MqttGateway(Gateway):
         if route is not None and route.conventions:
             work = _ANNOUNCEMENT * len(route.conventions)
             if len(message.payload) <= MAX_LONG_STATE_BYTES:
-                await self._described.hear(message, route, raw=False)
+                await self._described.handle_message(message, route, raw=False)
                 return work + len(route.announced_parts)
             await self._described.take(message, route)
             if not route.announced_parts and not route.availability_readers:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import cache, partial
-from typing import TypeGuard
+from operator import length_hint
 
 from homebot.clock import Clock, TimeSlice
 from homebot.conventions.convention import Convention, SlicedConvention
@@ -41,14 +41,6 @@ MAX_STEPS = 100_000
 """Steps of one message: a convention that never ends must not hold the gateway."""
 
 _END = object()
-
-
-def _steps(convention: Convention, message: MqttMessage) -> Iterator[AnnouncementEvent | None]:
-    """Yield the steps of a convention, so that what it raises at once is raised at the first step as well."""
-    if _is_sliced(convention):
-        yield from convention.take_slices(message.topic, message.payload, retained=message.retain)
-    else:
-        yield from convention.take(message.topic, message.payload, retained=message.retain)
 
 
 class AnnouncementHandler:
@@ -137,47 +129,75 @@ class AnnouncementHandler:
 
     async def _take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
         for convention in conventions:
-            steps = _steps(convention, message)
-            # Of a list of devices nobody knows here which bytes are whose.
-            length = 0 if _is_sliced(convention) else len(message.payload)
-            work, taken = TimeSlice(self._clock), 0
-            while taken <= MAX_STEPS and self._step(steps, convention, message, length):
-                taken += 1
-                if work.is_over:
-                    # Out of the reach of the faults of conventions: a cancellation here is meant for the gateway.
-                    await work.pause()
-            if taken > MAX_STEPS:
-                self._counters.announcements_rejected += 1
-                self._record_offence(
-                    message, f"{convention.name} found more than {MAX_STEPS:,} announcements in one message"
-                )
+            steps = self._begin(convention, message)
+            if steps is not None:
+                await self._take_steps(steps, convention, message)
         if self._accepted:
             is_valid = not self._offended
             self._quarantine.budgets.accept(message.topic, message.payload, self._reporter.now, is_valid=is_valid)
+
+    def _begin(self, convention: Convention, message: MqttMessage) -> Iterator[AnnouncementEvent | None] | None:
+        """Let *convention* read a message; return what is left to handle of what it tells, None where nothing is.
+
+        Most messages tell one thing, which is handled at once.
+        """
+        try:
+            if _takes_slices(type(convention)) and isinstance(convention, SlicedConvention):
+                return iter(convention.take_slices(message.topic, message.payload, retained=message.retain))
+            steps = iter(convention.take(message.topic, message.payload, retained=message.retain))
+            self._handle(next(steps, _END), convention, message, len(message.payload))
+            return steps if length_hint(steps, 1) else None
+        except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
+            self._record_failure(convention, message, exc)
+        return None
+
+    async def _take_steps(
+        self, steps: Iterator[AnnouncementEvent | None], convention: Convention, message: MqttMessage
+    ) -> None:
+        # Of a list of devices nobody knows here which bytes are whose.
+        length = 0 if _takes_slices(type(convention)) else len(message.payload)
+        work, taken = TimeSlice(self._clock), 0
+        while taken <= MAX_STEPS and self._step(steps, convention, message, length):
+            taken += 1
+            if work.is_over:
+                # Out of the reach of the faults of conventions: a cancellation here is meant for the gateway.
+                await work.pause()
+        if taken > MAX_STEPS:
+            self._counters.announcements_rejected += 1
+            self._record_offence(
+                message, f"{convention.name} found more than {MAX_STEPS:,} announcements in one message"
+            )
 
     def _step(
         self, steps: Iterator[AnnouncementEvent | None], convention: Convention, message: MqttMessage, length: int
     ) -> bool:
         """Handle the next of what a message tells; return whether more may come."""
         try:
-            match next(steps, _END):
-                case DeviceAnnounced() as described:
-                    self._describe(described, message, length)
-                case DeviceWithdrawn() as withdrawn:
-                    self._withdraw(convention, withdrawn)
-                case DeviceRequest() as question:
-                    self._on_question(question)
-                case end:
-                    return end is not _END
-        except WireError as exc:
-            self._counters.announcements_rejected += 1
-            self._record_offence(message, f"invalid announcement for {convention.name}: {exc}")
-            return False
+            event = next(steps, _END)
+            if event is _END:
+                return False
+            self._handle(event, convention, message, length)
         except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
-            self._quarantine.record_plugin_failure(message.topic, convention.name, exc)
-            self._record_offence(message, f"the convention {convention.name} failed")
+            self._record_failure(convention, message, exc)
             return False
         return True
+
+    def _handle(self, event: object, convention: Convention, message: MqttMessage, length: int) -> None:
+        match event:
+            case DeviceAnnounced():
+                self._describe(event, message, length)
+            case DeviceWithdrawn():
+                self._withdraw(convention, event)
+            case DeviceRequest():
+                self._on_question(event)
+
+    def _record_failure(self, convention: Convention, message: MqttMessage, error: BaseException) -> None:
+        if isinstance(error, WireError):
+            self._counters.announcements_rejected += 1
+            self._record_offence(message, f"invalid announcement for {convention.name}: {error}")
+            return
+        self._quarantine.record_plugin_failure(message.topic, convention.name, error)
+        self._record_offence(message, f"the convention {convention.name} failed")
 
     def _record_offence(self, message: MqttMessage, why: str) -> None:
         self._offended = True
@@ -253,10 +273,6 @@ def _why(stored: StoredAnnouncement, message: MqttMessage) -> str:
     if stored.described.text is not None:
         return f"retained message on {message.topic}" if message.retain else f"message on {message.topic}"
     return f"retained announcement on {message.topic}" if message.retain else "it was announced"
-
-
-def _is_sliced(convention: Convention) -> TypeGuard[SlicedConvention]:
-    return _takes_slices(type(convention))
 
 
 @cache

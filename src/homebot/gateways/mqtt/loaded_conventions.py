@@ -11,6 +11,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError, to_json
 from homebot.conventions.convention import Convention, TextConvention
 from homebot.errors import PluginError
 from homebot.plugins import load_plugin, plugin_names
+from homebot.similar import unknown_key
 
 __all__ = ["GROUP", "any_announcing", "check_tables", "default_conventions", "find_conventions"]
 
@@ -99,6 +100,6 @@ def _problem(key: str, model: type[BaseModel], error: Mapping[str, object]) -> I
     words = str(error["msg"]).removeprefix("Value error, ")
     words = f"{words[:1].lower()}{words[1:]}"
     if error["type"] == "extra_forbidden":
-        words = f"is unknown; known are {', '.join(model.model_fields) or 'none'}"
+        words = unknown_key(str(loc[-1]) if isinstance(loc, tuple) else "", model.model_fields)
     kind = PydanticCustomError("value_error", "{words}", {"words": words})
     return InitErrorDetails(type=kind, loc=(key, *(loc if isinstance(loc, tuple) else ())), input=error["input"])

@@ -112,7 +112,7 @@ class AnnouncementRegistry(DeviceRegistry):
             self._register_text(stored)
         if before is None or not readers:
             return tuple(refused), tuple(readers)
-        return tuple(refused), _who_missed_something(stored, before, tuple(readers))
+        return tuple(refused), _readers_to_replay(stored, before, tuple(readers))
 
     def _register_text(self, stored: StoredAnnouncement) -> None:
         """Register a text device; its convention's filters bring its messages, so it needs no subscription."""
@@ -182,7 +182,7 @@ class _Routes(dict[str, TopicReaders | None]):
         return self._find(topic)
 
 
-def _who_missed_something(stored: StoredAnnouncement, before: StoredAnnouncement, readers: Readers) -> Readers:
+def _readers_to_replay(stored: StoredAnnouncement, before: StoredAnnouncement, readers: Readers) -> Readers:
     if stored.publishes_the_same(before):
         return tuple(
             (topic, reader)

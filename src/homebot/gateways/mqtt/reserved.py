@@ -68,7 +68,10 @@ class ReservedTopics:
         Such a part stays, and can be read; it cannot be told anything.
         """
         convention = described.convention
-        if not any(self._has_reserved(convention, part) for part in described.parts):
+        for part in described.parts:
+            if self._has_reserved(convention, part):
+                break
+        else:
             return described, ()
         refused: dict[str, str] = {}
         parts = tuple([self._part(convention, part, refused) for part in described.parts])

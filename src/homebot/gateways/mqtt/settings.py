@@ -8,9 +8,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from homebot.config import FilePath, check_secret_file, read_secret
+from homebot.config import FilePath, check_secret_file, read_password
 from homebot.errors import HomebotError, UsageError
 from homebot.gateways.announced.registry import MAX_MEMORY
 from homebot.gateways.base import Delivery
@@ -110,6 +110,8 @@ class MqttGatewaySettings(BaseModel):
     @classmethod
     def _check_root(cls, root: str) -> str:
         if root:
+            if not {"#", "+"}.isdisjoint(root):
+                raise ValueError(f"must not contain '#' or '+', which are wildcards in topic filters, got {root!r}")
             _as_value_error(lambda: validate_topic(root))
             if "" in root.split("/"):
                 raise ValueError("has an empty level: write it without a / at either end")
@@ -135,7 +137,7 @@ class MqttGatewaySettings(BaseModel):
         """
         given = {
             "user": self.user,
-            "password": self._password(),
+            "password": read_password(self.password_file, self.password_env),
             "ca_file": self.ca_file,
             "cert_file": self.cert_file,
             "key_file": self.key_file,
@@ -178,18 +180,6 @@ class MqttGatewaySettings(BaseModel):
                     raise UsageError(f"{key}: {file} cannot be read: {exc.strerror}") from exc
                 if key == "key_file":
                     _check_key_file(file, found)
-
-    def _password(self) -> SecretStr | None:
-        if self.password_env is not None:
-            if self.password_env not in os.environ:
-                raise UsageError(f"password_env: the environment variable {self.password_env} is not set")
-            return SecretStr(os.environ[self.password_env])
-        if self.password_file is not None:
-            try:
-                return SecretStr(read_secret(self.password_file))
-            except UsageError as exc:
-                raise UsageError(f"password_file: {exc}") from exc
-        return None
 
 
 def _check_key_file(file: Path, found: os.stat_result) -> None:

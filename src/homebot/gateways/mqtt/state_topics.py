@@ -92,7 +92,7 @@ class StateTopics:
             validate_filter(topic_filter)
         except InvalidNameError as exc:
             raise WireError(str(exc)) from None
-        if _asks_too_much(topic_filter):
+        if topic_filter[0] in "+#$" and _asks_too_much(topic_filter):
             raise WireError(f"the state topic {topic_filter!r} does not belong to this device alone")
         if len(self._users) >= self._max_topics:
             raise WireError(f"state topic {topic_filter!r} exceeds the limit of {self._max_topics:,} state topics")

@@ -1,0 +1,57 @@
+"""Addresses of HTTP: checked, and as people may see them. Pure."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from yarl import URL
+
+from homebot.conventions.payload import clean_text
+from homebot.errors import WireError
+
+__all__ = ["http_origin", "parse_url", "shown_url"]
+
+
+def http_origin(address: str, port: int, scheme: Literal["http", "https"] = "http") -> str:
+    """Return the beginning of the addresses of a server: ``http://10.0.0.7``, ``https://[fe80::1%eth0]:8443``.
+
+    Args:
+        address: Its IP address, with the scope where it is link-local, or its name.
+        port: Its port.
+        scheme: ``https`` for TLS.
+
+    Raises:
+        WireError: That is no address.
+    """
+    host = f"[{address}]" if ":" in address else address
+    return str(parse_url(f"{scheme}://{host}:{port}").origin())
+
+
+def parse_url(url: str, *schemes: str) -> URL:
+    """Return *url* where it is a whole address.
+
+    Args:
+        url: The address, which may be from outside.
+        schemes: Those that are allowed; by default ``http`` and ``https``.
+
+    Raises:
+        WireError: It is none, is of another scheme, or contains a user or a password.
+    """
+    schemes = schemes or ("http", "https")
+    try:
+        found = URL(url)
+    except ValueError:
+        raise WireError("what should be an address of HTTP is none") from None
+    if found.scheme not in schemes or not found.host:
+        begins = clean_text(found.scheme, 20) or "no scheme"
+        raise WireError(f"what should be an address of HTTP begins with {begins}")
+    if found.user is not None or found.password is not None:
+        raise WireError(f"the address of {shown_url(found)} contains a user or password; nobody may send one")
+    return found
+
+
+def shown_url(url: URL) -> str:
+    """Return *url* for people, without what may be secret."""
+    host = f"[{url.host}]" if url.host is not None and ":" in url.host else url.host
+    port = "" if url.is_default_port() else f":{url.port}"
+    return clean_text(f"{host}{port}{url.raw_path}")

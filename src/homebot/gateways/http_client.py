@@ -1,0 +1,397 @@
+"""A client for HTTP, WebSockets and server-sent events; with its helpers the one file that knows aiohttp.
+
+Whatever a server does, an answer, a frame and an event are at most as long as the caller allows, everything ends within
+a time limit but waiting for the next frame or event, and what goes wrong is one of three errors: :class:`LinkError`,
+it may work later; :class:`RefusedError`, the server says no, with the status as its code; :class:`WireError`, it breaks
+the rules. No error shows a password, nor what stands behind the ``?`` of an address.
+
+Source: RFC 9110 (HTTP), RFC 6455 (WebSocket).
+"""
+
+from __future__ import annotations
+
+import re
+import socket
+import ssl
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from types import TracebackType
+from typing import Final, Self
+
+import aiohttp
+import anyio
+import anyio.lowlevel
+from yarl import URL
+
+from homebot.conventions.payload import clean_text, compact_json, parse_json, shown
+from homebot.errors import LinkError, RefusedError, UsageError, WireError
+from homebot.gateways.event_stream import EventStreamParser, ServerEvent
+from homebot.gateways.http_address import parse_url, shown_url
+from homebot.gateways.http_errors import check_status, translated_errors
+from homebot.gateways.http_login import HttpLogin, authentication
+from homebot.gateways.http_redirects import follow_own_redirects, staying_at
+
+__all__ = ["MAX_ANSWER_BYTES", "EventStream", "HttpAnswer", "HttpClient", "WebSocket"]
+
+MAX_ANSWER_BYTES: Final = 256 * 1024
+"""Longest answer, frame and event, where the caller allows no other length."""
+
+TIME_LIMIT: Final = 10.0
+"""Seconds for an answer, a connection or one sent frame, where the caller says nothing else."""
+
+HEARTBEAT: Final = 20.0
+"""Seconds of silence after which a WebSocket is pinged; without an answer in half of that it is lost."""
+
+_METHOD = re.compile(r"[A-Z]{1,20}(-[A-Z]{1,20})?")
+_CLOSING: Final = 1.0
+_RECEIVED_AT_ONCE: Final = 8 * 1024
+"""Bytes; Linux takes twice that. All that came is parsed without a pause, tiny frames of 256 KiB for a second."""
+_REDIRECTS: Final = 3
+
+
+@dataclass(frozen=True, slots=True)
+class HttpAnswer:
+    """An answer with a status from 200 to 299.
+
+    Attributes:
+        status: The status.
+        content_type: The media type in lower case, without parameters; empty where there is none.
+        body: All of it.
+        headers: All header fields, names in lower case; those that occur several times are joined by commas.
+    """
+
+    status: int
+    content_type: str
+    body: bytes
+    headers: Mapping[str, str] = field(default_factory=dict)
+
+    def json(self) -> object:
+        """Return what the body says in JSON.
+
+        Raises:
+            WireError: It is none; see :func:`homebot.conventions.payload.parse_json`.
+        """
+        return parse_json(self.body, max(len(self.body), 1))
+
+
+class HttpClient:
+    """One session with servers, over which many requests may run side by side; use it as ``async with``.
+
+    Args:
+        login: Credentials for one of the servers.
+        tls: How servers prove who they are where the scheme is ``https``; by default as certificate authorities of
+            this computer say.
+        time_limit: Seconds; see the methods.
+        max_bytes: Longest answer, frame or event; likewise.
+    """
+
+    def __init__(
+        self,
+        *,
+        login: HttpLogin | None = None,
+        tls: ssl.SSLContext | None = None,
+        time_limit: float = TIME_LIMIT,
+        max_bytes: int = MAX_ANSWER_BYTES,
+    ) -> None:
+        self._login = login
+        self._tls = tls
+        self._time_limit = time_limit
+        self._max_bytes = max_bytes
+        self._has_login = login is not None
+        self._session: aiohttp.ClientSession | None = None
+        self._is_closed = False
+
+    async def __aenter__(self) -> Self:
+        self._session = aiohttp.ClientSession(
+            connector=aiohttp.TCPConnector(ssl=True if self._tls is None else self._tls, socket_factory=_make_socket),
+            # Bodies are bounded as they arrive: nothing is unpacked. Time is limited below.
+            auto_decompress=False,
+            cookie_jar=aiohttp.DummyCookieJar(),
+            headers={"Accept-Encoding": "identity", "User-Agent": "homebot"},
+            middlewares=(follow_own_redirects, *(() if self._login is None else (authentication(self._login),))),
+            timeout=aiohttp.ClientTimeout(total=None, sock_connect=None),
+        )
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        session, self._session = self._session, None
+        self._is_closed = True
+        if session is not None:
+            with anyio.CancelScope(shield=True):
+                await session.close()
+
+    async def get(
+        self, url: str, *, accept: str = "", time_limit: float | None = None, max_bytes: int | None = None
+    ) -> HttpAnswer:
+        """Return the answer to GET; at most three redirects within the host are followed. See also :meth:`request`."""
+        return await self.request("GET", url, accept=accept, time_limit=time_limit, max_bytes=max_bytes)
+
+    async def get_json(self, url: str, *, time_limit: float | None = None, max_bytes: int | None = None) -> object:
+        """Return what the answer to GET says in JSON; see :meth:`request`."""
+        return (await self.get(url, accept="application/json", time_limit=time_limit, max_bytes=max_bytes)).json()
+
+    async def send_json(
+        self, method: str, url: str, value: object, *, time_limit: float | None = None
+    ) -> object | None:
+        """Send *value* as JSON, by PUT or POST, and return what the answer says in JSON.
+
+        Returns:
+            The value; None where the answer has no body.
+        """
+        body = compact_json(value).encode()
+        answer = await self.request(
+            method, url, body=body, content_type="application/json", accept="application/json", time_limit=time_limit
+        )
+        return answer.json() if answer.body else None
+
+    async def request(
+        self,
+        method: str,
+        url: str,
+        *,
+        body: bytes | None = None,
+        content_type: str = "",
+        accept: str = "",
+        time_limit: float | None = None,
+        max_bytes: int | None = None,
+    ) -> HttpAnswer:
+        """Send a request, and return the answer.
+
+        Args:
+            method: ``GET``, ``PUT``, ``POST``, ``DELETE``, …
+            url: Where; ``http`` or ``https``, without a user or a password.
+            body: The body; None for none.
+            content_type: Its media type.
+            accept: The media types that are understood; empty for any.
+            time_limit: Seconds for all of it; by default that of the client.
+            max_bytes: Longest body of the answer; likewise.
+
+        Raises:
+            LinkError: The server cannot be reached, is too slow, breaks off, or says that it may work later (408, 425,
+                429, 502, 503, 504).
+            RefusedError: It answers with another status that is not 2xx; that is the code.
+            WireError: It breaks the rules of HTTP, the answer is too long or is compressed, *url* is no address, or
+                *method* or a media type is none.
+        """
+        if not _METHOD.fullmatch(method):
+            raise WireError(f"{shown(method)} is no method of HTTP")
+        where = parse_url(url)
+        headers = _headers(accept, content_type)
+        async with self._within(method, where, self._time_limit if time_limit is None else time_limit):
+            response = await self._opened().request(
+                method, where, data=body, headers=headers, allow_redirects=method == "GET", max_redirects=_REDIRECTS
+            )
+            async with response:
+                check_status(f"{method} {shown_url(where)}", response.status, has_login=self._has_login)
+                data = await _body(where, response, self._max_bytes if max_bytes is None else max_bytes)
+                return HttpAnswer(response.status, _media_type(response), data, _fields(response))
+
+    @asynccontextmanager
+    async def websocket(
+        self, url: str, *, protocols: tuple[str, ...] = (), max_bytes: int | None = None, heartbeat: float = HEARTBEAT
+    ) -> AsyncIterator[WebSocket]:
+        """Keep a WebSocket open inside the block.
+
+        Args:
+            url: Where; ``http``, ``https``, ``ws`` or ``wss``.
+            protocols: Subprotocols that are understood, the best first.
+            max_bytes: Longest frame that may come; by default that of the client.
+            heartbeat: Seconds of silence after which it is asked whether it is still there.
+
+        Raises:
+            LinkError, RefusedError, WireError: As :meth:`request`.
+        """
+        where = parse_url(url, "http", "https", "ws", "wss")
+        async with self._within("WebSocket", where, self._time_limit):
+            opened = await self._opened().ws_connect(
+                where,
+                protocols=protocols,
+                autoping=True,
+                heartbeat=heartbeat,
+                max_msg_size=self._max_bytes if max_bytes is None else max_bytes,
+                timeout=aiohttp.ClientWSTimeout(ws_close=_CLOSING),
+            )
+        try:
+            yield WebSocket(opened, shown_url(where), self._time_limit)
+        finally:
+            with anyio.move_on_after(_CLOSING, shield=True):
+                await opened.close()
+
+    @asynccontextmanager
+    async def events(self, url: str, *, last_id: str = "", max_bytes: int | None = None) -> AsyncIterator[EventStream]:
+        """Keep a stream of server-sent events open inside the block.
+
+        Args:
+            url: Where.
+            last_id: The id of the last event that came before; the server goes on behind it where it can.
+            max_bytes: Longest event; by default that of the client.
+
+        Raises:
+            LinkError, WireError: As :meth:`request`.
+            RefusedError: Likewise; or the status is 204, which tells a client to stop asking.
+        """
+        where = parse_url(url)
+        headers = {**_headers("text/event-stream", ""), "Cache-Control": "no-store"}
+        if last_id and last_id.isprintable():
+            headers["Last-Event-ID"] = last_id
+        async with self._within("GET", where, self._time_limit):
+            response = await self._opened().get(where, headers=headers, max_redirects=_REDIRECTS)
+        async with response:
+            check_status(f"GET {shown_url(where)}", response.status, has_login=self._has_login)
+            if response.status == 204:
+                raise RefusedError(f"GET {shown_url(where)}", "there are no events any more", 204)
+            if (found := _media_type(response)) != "text/event-stream":
+                raise WireError(f"{shown_url(where)} sends {found[:60] or 'nothing that has a type'}, not events")
+            parser = EventStreamParser(self._max_bytes if max_bytes is None else max_bytes)
+            parser.last_id = last_id
+            yield EventStream(response, shown_url(where), parser)
+
+    def _opened(self) -> aiohttp.ClientSession:
+        if self._session is None and self._is_closed:
+            raise LinkError("the connection was closed")
+        if self._session is None:
+            raise UsageError("an HttpClient is used as `async with HttpClient() as client:`")
+        return self._session
+
+    @asynccontextmanager
+    async def _within(self, what: str, where: URL, time_limit: float) -> AsyncIterator[None]:
+        try:
+            with (
+                anyio.fail_after(time_limit),
+                staying_at(where),
+                translated_errors(what, shown_url(where), has_login=self._has_login),
+            ):
+                yield
+        except TimeoutError:
+            raise LinkError(f"{shown_url(where)} did not answer within {time_limit:g} s") from None
+
+
+class WebSocket:
+    """An open WebSocket. Any task may send; one at a time may receive."""
+
+    def __init__(self, opened: aiohttp.ClientWebSocketResponse, where: str, time_limit: float) -> None:
+        self._opened = opened
+        self._where = where
+        self._time_limit = time_limit
+
+    @property
+    def protocol(self) -> str:
+        """The subprotocol that the server chose; empty for none."""
+        return self._opened.protocol or ""
+
+    async def send(self, message: str | bytes) -> None:
+        """Send a message: text, or binary where it is bytes.
+
+        Raises:
+            LinkError: The connection is lost, or so slow that the message could not be sent in time.
+        """
+        try:
+            with anyio.fail_after(self._time_limit), translated_errors("WebSocket", self._where):
+                if isinstance(message, str):
+                    await self._opened.send_str(message)
+                else:
+                    await self._opened.send_bytes(message)
+        except TimeoutError:
+            raise LinkError(f"{self._where} takes no message") from None
+
+    async def receive(self) -> str | bytes:
+        """Wait for a message, and return it.
+
+        Raises:
+            LinkError: The connection was closed or is lost.
+            WireError: A message breaks the rules, or is too long; no other can follow.
+        """
+        await anyio.lowlevel.checkpoint()  # receiving what came already lets no other task run
+        with translated_errors("WebSocket", self._where):
+            message = await self._opened.receive()
+        if message.type is aiohttp.WSMsgType.TEXT or message.type is aiohttp.WSMsgType.BINARY:
+            data: str | bytes = message.data
+            return data
+        if message.type is aiohttp.WSMsgType.ERROR and isinstance(message.data, aiohttp.WebSocketError):
+            raise WireError(f"{self._where} broke the rules of WebSockets: {clean_text(str(message.data), 80)}")
+        raise LinkError(f"{self._where} closed the connection")
+
+
+class EventStream:
+    """An open stream of server-sent events, for ``async for``; it ends with an error, as a server never ends it.
+
+    Raises:
+        LinkError: The connection was closed or is lost; ask again with :attr:`last_id`, after :attr:`retry` seconds.
+        WireError: An event is too long, or the stream breaks the rules of HTTP.
+    """
+
+    def __init__(self, response: aiohttp.ClientResponse, where: str, parser: EventStreamParser) -> None:
+        self._response = response
+        self._where = where
+        self._parser = parser
+
+    @property
+    def last_id(self) -> str:
+        """The id of the last event that had one."""
+        return self._parser.last_id
+
+    @property
+    def retry(self) -> float | None:
+        """Seconds after which the server wants to be asked again; None where it does not say."""
+        return self._parser.retry
+
+    async def __aiter__(self) -> AsyncIterator[ServerEvent]:
+        while True:
+            with translated_errors("GET", self._where):
+                chunk = await self._response.content.readany()
+            if not chunk:
+                raise LinkError(f"{self._where} ended the stream of events")
+            for event in self._parser.feed(chunk):
+                yield event
+
+
+def _make_socket(address: aiohttp.AddrInfoType) -> socket.socket:
+    """Return a socket that takes little at once; aiohttp connects it."""
+    made = socket.socket(*address[:3])
+    made.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVED_AT_ONCE)
+    return made
+
+
+def _headers(accept: str, content_type: str) -> dict[str, str]:
+    """Return header fields of media types, which may be from outside.
+
+    Raises:
+        WireError: One is no text for a header field.
+    """
+    given = {"Accept": accept or "*/*", "Content-Type": content_type}
+    for name, value in given.items():
+        if not (value.isascii() and value.isprintable()):
+            raise WireError(f"{shown(value)} is no {name}")
+    return {name: value for name, value in given.items() if value}
+
+
+def _media_type(response: aiohttp.ClientResponse) -> str:
+    return response.headers.get("Content-Type", "").partition(";")[0].strip().lower()
+
+
+def _fields(response: aiohttp.ClientResponse) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for name, value in response.headers.items():
+        key = name.lower()
+        found[key] = f"{found[key]}, {value}" if key in found else value
+    return found
+
+
+async def _body(where: URL, response: aiohttp.ClientResponse, max_bytes: int) -> bytes:
+    if response.headers.get("Content-Encoding", "identity").strip().lower() not in {"identity", ""}:
+        raise WireError(f"{shown_url(where)} answers with compressed bytes, which nobody asked for")
+    if response.content_length is not None and response.content_length > max_bytes:
+        raise _too_long(where, max_bytes)
+    data = bytearray()
+    while chunk := await response.content.readany():
+        data += chunk
+        if len(data) > max_bytes:
+            raise _too_long(where, max_bytes)
+    return bytes(data)
+
+
+def _too_long(where: URL, max_bytes: int) -> WireError:
+    return WireError(f"{shown_url(where)} answers with more than {max_bytes} bytes")

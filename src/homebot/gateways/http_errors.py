@@ -1,0 +1,72 @@
+"""The errors of aiohttp, and the statuses of HTTP, as the three errors that callers know.
+
+See :mod:`homebot.gateways.http_client`, whose helper it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Final
+
+import aiohttp
+
+from homebot.conventions.payload import clean_text
+from homebot.errors import LinkError, RefusedError, WireError
+
+__all__ = ["check_status", "translated_errors"]
+
+_LATER: Final = frozenset({408, 425, 429, 502, 503, 504})
+_NO_ACCESS: Final = frozenset({401, 403, 407})
+
+
+@contextmanager
+def translated_errors(what: str, where: str, *, has_login: bool = False) -> Iterator[None]:
+    """Turn the errors of aiohttp into ours; its own texts may hold addresses, so that few are shown."""
+    try:
+        yield
+    except aiohttp.TooManyRedirects as exc:
+        raise RefusedError(f"{what} {where}", "it redirects too often", exc.status) from None
+    except aiohttp.WSServerHandshakeError as exc:
+        if 200 <= exc.status < 300 or exc.status == 101:
+            raise WireError(f"{where} opens no WebSocket as the rules say") from None
+        check_status(f"{what} {where}", exc.status, has_login=has_login)
+    except aiohttp.ClientResponseError as exc:
+        raise WireError(f"{where} broke the rules of HTTP: {clean_text(exc.message, 80)}") from None
+    except aiohttp.ClientSSLError as exc:
+        raise LinkError(f"{where} cannot be reached with TLS: {type(exc).__name__}") from None
+    except aiohttp.ClientConnectorError as exc:
+        raise LinkError(f"{where} cannot be reached: {exc.os_error.strerror or type(exc.os_error).__name__}") from None
+    except (aiohttp.ClientConnectionError, aiohttp.ClientPayloadError, OSError):
+        raise LinkError(f"the connection to {where} was lost") from None
+    except ValueError:  # aiohttp.InvalidURL, of a redirect, or a host that no name server can be asked for
+        raise WireError(f"{where} is no address of HTTP, or leads to what is none") from None
+    except aiohttp.ClientError as exc:  # a challenge that the middleware for Digest does not understand
+        raise WireError(f"{where} wants a password in an unknown way: {clean_text(str(exc), 80)}") from None
+
+
+def check_status(what: str, status: int, *, has_login: bool = False) -> None:
+    """Let a *status* from 200 to 299 pass.
+
+    Args:
+        what: The request, as text for people.
+        status: The status of the answer.
+        has_login: Whether the request carried credentials.
+
+    Raises:
+        LinkError: It says that the request may work later.
+        RefusedError: It is another; that is the code.
+    """
+    if 200 <= status < 300:
+        return
+    if status in _LATER:
+        raise LinkError(f"{what}: the server answered {status}, it may work later")
+    raise RefusedError(what, _reason(status, has_login=has_login), status)
+
+
+def _reason(status: int, *, has_login: bool) -> str:
+    if status not in _NO_ACCESS:
+        return f"the server answered {status}"
+    if not has_login:
+        return f"it wants a password (status {status})"
+    return f"it does not let homebot in with the password that is configured (status {status})"

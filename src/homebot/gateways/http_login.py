@@ -1,0 +1,69 @@
+"""Credentials for a server of HTTP, and how requests to it carry them; a helper of :mod:`homebot.gateways.http_client`.
+
+Source: RFC 7616 and 7617 (Digest and Basic authentication), RFC 6750 (Bearer).
+"""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import aiohttp
+from pydantic import SecretStr
+from yarl import URL
+
+if TYPE_CHECKING:
+    from aiohttp.client_middlewares import ClientHandlerType, ClientMiddlewareType
+
+__all__ = ["HttpLogin", "authentication"]
+
+
+@dataclass(frozen=True, slots=True)
+class HttpLogin:
+    """Credentials for one server. They are sent to no other, wherever that one redirects to.
+
+    Attributes:
+        origin: The server, as :func:`homebot.gateways.http_address.http_origin` returns it.
+        scheme: ``digest`` and ``basic`` send user and password, ``bearer`` the password as a token, ``header`` the
+            password in the header field called *user* (an API key).
+        user: The user's name; for ``digest`` and ``basic`` without a colon.
+        password: The password, or token.
+    """
+
+    origin: str
+    scheme: Literal["digest", "basic", "bearer", "header"]
+    user: str
+    password: SecretStr
+
+
+def authentication(login: HttpLogin) -> ClientMiddlewareType:
+    """Return what adds the credentials to requests to their server, and to no others."""
+    secret = login.password.get_secret_value()
+    origin = URL(login.origin).origin()
+    digest = aiohttp.DigestAuthMiddleware(login.user, secret) if login.scheme == "digest" else None
+    name, value = _header_of(login, secret)
+
+    async def authenticate(request: aiohttp.ClientRequest, handler: ClientHandlerType) -> aiohttp.ClientResponse:
+        if _as_http(request.url).origin() != origin:
+            return await handler(request)
+        if digest is not None:
+            return await digest(request, handler)
+        request.headers[name] = value
+        return await handler(request)
+
+    return authenticate
+
+
+def _as_http(url: URL) -> URL:
+    return url.with_scheme({"ws": "http", "wss": "https"}.get(url.scheme, url.scheme))
+
+
+def _header_of(login: HttpLogin, secret: str) -> tuple[str, str]:
+    match login.scheme:
+        case "basic":
+            return "Authorization", f"Basic {b64encode(f'{login.user}:{secret}'.encode()).decode()}"
+        case "bearer":
+            return "Authorization", f"Bearer {secret}"
+        case _:
+            return login.user, secret
