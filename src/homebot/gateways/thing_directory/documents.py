@@ -1,0 +1,121 @@
+"""The documents of a directory of things: pages of its list, and events. Pure.
+
+Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sections 7.3.2.1 (Things API), 7.3.2.2
+(Events API); RFC 8288, section 3 (the header field Link).
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias, cast
+
+from homebot.conventions.payload import as_fields, parse_list, parse_object, shown
+from homebot.errors import WireError
+from homebot.numbers import to_number
+
+__all__ = [
+    "DirectoryChange",
+    "DirectoryEvent",
+    "id_of",
+    "lifetime_of",
+    "next_page",
+    "read_event",
+    "read_page",
+    "text_of",
+]
+
+DirectoryChange: TypeAlias = Literal["thing_created", "thing_updated", "thing_deleted"]
+
+_CHANGES: Final = frozenset({"thing_created", "thing_updated", "thing_deleted"})
+_LONGEST_ID = 500
+_LONGEST_HEADER = 4000
+_LINK = re.compile(r'<([^<>]{0,2000})>((?:[^<>,"]|"[^"]*")*)')
+_NEXT = re.compile(r';\s*rel\s*=\s*(?:"(?:[^"]*\s)?next(?:\s[^"]*)?"|next)\s*(?:;|$)', re.IGNORECASE)
+_SHORTEST_LIFETIME, _LONGEST_LIFETIME = 60.0, 30 * 86_400.0
+
+
+@dataclass(frozen=True, slots=True)
+class DirectoryEvent:
+    """A change that the directory tells of.
+
+    Attributes:
+        change: What happened.
+        id: The thing's.
+        description: The whole description, where the event has it; else empty.
+    """
+
+    change: DirectoryChange
+    id: str
+    description: Mapping[str, object]
+
+
+def read_page(body: bytes, limit: int) -> Iterator[object]:
+    """Yield what a page lists: an array of descriptions, or a collection that has them as its members.
+
+    Raises:
+        WireError: It is neither, or longer than *limit* bytes.
+    """
+    if body.lstrip().startswith(b"{"):
+        members = parse_object(body, limit).get("members")
+        if not isinstance(members, list):
+            raise WireError("a collection of things has no members")
+        yield from members
+    else:
+        yield from parse_list(body, limit)
+
+
+def next_page(body: bytes, headers: Mapping[str, str], limit: int) -> str:
+    """Return the address of the next page, as it is written; empty where there is none.
+
+    Raises:
+        WireError: As :func:`read_page`.
+    """
+    for link in _LINK.finditer(headers.get("link", "")[:_LONGEST_HEADER]):
+        if _NEXT.search(link[2]):
+            return link[1]
+    if body.lstrip().startswith(b"{"):
+        following = parse_object(body, limit).get("next")
+        return following if isinstance(following, str) else ""
+    return ""
+
+
+def read_event(kind: str, data: str) -> DirectoryEvent | None:
+    """Return what an event tells; None for one of another kind, which directories may have.
+
+    Raises:
+        WireError: It is no object with the id of a thing.
+    """
+    if kind not in _CHANGES:
+        return None
+    fields = parse_object(data)
+    is_whole = kind == "thing_created" and "@context" in fields and "title" in fields
+    return DirectoryEvent(cast("DirectoryChange", kind), id_of(fields), fields if is_whole else {})
+
+
+def id_of(document: object) -> str:
+    """Return the id of a described thing.
+
+    Raises:
+        WireError: It has none, or one that cannot be a name.
+    """
+    found = as_fields(document).get("id")
+    if not isinstance(found, str) or not 0 < len(found) <= _LONGEST_ID or not found.isprintable() or " " in found:
+        raise WireError(f"a thing has the id {shown(found)}; a URI of at most {_LONGEST_ID} characters is expected")
+    return found
+
+
+def text_of(document: object) -> bytes:
+    """Return the text of a description, by which it is compared; when it was registered and read does not count."""
+    fields = {name: value for name, value in as_fields(document).items() if name != "registration"}
+    return json.dumps(fields, sort_keys=True, ensure_ascii=True).encode()
+
+
+def lifetime_of(document: object) -> float:
+    """Return the seconds for which a registration holds; 0 where it has no end, or says only when that is."""
+    given = to_number(as_fields(as_fields(document).get("registration")).get("ttl"))
+    if given is None or not given > 0:
+        return 0.0
+    return min(max(given, _SHORTEST_LIFETIME), _LONGEST_LIFETIME)

@@ -1,0 +1,100 @@
+"""The gateway to a directory of things: what needs no library; the rest is loaded when it serves."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import TYPE_CHECKING, ClassVar
+
+import anyio
+from anyio.abc import TaskStatus
+from pydantic import BaseModel
+
+from homebot.devices.gateway_messages import Command
+from homebot.errors import LinkError, PeerError
+from homebot.extras import check_extra
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.base import Gateway
+from homebot.gateways.context import GatewayContext
+from homebot.gateways.thing_directory.listed_thing import LOST_BACKOFF, REFUSED_BACKOFF
+from homebot.gateways.thing_directory.settings import ThingDirectorySettings
+from homebot.gateways.things.http_credentials import read_logins
+from homebot.graph import Node
+
+if TYPE_CHECKING:
+    from homebot.gateways.thing_directory.session import DirectorySession
+
+__all__ = ["ThingDirectoryGateway"]
+
+
+class ThingDirectoryGateway(Gateway):
+    """A gateway to the things that a W3C Thing Description Directory lists.
+
+    The directory says what there is; each thing is talked to by itself, at the addresses that its description names.
+    While the directory is away, what is known stays, and is used.
+
+    Args:
+        node: Its node.
+        settings: Its table.
+        context: Random numbers, in simulations.
+
+    Attributes:
+        devices: Its devices.
+    """
+
+    Settings: ClassVar[type[BaseModel]] = ThingDirectorySettings
+
+    def __init__(self, node: Node, settings: ThingDirectorySettings, context: GatewayContext | None = None) -> None:
+        super().__init__(node, settings, context)
+        self._settings = settings
+        self._random = self.context.random or Random()  # noqa: S311 - for pauses
+        self._session: DirectorySession | None = None
+        self._failures = 0
+        self._is_ready = False
+        self.devices = PublishedDevices(self, self._perform, settings, max_devices=settings.max_devices)
+
+    @classmethod
+    def check(cls, settings: BaseModel) -> None:
+        """Look for aiohttp, and for the passwords."""
+        check_extra('the gateway "thing_directory"', "mdns", "aiohttp")
+        if isinstance(settings, ThingDirectorySettings):
+            read_logins(settings.credentials)
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Follow the directory until cancelled; ready when its list was read, or could not be."""
+        from homebot.gateways.thing_directory.session import DirectorySession  # noqa: PLC0415 - loads aiohttp
+
+        def has_listed() -> None:
+            self._failures = 0
+            self.devices.problems = ()
+            self.publish_state("active")
+            self._ready(task_status)
+
+        clock, log = self.node.graph.clock, self.node.log
+        async with anyio.create_task_group() as tasks:
+            session = DirectorySession(self._settings, self.devices, tasks, has_listed, clock, log, self._random)
+            self._session, failing_since = session, clock.monotonic()
+            while True:
+                backoff, problem = LOST_BACKOFF, ""
+                try:
+                    await session.follow()
+                except LinkError as exc:
+                    problem = str(exc)
+                except PeerError as exc:
+                    backoff, problem = REFUSED_BACKOFF, str(exc)
+                if self._failures == 0:
+                    failing_since = clock.monotonic()
+                self._failures += 1
+                self.devices.problems = (problem,)
+                self.publish_state("unavailable", problem)
+                self._ready(task_status)
+                await anyio.sleep(backoff.delay(self._failures, clock.monotonic() - failing_since, self._random))
+
+    def _ready(self, task_status: TaskStatus[None]) -> None:
+        if not self._is_ready:
+            self._is_ready = True
+            task_status.started()
+
+    async def _perform(self, command: Command) -> None:
+        if self._session is None:
+            raise LinkError("the directory was not read yet")
+        await self._session.perform(command)

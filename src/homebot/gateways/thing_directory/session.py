@@ -1,0 +1,287 @@
+"""The things of one directory: listed, followed, and taken away.
+
+The events of the directory are listened to before its list is read, so that nothing is missed between the two. A
+directory without events is read again and again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from hashlib import blake2b
+from random import Random
+from typing import Final
+
+import anyio
+from anyio.abc import TaskGroup
+from structlog.typing import FilteringBoundLogger
+from yarl import URL
+
+from homebot.addresses import is_loopback
+from homebot.clock import Clock
+from homebot.conventions.payload import parse_json
+from homebot.devices.gateway_messages import Command
+from homebot.errors import HomebotError, RefusedError, UnableError, WireError
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.http_client import HttpClient
+from homebot.gateways.http_login import HttpLogin
+from homebot.gateways.thing_directory.directory_client import MAX_PAGE_BYTES, DirectoryReader
+from homebot.gateways.thing_directory.documents import (
+    DirectoryEvent,
+    id_of,
+    lifetime_of,
+    read_event,
+    read_page,
+    text_of,
+)
+from homebot.gateways.thing_directory.listed_thing import ListedThing
+from homebot.gateways.thing_directory.settings import ThingDirectorySettings
+from homebot.gateways.things.forms import change_forms
+from homebot.gateways.things.http_credentials import read_logins
+from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, http_login
+from homebot.gateways.things.thing_device import describe_thing
+from homebot.isolation import first_cause, run_as
+from homebot.wot import Form, SecurityScheme, Thing, read_thing
+
+__all__ = ["DirectorySession"]
+
+LIST_AGAIN: Final = 3600.0
+"""Seconds between two readings of the list where the directory tells what changes."""
+
+AFTER_A_LOSS: Final = 30.0
+"""Seconds after which the list is read again because a change was not."""
+
+AT_ONCE, PACE = 20, 0.02
+"""Things that are talked to at once when many are new, and the seconds between two after that."""
+
+_TOO_MANY = "thing_directory.thing_refused"
+_TURN = 20
+_MAX_INVALID = 10_000
+_NO_EVENTS = frozenset({204, 400, 404, 405, 406, 410, 422, 501})
+
+
+class DirectorySession:
+    """The work on one directory.
+
+    Args:
+        settings: The settings of the gateway.
+        devices: Its devices.
+        tasks: The tasks of the things, which outlive a connection to the directory.
+        has_listed: Called whenever the list was read.
+        clock: The clock to live by.
+        log: The log of the gateway's node.
+        random: For pauses.
+    """
+
+    def __init__(
+        self,
+        settings: ThingDirectorySettings,
+        devices: PublishedDevices,
+        tasks: TaskGroup,
+        has_listed: Callable[[], None],
+        clock: Clock,
+        log: FilteringBoundLogger,
+        random: Random,
+    ) -> None:
+        self._settings = settings
+        self._devices = devices
+        self._tasks = tasks
+        self._has_listed = has_listed
+        self._clock = clock
+        self._log = log
+        self._random = random
+        self._logins = read_logins(settings.credentials)
+        self._is_local = is_loopback(URL(settings.url).host or "")
+        self._known: dict[str, bytes] = {}
+        self._invalid: dict[str, bytes] = {}
+        self._followed: dict[str, ListedThing] = {}
+        self._next_start = 0.0
+        self._lists_soon = anyio.Event()
+
+    async def follow(self) -> None:
+        """Read the list, and then what changes, for as long as that works.
+
+        Raises:
+            LinkError: The directory does not answer, or the stream of events was lost.
+            RefusedError: It does not let homebot in.
+            WireError: It breaks the rules.
+        """
+        async with HttpClient(login=self._login()) as client:
+            reader = DirectoryReader(self._settings.url, client)
+            await self._listen(reader)
+            while True:
+                await self._list(reader)
+                await anyio.sleep(self._settings.list_every)
+
+    async def perform(self, command: Command) -> None:
+        """Carry out a command; return when the thing has accepted it.
+
+        Raises:
+            LinkError: The thing does not answer.
+            RefusedError: It refuses.
+            UnableError: It cannot do that as it is described.
+        """
+        followed = self._followed.get(command.key)
+        if followed is None:
+            raise UnableError(f"{command.key[:100]} has no address of HTTP")
+        await followed.perform(command)
+
+    async def _listen(self, reader: DirectoryReader) -> None:
+        """Follow the events of the directory; return where it has none."""
+        is_open = False
+        try:
+            async with reader.events() as stream, anyio.create_task_group() as tasks:
+                is_open = True
+                await self._list(reader)
+                tasks.start_soon(run_as, "the list of things", partial(self._list_again, reader))
+                async for event in stream:
+                    await self._hear(reader, event.kind, event.data)
+        except BaseExceptionGroup as group:
+            if group.split(HomebotError)[1] is not None:
+                raise
+            raise first_cause(group) from None
+        except (RefusedError, WireError) as exc:
+            if is_open or (isinstance(exc, RefusedError) and exc.code not in _NO_EVENTS):
+                raise
+            self._log.info("thing_directory.no_events", reason=str(exc)[:200])
+
+    async def _list_again(self, reader: DirectoryReader) -> None:
+        while True:
+            with anyio.move_on_after(LIST_AGAIN):
+                await self._lists_soon.wait()
+                await anyio.sleep(AFTER_A_LOSS)
+            self._lists_soon = anyio.Event()
+            await self._list(reader)
+
+    async def _list(self, reader: DirectoryReader) -> None:
+        """Read the whole list; what is in it no longer was taken away."""
+        listed: set[str] = set()
+        is_whole, number = True, 0
+        async for body in reader.pages():
+            for document in read_page(body, MAX_PAGE_BYTES):
+                number += 1
+                if number % _TURN == 0:
+                    await anyio.lowlevel.checkpoint()
+                listed.add(self._take(document))
+            if len(listed) > 2 * self._settings.max_devices:
+                is_whole = False  # the rest would be refused as well
+                break
+        if is_whole:
+            for key in self._known.keys() - listed:
+                self._remove(key, "the directory lists it no longer")
+        self._has_listed()
+
+    async def _hear(self, reader: DirectoryReader, kind: str, data: str) -> None:
+        try:
+            event = read_event(kind, data)
+        except WireError as exc:
+            self._devices.reject(self._settings.url, data.encode(errors="replace"), str(exc))
+            return
+        if event is not None:
+            await self._change(reader, event)
+
+    async def _change(self, reader: DirectoryReader, event: DirectoryEvent) -> None:
+        if event.change == "thing_deleted":
+            self._remove(event.id, "it was deleted from the directory")
+            return
+        if not self._devices.admits(event.id):
+            self._lists_soon.set()
+            return
+        if event.description:
+            self._take(event.description)
+            return
+        body = await reader.retrieve(event.id)
+        if body is None:
+            self._remove(event.id, "it was deleted from the directory")
+            return
+        try:
+            self._take(parse_json(body))
+        except WireError as exc:
+            self._devices.reject(event.id, body, str(exc))
+
+    def _take(self, document: object) -> str:
+        """List a thing; one that is described as before is left as it is. Return its key, empty for none."""
+        try:
+            key = id_of(document)
+        except WireError as exc:
+            self._devices.reject(self._settings.url, text_of(document), str(exc))
+            return ""
+        text = text_of(document)
+        digest = blake2b(text, digest_size=16).digest()
+        if digest in {self._known.get(key), self._invalid.get(key)}:
+            return key
+        if not self._devices.admits(key):
+            self._lists_soon.set()
+            return key
+        try:
+            thing = self._usable(read_thing(document, f"{self._settings.url}/"))
+        except WireError as exc:
+            self._devices.reject(key, text, f"{key[:100]}: {exc}")
+            if len(self._invalid) >= _MAX_INVALID:
+                self._invalid.clear()
+            self._invalid[key] = digest  # charged once, not with each list
+            return key
+        self._invalid.pop(key, None)
+        self._put(thing, replace(describe_thing(thing, key, HTTP_BINDING), stale_after=lifetime_of(document)), digest)
+        return key
+
+    def _put(self, thing: Thing, device: GatewayDevice, digest: bytes) -> None:
+        if device.key not in self._known and len(self._known) >= self._settings.max_devices:
+            self._devices.counters.devices_refused += 1
+            problem = f"more than {self._settings.max_devices} things; {device.key[:100]} is left out"
+            self._devices.engine.quarantine.log_limited(_TOO_MANY, problem, source="")
+            return
+        self._known[device.key] = digest
+        self._stop(device.key)
+        if not any(form.scheme in HTTP_BINDING.schemes for one in thing.affordances for form in one.forms):
+            self._devices.put(device, "the directory lists it", confirmed=False)
+            return
+        followed = ListedThing(
+            thing,
+            device,
+            HttpThingPort(thing, self._logins),
+            self._devices,
+            self._clock,
+            self._log,
+            self._random,
+            self._settings.poll_every,
+        )
+        self._followed[device.key] = followed
+        self._tasks.start_soon(run_as, "a thing", partial(followed.run, self._delay()))
+
+    def _delay(self) -> float:
+        now = self._clock.monotonic()
+        self._next_start = max(self._next_start, now - AT_ONCE * PACE) + PACE
+        return max(0.0, self._next_start - now)
+
+    def _remove(self, key: str, why: str) -> None:
+        self._known.pop(key, None)
+        self._stop(key)
+        self._devices.remove(key, why)
+
+    def _stop(self, key: str) -> None:
+        followed = self._followed.pop(key, None)
+        if followed is not None:
+            followed.scope.cancel()
+
+    def _usable(self, thing: Thing) -> Thing:
+        """Return *thing* without forms that lead to this computer itself, unless the directory is here as well."""
+
+        def usable(form: Form) -> Form | None:
+            try:
+                host = URL(form.href).host or ""
+            except ValueError:
+                return None
+            return None if is_loopback(host) and not self._is_local else form
+
+        return change_forms(thing, usable)
+
+    def _login(self) -> HttpLogin | None:
+        """Return the credentials for the directory, which only the configuration can say."""
+        where = URL(self._settings.url)
+        known = next((one for one in self._logins if one.is_for(where.host or "", where.port)), None)
+        if known is None or known.scheme in {"", "apikey"}:
+            return None
+        return http_login(known, where, SecurityScheme(known.scheme))

@@ -1,0 +1,207 @@
+"""HTTP as the protocol of things.
+
+Source: W3C Recommendation "Web of Things (WoT) Thing Description 1.1", sections 5.3.3 (security) and 8.3.1 (HTTP), and
+W3C "Web of Things (WoT) HTTP Binding": default methods, ``longpoll`` and ``sse``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import AsyncGenerator, Callable, Sequence
+from contextlib import AsyncExitStack, suppress
+from types import TracebackType
+from typing import Final, Literal, Self
+
+import anyio
+from pydantic import SecretStr
+from yarl import URL
+
+from homebot.errors import PeerError, RefusedError
+from homebot.gateways.http_address import parse_url
+from homebot.gateways.http_client import MAX_ANSWER_BYTES, HttpAnswer, HttpClient
+from homebot.gateways.http_login import HttpLogin
+from homebot.gateways.things.http_credentials import ThingLogin
+from homebot.gateways.things.port import ThingPayload
+from homebot.wot import Form, RequestBinding, SecurityScheme, Thing
+
+__all__ = ["HTTP_BINDING", "HttpThingPort", "http_login"]
+
+HTTP_BINDING: Final = RequestBinding(frozenset({"http", "https"}), ("sse", "longpoll"))
+
+LONG_POLL: Final = 50.0
+"""Seconds for which an answer to a long poll is waited for; then the value is read, and it is begun again."""
+
+SHORTEST: Final = 0.5
+"""Seconds between two long polls of which the first was answered at once."""
+
+WATCH_EVERY: Final = 60.0
+"""Seconds between two signs of life of a thing that pushes its values: a lost connection says nothing."""
+
+_HEADER = re.compile(r"[!#$%&'*+.^_`|~0-9A-Za-z-]{1,100}")
+_MARGIN = 10.0
+_NOT_SENT: Final = frozenset({"host", "content-length", "transfer-encoding", "connection", "upgrade"})
+
+
+class HttpThingPort:
+    """The way to one thing, see :class:`homebot.gateways.things.port.ThingPort`; use it as ``async with``.
+
+    Args:
+        thing: The thing.
+        logins: The credentials that are known, of whatever host.
+        max_bytes: Longest answer.
+    """
+
+    binding = HTTP_BINDING
+    pushes_current = False
+
+    def __init__(self, thing: Thing, logins: Sequence[ThingLogin], max_bytes: int = MAX_ANSWER_BYTES) -> None:
+        self._thing = thing
+        self._logins = logins
+        self._max_bytes = max_bytes
+        self._clients: dict[HttpLogin | None, HttpClient] = {}
+        self._stack = AsyncExitStack()
+        self._read_forms = {
+            push.href: read
+            for one in thing.affordances
+            for push in HTTP_BINDING.push_forms(one)
+            for read in HTTP_BINDING.read_forms(one)[:1]
+        }
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self._clients.clear()
+        with anyio.CancelScope(shield=True):
+            await self._stack.aclose()
+
+    async def read(self, form: Form) -> ThingPayload:
+        """Return what the address of *form* has now."""
+        method = form.method if form.method in {"GET", "POST"} and "writeproperty" not in form.ops else "GET"
+        return _payload(await self._request(method, form), form)
+
+    async def write(self, form: Form, payload: bytes) -> None:
+        """Send *payload*, by PUT to a property and by POST to an action where the form says nothing else."""
+        method = form.method if form.method != "GET" else ""
+        default = "POST" if "invokeaction" in form.ops else "PUT"
+        await self._request(method or default, form, payload)
+
+    async def observe(self, form: Form) -> AsyncGenerator[ThingPayload, None]:
+        """Yield what is pushed."""
+        if form.subprotocol == "sse":
+            client, url = await self._client(form)
+            async with client.events(url) as events:
+                async for event in events:
+                    yield ThingPayload(event.data.encode(errors="replace"), form.response_type or form.content_type)
+        while form.subprotocol != "sse":
+            began = anyio.current_time()
+            answer = await self._poll(form)
+            if answer is not None and answer.status != 204:
+                yield _payload(answer, form)
+            elif answer is None and form.href in self._read_forms:
+                yield await self.read(self._read_forms[form.href])
+            await anyio.sleep(max(0.0, began + SHORTEST - anyio.current_time()))
+
+    async def watch(self, confirm: Callable[[], None]) -> None:
+        """Ask a thing that pushes values for one of them now and then, until cancelled.
+
+        Args:
+            confirm: Called when it has answered.
+
+        Raises:
+            LinkError: It does not answer.
+        """
+        form = next(iter(self._read_forms.values()), None)
+        while True:
+            await anyio.sleep(WATCH_EVERY)
+            if form is not None:
+                with suppress(PeerError):  # that is an answer too
+                    await self.read(form)
+                confirm()
+
+    async def _poll(self, form: Form) -> HttpAnswer | None:
+        """Return the answer to a long poll; None where there is no news for so long that it is begun again."""
+        with anyio.move_on_after(LONG_POLL):
+            return await self._request("GET", form, time_limit=LONG_POLL + _MARGIN)
+        return None
+
+    async def _request(
+        self, method: str, form: Form, payload: bytes = b"", *, time_limit: float | None = None
+    ) -> HttpAnswer:
+        client, url = await self._client(form)
+        return await client.request(
+            method,
+            url,
+            body=payload or None,
+            content_type=form.content_type if payload else "",
+            accept=form.response_type or form.content_type,
+            time_limit=time_limit,
+        )
+
+    async def _client(self, form: Form) -> tuple[HttpClient, str]:
+        """Return what sends requests to the address of *form*, and that address as it is sent.
+
+        Raises:
+            RefusedError: It wants credentials that homebot has, in a way that homebot does not know.
+            WireError: It is no address.
+        """
+        login, url = self._login(form)
+        client = self._clients.get(login)
+        if client is None:
+            made = HttpClient(login=login, max_bytes=self._max_bytes)
+            client = self._clients[login] = await self._stack.enter_async_context(made)
+        return client, url
+
+    def _login(self, form: Form) -> tuple[HttpLogin | None, str]:
+        where = parse_url(form.href)
+        schemes = [self._thing.security[name] for name in form.security if name in self._thing.security]
+        schemes = [one for one in schemes if one.scheme != "nosec"]
+        known = next((one for one in self._logins if one.is_for(where.host or "", where.port)), None)
+        if known is None or not schemes:
+            return None, form.href
+        if len(schemes) > 1:
+            raise RefusedError("credentials for the thing", "it wants several at once, which is not supported")
+        scheme = schemes[0]
+        if known.scheme and scheme.scheme not in {known.scheme, "auto"}:
+            raise RefusedError(
+                "credentials for the thing", f"it wants {scheme.scheme[:40]!a}, and {known.scheme} is configured"
+            )
+        if scheme.scheme == "apikey" and scheme.location in {"", "query"}:  # the place where TD 1.1 has it by default
+            if not scheme.name:
+                raise RefusedError("credentials for the thing", "its description does not name the parameter")
+            return None, str(where.update_query({scheme.name: known.password.get_secret_value()}))
+        return http_login(known, where, scheme), form.href
+
+
+def http_login(login: ThingLogin, where: URL, scheme: SecurityScheme) -> HttpLogin:
+    """Return how requests to the server of *where* carry credentials.
+
+    Args:
+        login: The credentials.
+        where: An address of that server.
+        scheme: What the thing asks for.
+
+    Raises:
+        RefusedError: That is not supported.
+    """
+    origin, secret = str(where.origin()), login.password
+    found: Literal["basic", "digest", "bearer"] | None = None
+    match scheme.scheme, scheme.location:
+        case ("basic" | "digest" | "bearer") as found, "" | "header":
+            pass
+        case "auto", _:
+            found = "digest"
+        case "apikey", "header" if _HEADER.fullmatch(scheme.name) and scheme.name.lower() not in _NOT_SENT:
+            return HttpLogin(origin, "header", scheme.name, secret)
+        case "apikey", "cookie" if _HEADER.fullmatch(scheme.name):
+            return HttpLogin(origin, "header", "Cookie", SecretStr(f"{scheme.name}={secret.get_secret_value()}"))
+        case _:
+            what = f"{scheme.scheme[:40]} in {scheme.location[:40] or 'its own place'}"
+            raise RefusedError("credentials for the thing", f"it wants {what!a}, which is not supported")
+    return HttpLogin(origin, found, login.user, secret)
+
+
+def _payload(answer: HttpAnswer, form: Form) -> ThingPayload:
+    return ThingPayload(answer.body, answer.content_type or form.response_type or form.content_type)

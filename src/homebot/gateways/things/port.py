@@ -1,0 +1,60 @@
+"""The protocol that a thing is used over, as far as the thing needs it."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+from typing import Protocol
+
+from homebot.wot import Form, RequestBinding
+
+__all__ = ["ThingPayload", "ThingPort"]
+
+
+@dataclass(frozen=True, slots=True)
+class ThingPayload:
+    """A payload that a thing sent.
+
+    Attributes:
+        data: Its bytes.
+        content_type: Its type as the answer names it; empty where it names none.
+    """
+
+    data: bytes
+    content_type: str = ""
+
+
+class ThingPort(Protocol):
+    """A protocol of requests and responses, with the credentials of one thing.
+
+    Every call is limited in time and in the length of the answer. It raises :class:`homebot.errors.LinkError` where the
+    thing does not answer, :class:`homebot.errors.RefusedError` where it answers with no, and
+    :class:`homebot.errors.WireError` where its answer breaks the rules of the protocol.
+
+    Attributes:
+        binding: The forms that it can use.
+        pushes_current: Whether an observation begins with the current value; otherwise that is read first.
+    """
+
+    @property
+    def binding(self) -> RequestBinding: ...  # noqa: D102 - see Attributes
+
+    @property
+    def pushes_current(self) -> bool: ...  # noqa: D102 - likewise
+
+    async def read(self, form: Form) -> ThingPayload:
+        """Return what the address of *form* has now."""
+        ...
+
+    async def write(self, form: Form, payload: bytes) -> None:
+        """Send *payload* to the address of *form*; return when it was accepted.
+
+        Args:
+            form: Says the method and the content type as well.
+            payload: Empty for an action without input.
+        """
+        ...
+
+    def observe(self, form: Form) -> AsyncIterator[ThingPayload]:
+        """Yield what is pushed, until the caller has enough; the end of the observation is an error."""
+        ...

@@ -1,0 +1,277 @@
+"""A device that a Thing Description describes: its values observed or asked for, its commands sent.
+
+Affordances of one address share its observation, or its turn to be asked; all properties are asked for at once where
+the thing offers that. One that cannot be observed after all is asked for. All requests of the polling go one after the
+other, so that a small device is asked one thing at a time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import AsyncGenerator, Iterable
+from dataclasses import dataclass, field
+from functools import partial
+
+import anyio
+
+from homebot.conventions.payload import clean_text, shown
+from homebot.devices.gateway_messages import Command
+from homebot.devices.value import PlainValue
+from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.drivers.base import DriverHost
+from homebot.gateways.things.port import ThingPayload, ThingPort
+from homebot.isolation import first_cause, run_as
+from homebot.wot import (
+    Binding,
+    ClassifiedAffordance,
+    ClassifiedPart,
+    Form,
+    Thing,
+    decode_document,
+    encode_document,
+    facts_of,
+    identifiers_of,
+    parts_of,
+)
+
+__all__ = ["ThingDevice", "describe_thing"]
+
+MAX_OBSERVATIONS = 32
+"""Observations of one thing; what is beyond them is asked for."""
+
+POLL_EVERY = 30.0
+"""Seconds between two turns of asking."""
+
+
+def describe_thing(thing: Thing, key: str, binding: Binding, *others: str) -> GatewayDevice:
+    """Return *thing* as a device.
+
+    Args:
+        thing: The thing.
+        key: What the gateway calls it.
+        binding: The protocol's choice among its forms.
+        others: What else it is known by, for example the name of its host.
+    """
+    return GatewayDevice(
+        key=key,
+        name=clean_text(thing.title) or key,
+        parts=tuple(
+            one.part.model_copy(update={"name": clean_text(one.part.name)}) for one in parts_of(thing, binding)
+        ),
+        metadata=facts_of(thing),
+        identifiers=identifiers_of(thing, *others),
+        area=clean_text(thing.area),
+    )
+
+
+@dataclass(slots=True, eq=False)
+class _ThingSource:
+    """One address of a thing, and the affordances whose values it has.
+
+    Attributes:
+        form: The form that is observed or read.
+        affordances: Each with the id of its part.
+        has_all: Whether what is read there is an object of all properties by name.
+        instead: What is asked for where this is refused.
+    """
+
+    form: Form
+    affordances: list[tuple[str, ClassifiedAffordance]] = field(default_factory=list)
+    has_all: bool = False
+    instead: tuple[_ThingSource, ...] = ()
+
+
+class ThingDevice:
+    """The values and commands of one thing.
+
+    Args:
+        thing: The thing.
+        device: The same, as :func:`describe_thing` made it; a gateway may have added to it.
+        port: The protocol that it is used over.
+        host: Where it is published.
+        poll_every: Seconds between two turns of asking for what is not pushed.
+    """
+
+    def __init__(
+        self, thing: Thing, device: GatewayDevice, port: ThingPort, host: DriverHost, poll_every: float = POLL_EVERY
+    ) -> None:
+        self._thing = thing
+        self._device = device
+        self._port = port
+        self._host = host
+        self._poll_every = poll_every
+        self._parts: tuple[ClassifiedPart, ...] = parts_of(thing, port.binding)
+        self._asked: list[_ThingSource] = []
+        self._asks_now = anyio.Event()
+        self._is_reached = False
+        self._refusal: RefusedError | None = None
+
+    async def run(self) -> None:
+        """Describe the device and report its values, until cancelled.
+
+        Raises:
+            LinkError: It does not answer, or an observation was lost.
+            PeerError: It lets homebot read nothing.
+        """
+        self._is_reached, self._refusal = False, None
+        self._host.describe(self._device)
+        observed = self._sources()
+        try:
+            async with anyio.create_task_group() as tasks:
+                for source in observed:
+                    tasks.start_soon(run_as, "the observation of a thing", partial(self._observe, source))
+                tasks.start_soon(run_as, "the polling of a thing", self._poll)
+        except BaseExceptionGroup as group:
+            known, others = group.split((LinkError, PeerError))
+            if known is None or others is not None:
+                raise
+            raise first_cause(known) from group
+
+    async def perform(self, command: Command) -> None:
+        """Carry out a command; return when the thing has accepted it.
+
+        Raises:
+            LinkError: The thing does not answer.
+            RefusedError: It refuses.
+            UnableError: It cannot do that as it is described.
+        """
+        one = self._find(command.part, command.capability)
+        value = command.value.plain()
+        if one is None or one.written is None:
+            raise UnableError(f"{command.capability[:40]} of {command.part[:40]!r} cannot be set")
+        await self._port.write(one.written, self._payload(one, one.written, value))
+        if any(one is each for source in self._asked for _, each in source.affordances):
+            self._asks_now.set()
+
+    def _payload(self, one: ClassifiedAffordance, form: Form, value: PlainValue) -> bytes:
+        if one.affordance.kind == "action":
+            if value is not True:
+                raise RefusedError(f"{one.capability.name} {shown(value)}", "it takes only true")
+            return b""
+        format_ = self._port.binding.formats(form.content_type)
+        if format_ is None:
+            raise UnableError(f"the content type {form.content_type[:60]!r} is not understood")
+        return format_.encode(encode_document(one.capability, one.affordance, value))
+
+    def _find(self, part: str, capability: str) -> ClassifiedAffordance | None:
+        found = (one for each in self._parts if each.part.id == part for one in each.affordances)
+        return next((one for one in found if one.capability.name == capability), None)
+
+    def _sources(self) -> tuple[_ThingSource, ...]:
+        """Sort what is read into what is observed, which it returns, and what is asked for."""
+        binding = self._port.binding
+        observed: list[tuple[Form, str, ClassifiedAffordance]] = []
+        asked: list[tuple[Form, str, ClassifiedAffordance]] = []
+        pushing: set[str] = set()
+        for part in self._parts:
+            for one in part.affordances:
+                pushed, read = binding.push_forms(one.affordance), binding.read_forms(one.affordance)
+                if one.observed is None:
+                    continue
+                if pushed and (len(pushing) < MAX_OBSERVATIONS or pushed[0].href in pushing):
+                    pushing.add(pushed[0].href)
+                    observed.append((pushed[0], part.part.id, one))
+                elif read:
+                    asked.append((read[0], part.part.id, one))
+        self._asked = self._combined(_grouped(asked))
+        sources = _grouped(observed)
+        for source in sources:
+            forms = [(binding.read_forms(one.affordance), part, one) for part, one in source.affordances]
+            source.instead = _grouped([(read[0], part, one) for read, part, one in forms if read])
+        return sources
+
+    def _combined(self, sources: tuple[_ThingSource, ...]) -> list[_ThingSource]:
+        """Return one source of all properties for several, where the thing has one."""
+        forms = self._port.binding.read_all_forms(self._thing.forms)
+        if len(sources) < 2 or not forms:
+            return list(sources)
+        affordances = [one for source in sources for one in source.affordances]
+        return [_ThingSource(forms[0], affordances, has_all=True, instead=sources)]
+
+    async def _observe(self, source: _ThingSource) -> None:
+        try:
+            if not self._port.pushes_current:
+                await self._ask_all(source.instead)
+            await self._follow(source)
+        except (RefusedError, WireError) as exc:
+            self._host.log.info("things.not_observed", href=source.form.href[:200], reason=str(exc)[:200])
+        else:
+            raise LinkError(f"the observation of {source.form.href[:200]} ended")
+        self._asked += source.instead
+        self._asks_now.set()
+
+    async def _follow(self, source: _ThingSource) -> None:
+        observation = self._port.observe(source.form)
+        try:
+            async for payload in observation:
+                try:
+                    await self._take(source, payload)
+                except WireError as exc:
+                    self._host.reject(payload.data, str(exc))
+        finally:
+            if isinstance(observation, AsyncGenerator):
+                with anyio.CancelScope(shield=True):
+                    await observation.aclose()
+
+    async def _poll(self) -> None:
+        while True:
+            self._asks_now = anyio.Event()
+            await self._ask_all(self._asked)
+            if not self._is_reached and self._refusal is not None and not self._asks_now.is_set():
+                raise self._refusal
+            with anyio.move_on_after(self._poll_every):
+                await self._asks_now.wait()
+
+    async def _ask_all(self, sources: Iterable[_ThingSource]) -> None:
+        for source in tuple(sources):
+            try:
+                await self._take(source, await self._port.read(source.form))
+            except RefusedError as exc:
+                self._refusal = exc
+                self._host.log.info("things.not_read", href=source.form.href[:200], reason=str(exc)[:200])
+                self._ask_instead(source)
+            except WireError as exc:
+                self._host.reject(exc.frame, str(exc))
+                self._ask_instead(source)
+
+    def _ask_instead(self, source: _ThingSource) -> None:
+        """Ask for each by itself, from now on, what could not be had of all at once."""
+        if source.has_all and source in self._asked:
+            self._asked.remove(source)
+            self._asked += source.instead
+            self._asks_now.set()
+
+    async def _take(self, source: _ThingSource, payload: ThingPayload) -> None:
+        """Report what a payload says.
+
+        Raises:
+            WireError: It spells no document.
+        """
+        if not self._is_reached:
+            self._is_reached = True
+            self._host.report_reachable(reachable=True)
+        await self._host.deliver_raw(payload.data)
+        formats, form = self._port.binding.formats, source.form
+        format_ = formats(payload.content_type or form.response_type or form.content_type)
+        if format_ is None:
+            raise WireError(f"the content type {payload.content_type[:60]!a} is not understood")
+        document = format_.parse(payload.data)
+        if source.has_all and not isinstance(document, dict):
+            raise WireError(f"all properties are an object, not {shown(document)}")
+        for part, one in source.affordances:
+            if source.has_all and isinstance(document, dict) and one.affordance.name not in document:
+                continue
+            mine = document[one.affordance.name] if source.has_all and isinstance(document, dict) else document
+            value = decode_document(one.capability, one.affordance, mine)
+            if value is None:
+                self._host.reject(payload.data, f"{one.affordance.name[:60]!a} cannot be {shown(mine)}")
+            else:
+                await self._host.report({one.capability.name: value[0]}, part)
+
+
+def _grouped(read: Iterable[tuple[Form, str, ClassifiedAffordance]]) -> tuple[_ThingSource, ...]:
+    """Return the sources of what is read, one for each address."""
+    found: dict[tuple[str, str, str], _ThingSource] = {}
+    for form, part, one in read:
+        found.setdefault((form.href, form.method, form.subprotocol), _ThingSource(form)).affordances.append((part, one))
+    return tuple(found.values())

@@ -1,0 +1,72 @@
+"""Damaged documents of a directory of things: refused in our words, or understood."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from homebot.errors import WireError
+from homebot.gateways.event_stream import EventStreamParser
+from homebot.gateways.thing_directory.documents import id_of, lifetime_of, next_page, read_event, read_page, text_of
+from homebot.gateways.things.http_port import HTTP_BINDING
+from homebot.gateways.things.thing_device import describe_thing
+from homebot.wot import CONTEXT, read_thing
+
+if TYPE_CHECKING:
+    import random
+
+    from tests.fuzz.conftest import Fuzz, Mutator
+
+LIMIT = 200_000
+THING: dict[str, Any] = {
+    "@context": [CONTEXT, "https://webthings.io/schemas"],
+    "id": "urn:dev:mac:00158d0001abcdef",
+    "title": "Lamp",
+    "@type": "Light",
+    "base": "http://10.0.0.7/",
+    "registration": {"ttl": 3600, "created": "2026-01-01T00:00:00Z"},
+    "securityDefinitions": {"key": {"scheme": "apikey", "in": "query", "name": "k"}},
+    "security": "key",
+    "properties": {
+        "on": {
+            "type": "boolean",
+            "@type": "OnOffProperty",
+            "forms": [{"href": "on"}, {"href": "on", "op": "observeproperty", "subprotocol": "sse"}],
+        }
+    },
+    "actions": {"blink": {"forms": [{"href": "blink", "htv:methodName": "POST"}]}},
+    "events": {"hot": {"data": {"type": "number"}, "forms": [{"href": "hot", "subprotocol": "longpoll"}]}},
+}
+PAGES = [json.dumps([THING]), json.dumps({"members": [THING, THING], "next": "/things?offset=2"})]
+LINKS = ['</things?offset=50&limit=50>; rel="next"; title="a, b"', "</a>;rel=prev,</b>;rel=next"]
+
+
+def test_damaged_documents_of_directories(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+    def case(rng: random.Random) -> None:
+        damage = mutator(rng, ("id", "members", "next", "rel", "forms", "href", "http://x", "registration", "ttl"))
+        body = damage.damaged_json(rng.choice(PAGES))
+        link = damage.damaged_text(rng.choice(LINKS))
+        try:
+            next_page(body, {"link": link}, LIMIT)
+            for document in read_page(body, LIMIT):
+                take(document)
+        except WireError:
+            pass
+        stream = f"id: 1\nevent: thing_created\ndata: {json.dumps(THING)}\n\n".encode()
+        try:
+            for event in EventStreamParser(LIMIT).feed(damage.damaged_bytes(stream)):
+                read_event(event.kind, event.data)
+        except WireError:
+            pass
+
+    fuzz.run("thing_directory", case)
+
+
+def take(document: object) -> None:
+    try:
+        key = id_of(document)
+        assert text_of(document)
+        assert 0 <= lifetime_of(document) <= 30 * 86_400
+        describe_thing(read_thing(document, "http://10.0.0.2/"), key, HTTP_BINDING)
+    except WireError:
+        pass

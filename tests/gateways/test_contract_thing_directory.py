@@ -1,0 +1,81 @@
+"""The gateway to a directory of things keeps the contract: a simulated directory, and a thing that it lists."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import anyio
+from tests.gateways.contract import GatewayContract, Lamp
+from tests.gateways.test_contract_coap import Background
+
+from homebot.gateways import Gateway
+from homebot.gateways.thing_directory import ThingDirectoryGateway, ThingDirectorySettings
+from homebot.graph import Node
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.http.thing import ServedThing
+from homebot.house.http.thing_directory import ThingDirectoryServer
+
+
+class ListedLamp(Lamp):
+    """A thing on loopback, and the directory that lists it."""
+
+    def __init__(self, world: Background) -> None:
+        self.world = world
+        self.directory = ThingDirectoryServer()
+        self.commands: list[str] = []
+        self.thing = ServedThing(SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "hall"), self.commands.append)
+        self.thing.begin(DeviceState(text="off"), has_power=True)
+        key = str(self.thing.description()["id"])
+        super().__init__(key, address=key)
+
+    async def announce(self) -> None:
+        self.directory.register(self.thing.description())
+
+    async def report(self, *, on: bool) -> None:
+        self.thing.publish(DeviceState(text="on" if on else "off", is_on=on))
+
+    def raw(self, *, on: bool) -> bytes:
+        return b"true" if on else b"false"
+
+    async def misbehave(self) -> None:
+        """Let a stranger register what are no descriptions."""
+        for number in range(3000):
+            self.directory.register({"id": f"urn:stranger:{number}", "@context": [], "title": "?" * 10_000})
+            await anyio.sleep(0.001)
+
+    async def withdraw(self) -> None:
+        self.directory.delete(self.key)
+
+    async def told(self) -> bool | None:
+        return self.commands[-1] == "on" if self.commands else None
+
+    async def lose_link(self) -> None:
+        await self.world.end()
+
+    async def mend_link(self) -> None:
+        await self.world.start(self._serve, self.directory)
+        await self.world.start(self._serve, self.thing)
+
+    async def _serve(self, one: ServedThing | ThingDirectoryServer, *, task_status: anyio.abc.TaskStatus[None]) -> None:
+        await one.serve(task_status=task_status)
+
+
+class TestThingDirectoryGateway(GatewayContract):
+    """One lamp."""
+
+    name = "directory"
+
+    @asynccontextmanager
+    async def lamp(self) -> AsyncIterator[Lamp]:
+        async with anyio.create_task_group() as tasks:
+            lamp = ListedLamp(Background(tasks))
+            await lamp.mend_link()
+            yield lamp
+            await lamp.world.end()
+
+    def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
+        assert isinstance(lamp, ListedLamp)
+        return ThingDirectoryGateway(
+            node, ThingDirectorySettings.model_validate({"url": lamp.directory.url, **settings})
+        )

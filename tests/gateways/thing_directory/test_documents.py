@@ -1,0 +1,105 @@
+"""Documents of a directory of things: pages of the list, links to the next one, and events."""
+
+from __future__ import annotations
+
+import json
+from contextlib import suppress
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.errors import WireError
+from homebot.gateways.thing_directory.documents import id_of, lifetime_of, next_page, read_event, read_page, text_of
+
+LIMIT = 100_000
+
+
+def test_a_page_is_an_array_or_a_collection_with_members() -> None:
+    things = [{"id": "urn:1"}, {"id": "urn:2"}]
+    assert list(read_page(json.dumps(things).encode(), LIMIT)) == things
+    collection = {"@type": "ThingCollection", "total": 2, "members": things}
+    assert list(read_page(json.dumps(collection).encode(), LIMIT)) == things
+
+
+@pytest.mark.parametrize("body", [b"", b"{}", b'{"members": 5}', b"[1, ", b"5", b"\xff"])
+def test_what_is_no_page_is_an_error(body: bytes) -> None:
+    with pytest.raises(WireError):
+        list(read_page(body, LIMIT))
+
+
+@pytest.mark.parametrize(
+    ("header", "address"),
+    [
+        ('</things?offset=50>; rel="next"', "/things?offset=50"),
+        ("</things?offset=50>;rel=next", "/things?offset=50"),
+        ('</a>; rel="prev", </b?x=1,2>; title="a, b"; rel="last next"', "/b?x=1,2"),
+        ('</a>; REL="NEXT"; etag="x"', "/a"),
+        ('</a>; rel="prev"', ""),
+        ('</a>; rel="nextish"', ""),
+        ("", ""),
+        ("<<<>;;;,,,", ""),
+    ],
+)
+def test_the_next_page_is_named_by_a_link(header: str, address: str) -> None:
+    assert next_page(b"[]", {"link": header}, LIMIT) == address
+
+
+def test_the_next_page_of_a_collection_stands_in_it() -> None:
+    assert next_page(b'{"members": [], "next": "/things?offset=9"}', {}, LIMIT) == "/things?offset=9"
+    assert next_page(b'{"members": [], "next": 9}', {}, LIMIT) == ""
+
+
+def test_an_event_that_brings_the_whole_description_needs_no_question() -> None:
+    whole = {"@context": "c", "id": "urn:1", "title": "Lamp"}
+    created = read_event("thing_created", json.dumps(whole))
+    assert created is not None
+    assert (created.change, created.id, dict(created.description)) == ("thing_created", "urn:1", whole)
+    short = read_event("thing_created", '{"id": "urn:1"}')
+    assert short is not None
+    assert short.description == {}
+
+
+def test_what_an_update_changes_is_not_taken_for_the_whole() -> None:
+    """It is a merge patch (RFC 7396), so that the description is asked for."""
+    event = read_event("thing_updated", '{"@context": "c", "id": "urn:1", "title": "Lamp"}')
+    assert event is not None
+    assert event.description == {}
+
+
+def test_events_of_other_kinds_are_passed_over() -> None:
+    assert read_event("message", "hello") is None
+
+
+@pytest.mark.parametrize("data", ["", "[]", "{}", '{"id": 5}', '{"id": ""}', '{"id": "a b"}'])
+def test_an_event_without_an_id_is_an_error(data: str) -> None:
+    with pytest.raises(WireError):
+        read_event("thing_deleted", data)
+
+
+def test_the_moment_of_reading_changes_no_description() -> None:
+    one = {"id": "urn:1", "title": "A", "registration": {"retrieved": "2026-01-01T00:00:00Z"}}
+    other = {"title": "A", "id": "urn:1", "registration": {"retrieved": "2026-01-02T00:00:00Z"}}
+    assert text_of(one) == text_of(other)
+    assert text_of(one) != text_of({**one, "title": "B"})
+
+
+@pytest.mark.parametrize(
+    ("ttl", "lifetime"),
+    [(3600, 3600.0), (1, 60.0), (1e12, 2_592_000.0), (0, 0.0), (-5, 0.0), ("soon", 0.0), (None, 0.0)],
+)
+def test_the_lifetime_of_a_registration_is_bounded(ttl: object, lifetime: float) -> None:
+    assert lifetime_of({"registration": {"ttl": ttl}}) == lifetime
+
+
+@given(st.binary(max_size=300), st.text(max_size=200))
+def test_no_page_and_no_header_breaks_more_than_itself(body: bytes, header: str) -> None:
+    with suppress(WireError):
+        list(read_page(body, LIMIT))
+        next_page(body, {"link": header}, LIMIT)
+
+
+@given(st.recursive(st.none() | st.booleans() | st.floats() | st.text(max_size=20), st.lists, max_leaves=10))
+def test_an_id_is_a_text_or_an_error(value: object) -> None:
+    with suppress(WireError):
+        assert id_of({"id": value}) == value
