@@ -1,0 +1,172 @@
+"""The contract of drivers; the plug-in group is ``homebot.drivers``.
+
+DNS-SD says that a device is there, and its address; a driver connects to it, describes what it can do, reports its
+states and sends it commands. There is one driver object for each found service, and it knows nothing of others.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar, Protocol
+
+from pydantic import BaseModel, ConfigDict
+from structlog.typing import FilteringBoundLogger
+
+from homebot.clock import Clock
+from homebot.devices.gateway_messages import Command
+from homebot.devices.value import PlainValue
+from homebot.errors import LinkError
+from homebot.gateways.announced.gateway_device import GatewayDevice
+
+__all__ = ["Driver", "DriverHost", "DriverSession", "DriverSettings", "FoundService", "SessionDriver"]
+
+
+@dataclass(frozen=True, slots=True)
+class FoundService:
+    """A service that was found on the network (RFC 6763).
+
+    Attributes:
+        key: Its full name, ``Hall._shelly._tcp.local.``: the key of the device at the gateway.
+        name: Its instance name, for people: ``Hall``.
+        service_type: ``_shelly._tcp.local.``
+        host: The name of its host: ``shellyplus1-a8032abe54dc.local.``
+        port: Its port, 1 to 65535.
+        addresses: The addresses of its host, best first: IPv4, then IPv6, link-local ones with their scope.
+        properties: The keys and values of its TXT record, as text; keys are lower case.
+    """
+
+    key: str
+    name: str
+    service_type: str
+    host: str
+    port: int
+    addresses: tuple[str, ...]
+    properties: Mapping[str, str] = field(default_factory=dict)
+
+
+class DriverSettings(BaseModel):
+    """The table of a driver, ``[gateways.mdns.drivers.NAME]``; a driver's own model derives from it."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class DriverHost(Protocol):
+    """The gateway, as the driver of one service sees it.
+
+    Attributes:
+        clock: The clock to live by.
+        log: The log of the gateway's node.
+    """
+
+    clock: Clock
+    log: FilteringBoundLogger
+
+    def describe(self, device: GatewayDevice) -> None:
+        """Publish what the device is, once it is known and whenever that changes.
+
+        Args:
+            device: The device; its key is that of the service. What DNS-SD says of it is added by the gateway.
+        """
+
+    async def report(self, values: Mapping[str, PlainValue], part: str = "") -> None:
+        """Publish what a part reported, in the units of the vocabulary; what it cannot have reported is refused."""
+
+    def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
+        """Publish whether the device, or one of its parts, can be reached; the gateway does so for the connection."""
+
+    async def deliver_raw(self, payload: bytes) -> None:
+        """Deliver a raw message of the device, to who listens to its address."""
+
+    def reject(self, payload: bytes, why: str) -> None:
+        """Count a message of the device that breaks the rules of its protocol, and log it now and then."""
+
+
+class Driver(ABC):
+    """A driver for one service.
+
+    Its class is made once for each service of its types that is found, and again when host, port or TXT record of the
+    service have changed.
+
+    Args:
+        service: The service.
+        settings: The driver's table, checked; an instance of :attr:`Settings`.
+        host: What the gateway does for it.
+
+    Attributes:
+        service_types: The DNS-SD service types that it is for: ``_shelly._tcp.local.``
+        Settings: The model of its table.
+    """
+
+    service_types: ClassVar[frozenset[str]]
+    Settings: ClassVar[type[DriverSettings]] = DriverSettings
+
+    def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
+        self.service = service
+        self.settings = settings
+        self.host = host
+
+    @classmethod  # noqa: B027 - no duty: most need nothing
+    def check(cls, settings: DriverSettings) -> None:
+        """Look for what the driver needs before anything is started, such as libraries.
+
+        Raises:
+            UsageError: It could not work; says what to do.
+        """
+
+    @abstractmethod
+    async def run(self) -> None:
+        """Connect, describe the device, and report what it says, until cancelled.
+
+        The gateway runs it again after a growing pause when it has failed.
+
+        Raises:
+            LinkError: It cannot be connected to, or the connection was lost.
+            PeerError: It broke the rules of its protocol, or does not let homebot in; the message says what to do.
+        """
+
+    @abstractmethod
+    async def perform(self, command: Command) -> None:
+        """Carry out a command, which fits the part it is for; return when the device has accepted it.
+
+        Raises:
+            LinkError: There is no connection.
+            RefusedError: The device refuses.
+        """
+
+
+class DriverSession(Protocol):
+    """One connection of a driver, from its begin to its end."""
+
+    async def run(self) -> None:
+        """Do what :meth:`Driver.run` does."""
+
+    async def perform(self, command: Command) -> None:
+        """Do what :meth:`Driver.perform` does."""
+
+
+class SessionDriver(Driver):
+    """A driver whose every connection is a session of its own, so that nothing of one is left for the next."""
+
+    def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
+        super().__init__(service, settings, host)
+        self._session: DriverSession | None = None
+
+    @abstractmethod
+    def open_session(self) -> DriverSession:
+        """Return a session that has not begun; what it needs of an extra is imported here."""
+
+    async def run(self) -> None:
+        """Be connected until cancelled."""
+        self._session = self.open_session()
+        try:
+            await self._session.run()
+        finally:
+            self._session = None
+
+    async def perform(self, command: Command) -> None:
+        """Let the session carry *command* out."""
+        if self._session is None:
+            raise LinkError(f"{self.service.name} is not connected")
+        await self._session.perform(command)

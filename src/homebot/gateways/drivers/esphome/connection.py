@@ -1,0 +1,156 @@
+"""A connection to an ESPHome device; the one file that imports aioesphomeapi.
+
+The library does the framing, the encryption (Noise) and the pings: a device that says nothing for 90 seconds is lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from contextlib import asynccontextmanager, contextmanager
+
+import anyio
+from aioesphomeapi import core, model
+from aioesphomeapi.client import APIClient
+from aioesphomeapi.model_conversions import STATE_TYPE_TO_INFO_TYPE
+from pydantic import SecretStr
+
+from homebot.conventions.payload import clean_text
+from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.drivers.esphome.device import ListedEntity
+from homebot.gateways.drivers.esphome.entity import Fields
+from homebot.gateways.drivers.esphome.settings import KEY_ADVICE, PASSWORD_ADVICE, PLAIN_ADVICE
+
+__all__ = ["EsphomeConnection", "connected"]
+
+_COMPONENTS: Mapping[type, str] = {info: kind for kind, info in model.COMPONENT_TYPE_TO_INFO.items()}
+_STATES: Mapping[type, str] = {state: _COMPONENTS[info] for state, info in STATE_TYPE_TO_INFO_TYPE.items()}
+
+
+class EsphomeConnection:
+    """An open connection; see :func:`connected`.
+
+    Attributes:
+        name: What the device is called, for errors.
+        lost: Is set when it is lost.
+        was_expected: Whether the device said good-bye, for example because it goes to sleep.
+    """
+
+    def __init__(self, name: str, client: APIClient) -> None:
+        self.name = name
+        self._client = client
+        self.lost = anyio.Event()
+        self.was_expected = False
+
+    async def describe(self) -> tuple[Fields, list[ListedEntity]]:
+        """Return what the device says of itself, and its entities.
+
+        Raises:
+            LinkError: The connection was lost.
+        """
+        with _translated(self.name):
+            info = await self._client.device_info()
+            entities, _ = await self._client.list_entities_services()
+        version = self._client.api_version or model.APIVersion()
+        return info.to_dict(), [
+            (_COMPONENTS[type(one)], _with_compatible(one, version)) for one in entities if type(one) in _COMPONENTS
+        ]
+
+    def subscribe(self, on_state: Callable[[str, Fields], None]) -> None:
+        """Have all states reported, first the present ones: their components and fields.
+
+        Raises:
+            LinkError: The connection was lost.
+        """
+
+        def take(state: model.EntityState) -> None:
+            kind = _STATES.get(type(state))
+            if kind is not None and kind != "camera":
+                on_state(kind, state.to_dict())
+
+        with _translated(self.name):
+            self._client.subscribe_states(take)
+
+    def send(self, kind: str, key: tuple[int, int], fields: Fields) -> None:
+        """Send the command of an entity, which the native API does not answer.
+
+        Raises:
+            LinkError: The connection was lost.
+        """
+        device_id, number = key
+        command = getattr(self._client, f"{kind}_command")
+        with _translated(self.name):
+            command(number, device_id=device_id, **fields)
+
+    async def on_stop(self, expected: bool) -> None:  # noqa: FBT001 - the library calls it so
+        """Take note that the connection ended."""
+        self.was_expected = expected
+        self.lost.set()
+
+
+@asynccontextmanager
+async def connected(
+    name: str, addresses: tuple[str, ...], port: int, key: SecretStr | None, password: SecretStr | None
+) -> AsyncIterator[EsphomeConnection]:
+    """Connect to a device; the connection is closed at the end of the block.
+
+    Args:
+        name: What it is called, for errors.
+        addresses: Its addresses, best first.
+        port: Its port.
+        key: The encryption key; None for no encryption.
+        password: The password; None for none.
+
+    Raises:
+        LinkError: It cannot be reached, or the connection was lost.
+        RefusedError: It does not let homebot in; the message says what to do.
+        WireError: What answers is no ESPHome device.
+    """
+    client = APIClient(
+        addresses[0],
+        port,
+        None if password is None else password.get_secret_value(),
+        client_info="homebot",
+        noise_psk=None if key is None else key.get_secret_value(),
+        addresses=list(addresses),
+        provide_time=False,
+    )
+    connection = EsphomeConnection(name, client)
+    with _translated(name):
+        await client.connect(on_stop=connection.on_stop, login=password is not None, log_errors=False)
+    try:
+        yield connection
+    finally:
+        await client.disconnect(force=True)
+
+
+def _with_compatible(info: model.EntityInfo, version: model.APIVersion) -> Fields:
+    """Return the fields of an entity; what old firmware says in other fields is in those of today."""
+    fields: dict[str, object] = info.to_dict()
+    if isinstance(info, model.LightInfo):
+        fields["supported_color_modes"] = info.supported_color_modes_compat(version)
+    elif isinstance(info, model.ClimateInfo):
+        fields["feature_flags"] = info.supported_feature_flags_compat(version)
+        fields["supported_presets"] = info.supported_presets_compat(version)
+    elif isinstance(info, model.MediaPlayerInfo):
+        fields["feature_flags"] = info.feature_flags_compat(version)
+    return fields
+
+
+@contextmanager
+def _translated(name: str) -> Iterator[None]:
+    """Turn the library's errors into ours; no error shows a secret."""
+    try:
+        yield
+    except (core.InvalidEncryptionKeyAPIError, core.RequiresEncryptionAPIError) as exc:
+        wants = "another encryption key" if isinstance(exc, core.HandshakeAPIError) else "encryption"
+        raise RefusedError(f"the connection to {name}", f"it wants {wants}; {KEY_ADVICE.format(name)}") from None
+    except (core.EncryptionPlaintextAPIError, core.EncryptionHelloAPIError):
+        raise RefusedError(f"the connection to {name}", f"it does not encrypt; {PLAIN_ADVICE.format(name)}") from None
+    except core.InvalidAuthAPIError:
+        raise RefusedError(
+            f"the connection to {name}", f"it wants another password; {PASSWORD_ADVICE.format(name)}"
+        ) from None
+    except (core.HandshakeAPIError, core.ProtocolAPIError) as exc:
+        raise WireError(f"{name} breaks the rules of ESPHome's native API: {clean_text(str(exc))}") from None
+    except (core.APIConnectionError, OSError, TimeoutError) as exc:
+        raise LinkError(f"{name} cannot be reached: {clean_text(str(exc)) or type(exc).__name__}") from None

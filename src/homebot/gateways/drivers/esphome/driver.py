@@ -1,0 +1,198 @@
+"""The driver for ESPHome's native API: one connection to each device, over which it pushes its states."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
+from typing import TYPE_CHECKING, ClassVar
+
+import anyio
+from anyio import to_thread
+from pydantic import SecretStr
+
+from homebot.devices.gateway_messages import Command
+from homebot.errors import LinkError, RefusedError, UsageError
+from homebot.extras import check_extra
+from homebot.gateways.drivers.base import Driver, DriverHost, DriverSettings, FoundService
+from homebot.gateways.drivers.esphome.device import EsphomeDevice
+from homebot.gateways.drivers.esphome.entity import Fields
+from homebot.gateways.drivers.esphome.settings import KEY_ADVICE, EsphomeSettings
+
+if TYPE_CHECKING:
+    from homebot.gateways.drivers.esphome.connection import EsphomeConnection
+
+__all__ = ["EsphomeDriver", "StateQueue"]
+
+MAX_EVENTS = 100
+"""Events that wait to be reported; of states only the newest of each entity waits."""
+
+SLEEP_PAUSE = 5.0
+"""Seconds between two looks whether a device that went to sleep is awake."""
+
+
+class EsphomeDriver(Driver):
+    """Connects to an ESPHome device, reports the states that it pushes, and commands it.
+
+    A device that says good-bye to sleep is not unreachable: whether it can be reached is unknown then, and it is tried
+    again and again until it wakes up.
+
+    Args:
+        service: The service ``_esphomelib._tcp``; its instance name is the device's name.
+        settings: The table.
+        host: What the gateway does for it.
+    """
+
+    service_types: ClassVar[frozenset[str]] = frozenset({"_esphomelib._tcp.local."})
+    Settings: ClassVar[type[DriverSettings]] = EsphomeSettings
+
+    def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
+        super().__init__(service, settings, host)
+        self._connection: EsphomeConnection | None = None
+        self._device: EsphomeDevice | None = None
+
+    @classmethod
+    def check(cls, settings: DriverSettings) -> None:
+        """Look for the library, and read the secrets once.
+
+        Raises:
+            UsageError: Something is missing; says what to do.
+        """
+        check_extra('the driver "esphome"', "mdns", "aioesphomeapi")
+        if isinstance(settings, EsphomeSettings):
+            settings.check_secrets()
+
+    async def run(self) -> None:
+        """Connect, describe the device, and report what it says, until cancelled.
+
+        Raises:
+            LinkError: It cannot be connected to, or the connection was lost.
+            PeerError: It broke the rules of its protocol, or does not let homebot in; the message says what to do.
+        """
+        is_asleep = False
+        while True:
+            try:
+                is_asleep = await self._live_once()
+            except LinkError:
+                if not is_asleep:
+                    raise
+            if not is_asleep:
+                raise LinkError(f"the connection to {self.service.name} was lost")
+            await anyio.sleep(SLEEP_PAUSE)
+
+    async def perform(self, command: Command) -> None:
+        """Send a command; the native API does not answer it.
+
+        Raises:
+            LinkError: There is no connection.
+            RefusedError: The entity cannot do that; says what it takes.
+        """
+        connection, device = self._connection, self._device
+        if connection is None or device is None:
+            raise LinkError(f"{self.service.name} is not connected")
+        entity = device.entity(command.part)
+        value = command.value.plain()
+        fields = entity.command(command.capability, value, command.transition, command.code)
+        connection.send(entity.kind, entity.key, fields)
+
+    async def _live_once(self) -> bool:
+        """Connect, and report until the connection ends; return whether the device went to sleep."""
+        connected = await to_thread.run_sync(_load)
+
+        service, secrets = self.service, self._secrets()
+        async with connected(service.name, service.addresses, service.port, *secrets) as connection:
+            device = EsphomeDevice(*await connection.describe())
+            if device.left_out:
+                self.host.reject(b"", f"{service.name} lists {device.left_out} entities too many; they are left out")
+            self.host.describe(device.describe(service.key, service.name))
+            self._connection, self._device = connection, device
+            try:
+                await StateQueue(device, self.host).relay(connection)
+            finally:
+                self._connection = None
+            if connection.was_expected and device.sleeps:
+                self.host.report_reachable(reachable=None)
+                return True
+        return False
+
+    def _secrets(self) -> tuple[SecretStr | None, SecretStr | None]:
+        """Return key and password of the device.
+
+        The key of all is used where the device announces encryption; the key of this one always, so that nobody who
+        announces a device without encryption gets its commands. The password of all is not sent in the clear where
+        there is a key of all: any neighbour could ask for it.
+        """
+        settings, name = self.settings, self.service.name
+        if not isinstance(settings, EsphomeSettings):
+            return None, None
+        try:
+            key, password = settings.secrets_of(name)
+        except UsageError as exc:  # they were there when the gateway started
+            raise RefusedError(f"the connection to {name}", str(exc)) from exc
+        encrypts = "api_encryption" in self.service.properties
+        if encrypts and key is None:
+            raise RefusedError(f"the connection to {name}", f"it wants encryption; {KEY_ADVICE.format(name)}")
+        is_own = name in settings.devices
+        if key is not None and not (encrypts or is_own):
+            return None, None
+        return key, password
+
+
+def _load() -> Callable[..., AbstractAsyncContextManager[EsphomeConnection]]:
+    """Import the library, which takes most of a second when the first device is found: not on the event loop."""
+    from homebot.gateways.drivers.esphome.connection import connected  # noqa: PLC0415 - an extra installs its library
+
+    return connected
+
+
+class StateQueue:
+    """The states that a device pushed and nobody has reported yet: the newest of each entity, and the events.
+
+    Args:
+        device: The device.
+        host: Gets the reports.
+    """
+
+    def __init__(self, device: EsphomeDevice, host: DriverHost) -> None:
+        self._device = device
+        self._host = host
+        self._states: dict[str, Fields] = {}
+        self._events: deque[tuple[str, Fields]] = deque()
+        self._filled = anyio.Event()
+
+    async def relay(self, connection: EsphomeConnection) -> None:
+        """Report what the device says until the connection is lost."""
+        connection.subscribe(self.put)
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self.report_all)
+            await connection.lost.wait()
+            tasks.cancel_scope.cancel()
+
+    def put(self, kind: str, state: Fields) -> None:
+        """Take a state that the device pushed, to be reported soon."""
+        part = self._device.part_of(kind, state)
+        if part is None:
+            return
+        if kind != "event":
+            self._states[part] = state
+        elif len(self._events) < MAX_EVENTS:
+            self._events.append((part, state))
+        else:
+            self._host.reject(b"", f"{part} reports events faster than they can be read")
+        self._filled.set()
+
+    async def report_all(self) -> None:
+        """Report what waits, until cancelled."""
+        while True:
+            await self._filled.wait()
+            self._filled = anyio.Event()
+            states, self._states = self._states, {}
+            for part, state in states.items():
+                await self._report(part, state)
+            while self._events:
+                await self._report(*self._events.popleft())
+
+    async def _report(self, part: str, state: Fields) -> None:
+        values = self._device.entities[part].read(state)
+        if values:
+            await self._host.report(values, part)

@@ -1,0 +1,38 @@
+"""The driver for ``_shelly._tcp``: what needs no library; the rest is loaded when the first device is found."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from homebot.extras import check_extra
+from homebot.gateways.drivers.base import DriverHost, DriverSession, DriverSettings, FoundService, SessionDriver
+from homebot.gateways.drivers.shelly.settings import ShellyDriverSettings
+
+__all__ = ["ShellyDriver"]
+
+
+class ShellyDriver(SessionDriver):
+    """One device of Shelly's second generation or later; of the first it only tells what it is.
+
+    Source: Shelly Gen2+ API, Overview, Common Device Traits (mDNS).
+    """
+
+    service_types: ClassVar[frozenset[str]] = frozenset({"_shelly._tcp.local."})
+    Settings: ClassVar[type[DriverSettings]] = ShellyDriverSettings
+
+    def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
+        super().__init__(service, settings, host)
+        self._settings = settings if isinstance(settings, ShellyDriverSettings) else ShellyDriverSettings()
+
+    @classmethod
+    def check(cls, settings: DriverSettings) -> None:
+        """Look for aiohttp, and for the passwords."""
+        check_extra('the driver "shelly"', "mdns", "aiohttp")
+        if isinstance(settings, ShellyDriverSettings):
+            settings.read_passwords()
+
+    def open_session(self) -> DriverSession:
+        """Return a session; this loads aiohttp."""
+        from homebot.gateways.drivers.shelly.session import ShellySession  # noqa: PLC0415 - an extra
+
+        return ShellySession(self.service, self._settings, self.host)

@@ -1,0 +1,223 @@
+"""One connection to one Shelly, from its first answer to the loss of the link."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Final
+
+import anyio
+
+from homebot.conventions.description import DeviceAnnounced
+from homebot.conventions.payload import as_fields, clean_text, compact_json
+from homebot.conventions.shelly.gen2 import MAX_ANSWER_BYTES
+from homebot.conventions.shelly.gen2_component import Fields
+from homebot.conventions.shelly.gen2_device import is_prefix, text_of
+from homebot.conventions.shelly.gen2_rpc import ANSWERS, COMPONENTS, AnswerKind, Gen2RpcDevice, is_news_of_setup
+from homebot.devices.gateway_messages import Command
+from homebot.devices.identity import identifiers
+from homebot.errors import HomebotError, LinkError, RefusedError, WireError
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.drivers.base import DriverHost, FoundService
+from homebot.gateways.drivers.shelly.rpc_link import RpcLink, wants_password
+from homebot.gateways.drivers.shelly.rpc_login import RpcLogin
+from homebot.gateways.drivers.shelly.settings import ShellyDriverSettings
+from homebot.gateways.http_address import http_origin
+from homebot.gateways.http_client import HttpClient
+from homebot.isolation import first_cause
+
+__all__ = ["ShellySession"]
+
+ASK_AGAIN: Final = 300.0
+"""Seconds after which a device is asked again how it is: who measures nothing may be silent for days."""
+
+PAUSE: Final = 5.0
+"""Shortest time between two rounds of questions, in seconds, however often a device says that it is set up anew."""
+
+_ADDRESSES = 4
+_PAGES = 20
+
+
+class ShellySession:
+    """One connection to one device.
+
+    Args:
+        service: Where the device is.
+        settings: The passwords.
+        host: Where the device is described and reported to.
+    """
+
+    def __init__(self, service: FoundService, settings: ShellyDriverSettings, host: DriverHost) -> None:
+        self._service = service
+        self._settings = settings
+        self._host = host
+        self._device: Gen2RpcDevice | None = None
+        self._described: GatewayDevice | None = None
+        self._rpc: RpcLink | None = None
+        self._setup_changed = anyio.Event()
+        self._offset = 0
+
+    async def run(self) -> None:
+        """Connect, and report what the device says, until cancelled.
+
+        Raises:
+            LinkError: It cannot be connected to, or the connection was lost.
+            RefusedError: It wants a password, or another one.
+            WireError: It is no Shelly, or breaks the rules.
+        """
+        async with HttpClient(max_bytes=MAX_ANSWER_BYTES) as client:
+            origin, about = await self._probe(client)
+            if "gen" not in about and "type" in about:
+                await self._watch_first_generation(client, origin, about)
+            device_id = about.get("id")
+            if not isinstance(device_id, str) or not is_prefix(device_id):
+                raise WireError(f"{self._service.name} says nothing of itself that a Shelly does")
+            async with client.websocket(f"{origin}/rpc", max_bytes=MAX_ANSWER_BYTES) as socket:
+                self._device = Gen2RpcDevice(device_id)
+                self._device.keep("info", about, len(compact_json(about)))
+                login = self._login(device_id, about)
+                self._rpc = RpcLink(socket, device_id, login, self._take_notification, self._host.reject)
+                await self._live(self._rpc)
+
+    async def perform(self, command: Command) -> None:
+        """Carry out a command; return when the device has accepted it.
+
+        Raises:
+            LinkError: There is no connection yet.
+            RefusedError: The part cannot do that, or the device refuses.
+        """
+        if self._rpc is None or self._device is None:
+            raise LinkError(f"{self._service.name} is not connected")
+        value = command.value.plain()
+        for call in self._device.calls(command.part, command.capability, value, command.transition):
+            await self._rpc.call(call.method, call.params)
+
+    async def _probe(self, client: HttpClient) -> tuple[str, Fields]:
+        """Return the address that answers, and what the device says there without a password."""
+        failed = LinkError(f"{self._service.name} has no address")
+        for address in self._service.addresses[:_ADDRESSES]:
+            origin = http_origin(address, self._service.port)
+            try:
+                return origin, as_fields(await client.get_json(f"{origin}/shelly"))
+            except LinkError as exc:
+                failed = exc
+        raise failed
+
+    def _login(self, device_id: str, about: Fields) -> RpcLogin | None:
+        password = self._settings.password_of(device_id)
+        if password is not None:
+            return RpcLogin(password)
+        if about.get("auth_en") is True:
+            self._describe()
+            raise RefusedError(device_id, wants_password(has_one=False), 401)
+        return None
+
+    async def _live(self, rpc: RpcLink) -> None:
+        try:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(rpc.receive)
+                while True:
+                    await self._ask(rpc)
+                    with anyio.move_on_after(ASK_AGAIN):
+                        await self._setup_changed.wait()
+        except BaseExceptionGroup as group:
+            if group.split(HomebotError)[1] is not None:
+                raise
+            raise rpc.end or first_cause(group) from None
+
+    async def _ask(self, rpc: RpcLink) -> None:
+        self._setup_changed = anyio.Event()
+        for kind, method in ANSWERS.items():
+            await rpc.call(method, on_answer=partial(self._take_answer, kind))
+        await self._ask_components(rpc)
+        await anyio.sleep(PAUSE)
+
+    async def _ask_components(self, rpc: RpcLink) -> None:
+        """Ask for the components that were added to the device; older firmware has none."""
+        self._offset = 0
+        for _ in range(_PAGES):
+            params = {"dynamic_only": True, "include": ["status", "config"], "offset": self._offset}
+            try:
+                await rpc.call(COMPONENTS, params, self._take_components)
+            except RefusedError:
+                return
+            if self._offset == 0:
+                return
+
+    async def _take_answer(self, kind: AnswerKind, answer: Fields, frame: bytes) -> None:
+        device = self._device
+        if device is None:
+            return
+        device.keep(kind, answer, len(frame))
+        if kind == "status":
+            self._describe()
+            for part, readings in device.read_status(frame):
+                await self._host.report(readings, part)
+
+    async def _take_components(self, page: Fields, frame: bytes) -> None:
+        del frame
+        device = self._device
+        if device is None:
+            return
+        self._offset = device.keep_components(page)
+        if self._offset == 0:
+            self._describe()
+            for part, readings in device.read_status(device.components_status()):
+                await self._host.report(readings, part)
+
+    async def _take_notification(self, frame: Fields, payload: bytes) -> None:
+        if self._device is None or self._described is None:
+            return
+        await self._host.deliver_raw(payload)
+        for part, readings in self._device.read_notification(payload):
+            await self._host.report(readings, part)
+        if is_news_of_setup(frame):
+            self._setup_changed.set()
+
+    def _describe(self) -> None:
+        """Publish what the device is; where that is nothing new, that it is still there."""
+        if self._device is None:
+            return
+        news = self._device.describe()
+        if news is not None or self._described is None:
+            self._described = self._gateway_device(news, self._device.stale_after)
+        self._host.describe(self._described)
+
+    def _gateway_device(self, news: DeviceAnnounced | None, stale_after: float) -> GatewayDevice:
+        if news is None:
+            return GatewayDevice(self._service.key, self._service.name)
+        return GatewayDevice(
+            key=self._service.key,
+            name=news.name,
+            parts=tuple(one.part.model_copy(update={"reads": (), "writes": ()}) for one in news.parts),
+            metadata=news.facts,
+            identifiers=news.identifiers,
+            stale_after=stale_after,
+            expiries={one.part.id: one.expiries for one in news.parts if one.expiries},
+        )
+
+    async def _watch_first_generation(self, client: HttpClient, origin: str, about: Fields) -> None:
+        """Publish what the device is, and no more, for as long as it answers."""
+        self._host.describe(_first_generation(self._service, about))
+        while True:
+            await anyio.sleep(ASK_AGAIN)
+            await client.get_json(f"{origin}/shelly")
+
+
+def _first_generation(service: FoundService, about: Fields) -> GatewayDevice:
+    """Return a device of the first generation, which can be used over MQTT.
+
+    Source: Shelly Gen1 API, Common HTTP API, /shelly.
+    """
+    facts: Mapping[str, str] = {
+        "manufacturer": "Shelly",
+        "model": text_of(about.get("type")),
+        "sw_version": text_of(about.get("fw")),
+        "generation": "1",
+    }
+    return GatewayDevice(
+        service.key,
+        clean_text(service.name),
+        metadata={name: value for name, value in facts.items() if value},
+        identifiers=identifiers((text_of(about.get("mac")),)),
+    )

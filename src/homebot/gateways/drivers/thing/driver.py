@@ -1,0 +1,56 @@
+"""The driver for ``_wot._tcp``: what needs no library; the rest is loaded when the first thing is found."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from homebot.extras import check_extra
+from homebot.gateways.drivers.base import DriverHost, DriverSession, DriverSettings, FoundService, SessionDriver
+from homebot.gateways.drivers.thing.settings import ThingDriverSettings
+from homebot.gateways.things.http_credentials import read_logins
+
+__all__ = ["HttpThingDriver", "ThingDriver"]
+
+
+class ThingDriver(SessionDriver):
+    """One thing that describes itself; of a directory of things it only tells where that is.
+
+    Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, section 6.3 (DNS-Based Service
+    Discovery).
+
+    Attributes:
+        must_describe: Whether a host without a description is at fault.
+    """
+
+    service_types: ClassVar[frozenset[str]] = frozenset({"_wot._tcp.local."})
+    Settings: ClassVar[type[DriverSettings]] = ThingDriverSettings
+    must_describe: ClassVar[bool] = True
+
+    def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
+        super().__init__(service, settings, host)
+        self._settings = settings if isinstance(settings, ThingDriverSettings) else ThingDriverSettings()
+
+    @classmethod
+    def check(cls, settings: DriverSettings) -> None:
+        """Look for aiohttp, and for the passwords."""
+        check_extra('the driver "thing"', "mdns", "aiohttp")
+        if isinstance(settings, ThingDriverSettings):
+            read_logins(settings.credentials)
+
+    def open_session(self) -> DriverSession:
+        """Return a session; this loads aiohttp."""
+        from homebot.gateways.drivers.thing.session import ThingSession  # noqa: PLC0415 - an extra
+
+        return ThingSession(self.service, self._settings, self.host, must_describe=self.must_describe)
+
+
+class HttpThingDriver(ThingDriver):
+    """A web server that may be a thing: its description is looked for at ``/.well-known/wot``.
+
+    It is no driver by itself: the configuration names it, and so lets homebot ask every web server on the network.
+
+    Source: as above, section 6.2 (Well-Known URIs).
+    """
+
+    service_types: ClassVar[frozenset[str]] = frozenset({"_http._tcp.local."})
+    must_describe: ClassVar[bool] = False

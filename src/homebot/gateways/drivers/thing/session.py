@@ -1,0 +1,225 @@
+"""One thing over HTTP: its description, and what is done with it.
+
+The description is read again each minute: it may have changed, and a thing that pushes its values and has vanished says
+nothing of it. It may come from anybody on the network: it is followed to its own host and to no other.
+
+Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sections 6.2, 6.3 and 7.1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import anyio
+from yarl import URL
+
+from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, clean_text, parse_json
+from homebot.devices.gateway_messages import Command
+from homebot.errors import HomebotError, LinkError, RefusedError, WireError
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.drivers.base import DriverHost, FoundService
+from homebot.gateways.drivers.thing.settings import ThingDriverSettings
+from homebot.gateways.http_address import http_origin, parse_url, shown_url
+from homebot.gateways.http_client import HttpClient
+from homebot.gateways.http_login import HttpLogin
+from homebot.gateways.things.forms import change_forms
+from homebot.gateways.things.http_credentials import ThingLogin, read_logins
+from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, http_login
+from homebot.gateways.things.thing_device import ThingDevice, describe_thing
+from homebot.isolation import first_cause, run_as
+from homebot.wot import Form, SecurityScheme, Thing, read_thing
+
+__all__ = ["ThingSession"]
+
+WELL_KNOWN: Final = "/.well-known/wot"
+READ_AGAIN: Final = 60.0
+"""Seconds between two readings of the description."""
+
+_ACCEPTED = "application/td+json, application/json;q=0.9"
+_ADDRESSES = 4
+_NOT_THERE = frozenset({404, 405, 410})
+
+
+@dataclass(frozen=True, slots=True)
+class _ReadDescription:
+    """A description as it was read.
+
+    Attributes:
+        url: Where.
+        data: Its bytes.
+    """
+
+    url: str
+    data: bytes
+
+
+class ThingSession:
+    """One connection to one thing.
+
+    Args:
+        service: Where it is.
+        settings: The driver's settings.
+        host: Where it is described and reported to.
+        must_describe: Whether a host without a description is at fault.
+    """
+
+    def __init__(
+        self, service: FoundService, settings: ThingDriverSettings, host: DriverHost, *, must_describe: bool
+    ) -> None:
+        self._service = service
+        self._settings = settings
+        self._host = host
+        self._must_describe = must_describe
+        self._host_name = _name_of(service)
+        self._own_hosts = frozenset(one.lower() for one in (self._host_name, *service.addresses) if one)
+        self._logins = tuple(self._known_as(one) for one in read_logins(settings.credentials))
+        self._device: ThingDevice | None = None
+
+    async def run(self) -> None:
+        """Read the description, and work with what it describes, until cancelled.
+
+        Raises:
+            LinkError: It cannot be connected to, or the connection was lost.
+            RefusedError: It does not let homebot in.
+            WireError: Its description is none.
+        """
+        description = await self._find()
+        while description is not None:
+            description = await self._follow(description)
+        self._host.describe(GatewayDevice(self._service.key, self._service.name))
+        await anyio.sleep_forever()
+
+    async def perform(self, command: Command) -> None:
+        """Carry out a command; return when the thing has accepted it.
+
+        Raises:
+            LinkError: There is no connection.
+            RefusedError: It refuses.
+            UnableError: It cannot do that as it is described.
+        """
+        if self._device is None:
+            raise LinkError(f"{self._service.name} is not connected")
+        await self._device.perform(command)
+
+    async def _follow(self, description: _ReadDescription) -> _ReadDescription:
+        """Work with the thing until its description is another, and return that."""
+        thing = self._usable(read_thing(parse_json(description.data), description.url))
+        device = describe_thing(thing, self._service.key, HTTP_BINDING)
+        if self._service.properties.get("type") == "Directory" or "ThingDirectory" in thing.types:
+            place = str(URL(description.url).origin())
+            self._host.describe(
+                replace(device, parts=(), metadata={**device.metadata, "thing_directory": clean_text(place)})
+            )
+            return await self._until_changed(description)
+        changed = description
+        try:
+            async with HttpThingPort(thing, self._logins) as port, anyio.create_task_group() as tasks:
+                self._device = ThingDevice(thing, device, port, self._host, self._settings.poll_every)
+                tasks.start_soon(run_as, "a thing", self._device.run)
+                changed = await self._until_changed(description)
+                tasks.cancel_scope.cancel()
+        except BaseExceptionGroup as group:
+            if group.split(HomebotError)[1] is not None:
+                raise
+            raise first_cause(group) from None
+        finally:
+            self._device = None
+        return changed
+
+    async def _until_changed(self, description: _ReadDescription) -> _ReadDescription:
+        while True:
+            await anyio.sleep(READ_AGAIN)
+            now = await self._read(description.url)
+            if now != description:
+                return now
+
+    async def _find(self) -> _ReadDescription | None:
+        """Return the description from the first address that answers; None where there is none, and need be none."""
+        scheme, path = self._service.properties.get("scheme", ""), self._service.properties.get("td", "")
+        if not self._must_describe:
+            scheme, path = "", ""
+        name = (self._host_name,) if scheme == "https" and self._host_name else ()
+        path = path or WELL_KNOWN
+        failed = LinkError(f"{self._service.name} has no address")
+        for address in (*name, *self._service.addresses[:_ADDRESSES]):
+            origin = http_origin(address, self._service.port, "https" if scheme == "https" else "http")
+            try:
+                return await self._read(origin + (path if path.startswith("/") else f"/{path}"))
+            except LinkError as exc:
+                failed = exc
+            except RefusedError as exc:
+                if self._must_describe or exc.code not in _NOT_THERE:
+                    raise
+                return None
+            except WireError:
+                if self._must_describe:
+                    raise
+                return None
+        raise failed
+
+    async def _read(self, url: str) -> _ReadDescription:
+        async with HttpClient(login=self._login(parse_url(url)), max_bytes=MAX_ANNOUNCEMENT_BYTES) as client:
+            answer = await client.get(url, accept=_ACCEPTED)
+        if "json" not in answer.content_type and answer.content_type:
+            raise WireError(f"{shown_url(URL(url))} has {answer.content_type[:60]!a}, no Thing Description")
+        return _ReadDescription(url, answer.body)
+
+    def _login(self, where: URL) -> HttpLogin | None:
+        """Return the credentials with which descriptions are read, which only the configuration can say."""
+        known = next((one for one in self._logins if one.is_for(where.host or "", where.port)), None)
+        if known is None or known.scheme in {"", "apikey"}:
+            return None
+        return http_login(known, where, SecurityScheme(known.scheme))
+
+    def _known_as(self, login: ThingLogin) -> ThingLogin:
+        """Return credentials that are for the service by its host's name as those for its addresses."""
+        if not self._host_name or not login.is_for(self._host_name, self._service.port):
+            return login
+        shown = (f"[{one}]" if ":" in one else one for one in self._service.addresses)
+        return login.with_hosts(*(f"{one}:{self._service.port}" for one in shown))
+
+    def _usable(self, thing: Thing) -> Thing:
+        """Return *thing* with those forms alone that lead to its own host."""
+        left_out = 0
+
+        def usable(form: Form) -> Form | None:
+            nonlocal left_out
+            if form.scheme not in HTTP_BINDING.schemes:
+                return form
+            if found := self._at_own_host(form):
+                return found
+            left_out += 1
+            return None
+
+        found = change_forms(thing, usable)
+        if left_out:
+            self._host.log.warning(
+                "thing.forms_left_out",
+                message=f"{self._service.name}: {left_out} forms lead to other hosts and are not used",
+            )
+        return found
+
+    def _at_own_host(self, form: Form) -> Form | None:
+        """Return *form* with an address that can be reached: this computer need not know the names of the network."""
+        try:
+            where = parse_url(form.href)
+        except WireError:
+            return None
+        name = (where.host or "").lower().removesuffix(".")
+        if name not in self._own_hosts:
+            return None
+        is_name = name == self._host_name
+        if is_name and where.scheme == "http" and self._service.addresses:
+            origin = URL(http_origin(self._service.addresses[0], where.port or 80))
+            return replace(form, href=str(origin.join(where.relative())))
+        return form
+
+
+def _name_of(service: FoundService) -> str:
+    """Return the name of the host of a service; empty where it is none that mDNS may say the addresses of.
+
+    A neighbour may claim ``localhost``, an address, or a name of the internet, and its own addresses for them.
+    """
+    name = service.host.lower().removesuffix(".")
+    return name if name.endswith(".local") else ""

@@ -1,0 +1,180 @@
+"""One connection to one WLED controller, from its first answer to the loss of the link.
+
+The controller sends its whole state over a WebSocket whenever that changes; one that serves none, or has no room for
+another, is asked every ten seconds. Commands go by HTTP, because a WebSocket does not say whether they were taken.
+
+Source: WLED, https://kno.wled.ge/interfaces/websocket and /json-api.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import anyio
+
+from homebot.conventions.payload import as_fields, parse_object
+from homebot.devices.gateway_messages import Command
+from homebot.errors import HomebotError, LinkError, RefusedError, WireError
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.drivers.base import DriverHost, FoundService
+from homebot.gateways.drivers.wled.strip import Fields, WledStrip, effect_names
+from homebot.gateways.http_address import http_origin
+from homebot.gateways.http_client import HttpClient, WebSocket
+from homebot.isolation import first_cause
+
+__all__ = ["WledSession"]
+
+MAX_BYTES: Final = 128 * 1024
+"""Longest answer; that of 32 segments is about 12 kB."""
+
+POLL: Final = 10.0
+"""Seconds between two questions where nothing is pushed."""
+
+ASK_AGAIN: Final = 300.0
+"""The same where state is pushed: a lamp that is left alone says nothing for days."""
+
+MOST_INVALID: Final = 20
+"""Invalid messages in a row after which the controller is not listened to any longer."""
+
+_ADDRESSES = 4
+_TRIES = 3
+_PAUSE = 0.3
+"""A controller that is busy with another request answers 503; it is free again soon."""
+
+
+class WledSession:
+    """One connection to one controller.
+
+    Args:
+        service: Where it is.
+        host: Where it is described and reported to.
+    """
+
+    def __init__(self, service: FoundService, host: DriverHost) -> None:
+        self._service = service
+        self._host = host
+        self._client: HttpClient | None = None
+        self._origin = ""
+        self._strip: WledStrip | None = None
+        self._effects: tuple[str, ...] = ()
+
+    async def run(self) -> None:
+        """Connect, and report what the controller says, until cancelled.
+
+        Raises:
+            LinkError: It cannot be connected to, or the connection was lost.
+            RefusedError: It does not let homebot in.
+            WireError: It is no WLED, or breaks the rules.
+        """
+        async with HttpClient(max_bytes=MAX_BYTES) as client:
+            document = await self._probe(client)
+            self._client = client
+            try:
+                self._effects = effect_names(await self._ask(client, "/json/eff"))
+                await self._take(document)
+                await self._stay_connected(client)
+            finally:
+                self._client = None
+
+    async def perform(self, command: Command) -> None:
+        """Carry out a command; return when the controller has taken it.
+
+        Raises:
+            LinkError: There is no connection, or the controller is busy for too long.
+            RefusedError: The part cannot do that, or the controller refuses.
+        """
+        client, strip = self._client, self._strip
+        if client is None or strip is None:
+            raise LinkError(f"{self._service.name} is not connected")
+        state = strip.write(command.part, command.capability, command.value.plain(), command.transition)
+        answer = as_fields(await self._send(client, {**state, "v": True}))
+        if "error" in answer:
+            raise RefusedError(
+                f"a command to {self._service.name}", f"the device answered error {answer['error']!s:.20}"
+            )
+        if "on" in answer and self._strip is not None:
+            await self._publish(self._strip.with_state(answer))
+
+    async def _stay_connected(self, client: HttpClient) -> None:
+        try:
+            async with client.websocket(f"{self._origin}/ws") as socket:
+                await self._live(client, socket)
+        except RefusedError:
+            await self._poll(client, POLL)
+
+    async def _live(self, client: HttpClient, socket: WebSocket) -> None:
+        try:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(self._poll, client, ASK_AGAIN)
+                await self._receive(socket)
+        except BaseExceptionGroup as group:
+            if group.split(HomebotError)[1] is not None:
+                raise
+            raise first_cause(group) from None
+
+    async def _receive(self, socket: WebSocket) -> None:
+        invalid = 0
+        while True:
+            message = await socket.receive()
+            payload = message.encode(errors="replace") if isinstance(message, str) else message
+            await self._host.deliver_raw(payload)
+            try:
+                document = parse_object(payload, MAX_BYTES)
+                if "state" in document or "info" in document:  # else it answers with success or error
+                    await self._take(document)
+                invalid = 0
+            except WireError as exc:
+                self._host.reject(payload, str(exc))
+                invalid += 1
+                if invalid >= MOST_INVALID:
+                    raise WireError(f"{self._service.name} sent {invalid} invalid messages in a row") from exc
+
+    async def _poll(self, client: HttpClient, interval: float) -> None:
+        while True:
+            await anyio.sleep(interval)
+            await self._take(as_fields(await self._ask(client, "/json/si")))
+
+    async def _probe(self, client: HttpClient) -> Fields:
+        """Find the address that answers, and return the first document."""
+        failed = LinkError(f"{self._service.name} has no address")
+        for address in self._service.addresses[:_ADDRESSES]:
+            self._origin = http_origin(address, self._service.port)
+            try:
+                return as_fields(await self._ask(client, "/json/si"))
+            except LinkError as exc:
+                failed = exc
+        raise failed
+
+    async def _ask(self, client: HttpClient, path: str) -> object:
+        for _ in range(_TRIES - 1):
+            try:
+                return await client.get_json(f"{self._origin}{path}")
+            except LinkError:
+                await anyio.sleep(_PAUSE)
+        return await client.get_json(f"{self._origin}{path}")
+
+    async def _send(self, client: HttpClient, state: Fields) -> object:
+        """Send a state; as it is absolute, sending it again does no harm."""
+        for _ in range(_TRIES - 1):
+            try:
+                return await client.send_json("POST", f"{self._origin}/json/state", state)
+            except LinkError:
+                await anyio.sleep(_PAUSE)
+        return await client.send_json("POST", f"{self._origin}/json/state", state)
+
+    async def _take(self, document: Fields) -> None:
+        await self._publish(WledStrip(document, self._effects))
+
+    async def _publish(self, strip: WledStrip) -> None:
+        """Publish what the controller is, and how it is; where it is nothing new, that it is still there."""
+        self._strip = strip
+        device = GatewayDevice(
+            key=self._service.key,
+            name=strip.name or self._service.name,
+            parts=strip.parts(),
+            metadata=strip.metadata,
+            identifiers=strip.identifiers,
+        )
+        self._host.describe(device)
+        for part, readings in strip.readings():
+            await self._host.report(readings, part)

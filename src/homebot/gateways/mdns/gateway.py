@@ -1,0 +1,271 @@
+"""The mDNS gateway: finds devices on the local network by DNS-SD, and talks to them by drivers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+from importlib import import_module
+from itertools import islice
+from random import Random
+from typing import TYPE_CHECKING, ClassVar
+
+import anyio
+import anyio.to_thread
+from anyio.abc import TaskGroup, TaskStatus
+from pydantic import BaseModel
+
+from homebot.devices.gateway_messages import Command
+from homebot.errors import LinkError
+from homebot.extras import check_extra
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.base import Gateway
+from homebot.gateways.context import GatewayContext
+from homebot.gateways.drivers import FoundService
+from homebot.gateways.mdns.driver_runner import LOST_BACKOFF, DriverRunner
+from homebot.gateways.mdns.installed_drivers import InstalledDrivers, find_drivers
+from homebot.gateways.mdns.interfaces import Interfaces, NetworkInterfaces
+from homebot.gateways.mdns.network import ResolvedService, ServiceNews
+from homebot.gateways.mdns.own_services import OwnServices
+from homebot.gateways.mdns.service_facts import facts_of, identifiers_of
+from homebot.gateways.mdns.services import Services
+from homebot.gateways.mdns.settings import MdnsGatewaySettings
+from homebot.graph import Node
+from homebot.isolation import run_as
+
+if TYPE_CHECKING:
+    from homebot.gateways.mdns.zeroconf_network import MdnsNetwork
+
+__all__ = ["MdnsGateway"]
+
+DRIVER_NOT_USED = "mdns.driver_not_used"
+
+SLACK = 15.0
+"""Seconds after the end of its record in which a service is asked; after that it counts as stale."""
+
+
+MAX_PROBLEMS = 20
+"""Devices of which the health service says what is wrong."""
+
+
+@dataclass(eq=False, slots=True)
+class _Listed:
+    """A service that is there, with its driver where it has one, and how that is stopped."""
+
+    service: FoundService
+    stale_after: float
+    device: GatewayDevice | None = None
+    runner: DriverRunner | None = None
+    scope: anyio.CancelScope | None = None
+
+
+class MdnsGateway(Gateway):
+    """Brings the devices on the local network that announce themselves by DNS-SD onto the graph.
+
+    Args:
+        node: Its node.
+        settings: Its table.
+        context: What its host gives it; a :class:`NetworkInterfaces` is used in place of the computer's.
+
+    Attributes:
+        devices: Its devices.
+    """
+
+    Settings: ClassVar[type[BaseModel]] = MdnsGatewaySettings
+
+    def __init__(
+        self, node: Node, settings: MdnsGatewaySettings | None = None, context: GatewayContext | None = None
+    ) -> None:
+        settings = settings or MdnsGatewaySettings()
+        super().__init__(node, settings, context)
+        self._settings = settings
+        self._random = self.context.random or Random()  # noqa: S311 - spreads attempts, protects nothing
+        self._interfaces = self.context.service(NetworkInterfaces) or NetworkInterfaces()
+        self._drivers = InstalledDrivers()
+        self._listed: dict[str, _Listed] = {}
+        self._tasks: TaskGroup | None = None
+        self._is_ready = False
+        self._unavailable = "it has not started"
+        self.devices = PublishedDevices(self, self._perform, settings, max_devices=settings.max_services)
+        self._services = Services(self, node.graph.clock, settings.max_services)
+        self._own = OwnServices(node, settings.announce_as) if settings.announce else None
+
+    @classmethod
+    def check(cls, settings: BaseModel) -> None:
+        """Look for the libraries, and for the drivers that have a table.
+
+        Raises:
+            UsageError: One is missing, or a table is wrong.
+        """
+        check_extra('the gateway "mdns"', "mdns", "zeroconf", "ifaddr")
+        if isinstance(settings, MdnsGatewaySettings):
+            find_drivers(settings.drivers, settings.folder)
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Follow what is on the network until cancelled; ready when it has listened once, or could not."""
+        await anyio.to_thread.run_sync(import_module, "homebot.gateways.mdns.zeroconf_network")  # starts a program
+        self._drivers = find_drivers(self._settings.drivers, self._settings.folder)
+        for problem in self._drivers.problems:
+            self.node.log.warning(DRIVER_NOT_USED, message=problem)
+        wanted, failures = self._settings.interfaces, 0
+        interfaces = self._interfaces.find(wanted)
+        while True:
+            try:
+                await self._follow(interfaces, task_status)
+                interfaces, failures = (), 0
+                continue
+            except LinkError as exc:
+                self._set_unavailable(str(exc))
+            self._ready(task_status)
+            failures += 1
+            with anyio.move_on_after(LOST_BACKOFF.delay(failures, 0.0, self._random)):
+                interfaces = await self._interfaces.wait_for_change(wanted, interfaces)
+
+    def may_come(self, news: ServiceNews) -> bool:
+        """Return whether an announcement by a service that is not known yet is to be read."""
+        return self.devices.admits(news.name)
+
+    def take(self, found: ResolvedService) -> None:
+        """List a service that is there, or still there, or has changed."""
+        service = found.service
+        if found.problem:
+            self.devices.reject(service.key, found.txt, found.problem)
+            if not service.addresses:
+                return
+        listed = self._listed.get(service.key)
+        if listed is None:
+            listed = self._listed[service.key] = _Listed(service, found.ttl + SLACK)
+            self._start(listed)
+        else:
+            listed.service = service
+            if listed.runner is not None:
+                listed.runner.change(service)
+        if listed.runner is None or listed.device is not None:
+            self._publish(listed, listed.device, "it is announced")
+
+    def drop(self, name: str, why: str) -> None:
+        """Take out a service that is gone."""
+        self._stop(self._listed.pop(name, None))
+        self.devices.remove(name, why)
+        self._tell_problems()
+
+    def refuse(self, name: str, why: str) -> None:
+        """Count an announcement that is not followed, and charge it to who sent it."""
+        self.devices.reject(name, b"", f"it is not followed: {why}")
+
+    async def _follow(self, interfaces: Interfaces, task_status: TaskStatus[None]) -> None:
+        """Follow what is on the network until there is no interface to it any more.
+
+        Raises:
+            LinkError: The network cannot be used.
+        """
+        from homebot.gateways.mdns.zeroconf_network import MdnsNetwork  # noqa: PLC0415 - an extra
+
+        wanted = self._settings.interfaces
+        if not interfaces:
+            raise LinkError(_no_interface(wanted))
+        async with MdnsNetwork.opened(interfaces, self._services.hear) as network, anyio.create_task_group() as tasks:
+            self._tasks = tasks
+            self._begin(network, tasks)
+            self._ready(task_status)
+            problem = ""
+            while not problem:
+                interfaces = await self._interfaces.wait_for_change(wanted, interfaces)
+                problem = await self._use(network, interfaces)
+            self._set_unavailable(problem)
+            tasks.cancel_scope.cancel()
+
+    async def _use(self, network: MdnsNetwork, interfaces: Interfaces) -> str:
+        """Use other *interfaces*; return the reason why that is not possible, empty where it is."""
+        if not interfaces:
+            return _no_interface(self._settings.interfaces)
+        try:
+            await network.change_interfaces(interfaces)
+        except LinkError as exc:
+            return str(exc)
+        return ""
+
+    def _begin(self, network: MdnsNetwork, tasks: TaskGroup) -> None:
+        known = [one.service for one in self._listed.values()]
+        for listed in self._listed.values():
+            self._start(listed)
+        tasks.start_soon(run_as, self.node.full_name, partial(self._services.follow, network, known))
+        for service_type in sorted(self._settings.types_with(frozenset(self._drivers.by_type))):
+            network.browse(service_type)
+        if self._own is not None:
+            tasks.start_soon(run_as, self.node.full_name, partial(self._own.announce, network))
+        self._unavailable = ""
+        self.publish_state("active")
+
+    def _start(self, listed: _Listed) -> None:
+        """Run the driver of a service, where there is one for it."""
+        driver = self._drivers.by_type.get(listed.service.service_type)
+        if driver is None or self._tasks is None:
+            return
+
+        def publish(device: GatewayDevice | None) -> None:
+            self._publish(
+                listed, device, "its driver has described it" if device else "its driver has not described it"
+            )
+
+        runner = DriverRunner(
+            driver, listed.service, self.devices, publish, self.node.graph.clock, self.node.log, self._random
+        )
+        listed.runner, listed.scope = runner, anyio.CancelScope()
+        scope = listed.scope
+
+        async def run() -> None:
+            with scope:
+                await run_as(self.node.full_name, runner.run)
+
+        self._tasks.start_soon(run)
+
+    def _stop(self, listed: _Listed | None) -> None:
+        if listed is not None and listed.scope is not None:
+            listed.scope.cancel()
+
+    def _publish(self, listed: _Listed, device: GatewayDevice | None, why: str) -> None:
+        """Publish a service as its driver describes it, and as DNS-SD does; one that nobody describes has no part."""
+        if self._listed.get(listed.service.key) is not listed:
+            return
+        listed.device, service = device or listed.device, listed.service
+        known = listed.device or GatewayDevice(
+            service.key, service.name, service_type=service.service_type.removesuffix(".local.")
+        )
+        listed.device = known
+        self._tell_problems()
+        self.devices.put(
+            replace(
+                known,
+                metadata=facts_of(service) | dict(known.metadata),
+                identifiers=tuple(dict.fromkeys((*known.identifiers, *identifiers_of(service)))),
+                stale_after=known.stale_after or listed.stale_after,
+            ),
+            why,
+        )
+
+    def _tell_problems(self) -> None:
+        runners = (one.runner for one in self._listed.values())
+        helpless = (f"{one.service.name}: {one.problem}" for one in runners if one is not None and one.needs_help)
+        self.devices.problems = (*self._drivers.problems, *islice(helpless, MAX_PROBLEMS))
+
+    def _ready(self, task_status: TaskStatus[None]) -> None:
+        if not self._is_ready:
+            self._is_ready = True
+            task_status.started()
+
+    def _set_unavailable(self, reason: str) -> None:
+        self._unavailable = reason
+        self.publish_state("unavailable", reason)
+
+    async def _perform(self, command: Command) -> None:
+        if self._unavailable:
+            raise LinkError(f"no device can be reached: {self._unavailable}")
+        listed = self._listed.get(command.key)
+        if listed is None or listed.runner is None:
+            raise LinkError(f"{command.key[:100]} has no driver that could tell it anything")
+        await listed.runner.perform(command)
+
+
+def _no_interface(wanted: tuple[str, ...]) -> str:
+    return f"there is no network interface {' or '.join(wanted)}".rstrip()

@@ -1,0 +1,86 @@
+"""The drivers of an mDNS gateway, by the service types that they are for; one that cannot be used is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from homebot.config import in_folder
+from homebot.errors import PluginError, UsageError
+from homebot.gateways.drivers import Driver, DriverSettings
+from homebot.gateways.mdns.service_type import full_type
+from homebot.plugins import load_plugin, plugin_names
+
+__all__ = ["DRIVERS", "InstalledDrivers", "UsableDriver", "find_drivers"]
+
+DRIVERS = "homebot.drivers"
+
+
+@dataclass(frozen=True, slots=True)
+class UsableDriver:
+    """A driver that can be used.
+
+    Attributes:
+        name: Its name.
+        kind: Its class.
+        settings: Its table, checked.
+    """
+
+    name: str
+    kind: type[Driver]
+    settings: DriverSettings
+
+
+@dataclass(frozen=True, slots=True)
+class InstalledDrivers:
+    """The drivers of a gateway.
+
+    Attributes:
+        by_type: Those that can be used, by service type; of two for one type the one that the configuration names, else
+            the first by name.
+        problems: The reasons why others cannot be used, as text.
+    """
+
+    by_type: Mapping[str, UsableDriver] = field(default_factory=dict)
+    problems: tuple[str, ...] = ()
+
+
+def find_drivers(tables: Mapping[str, Mapping[str, object]], folder: Path) -> InstalledDrivers:
+    """Load all drivers that are installed, and those that the configuration names.
+
+    Args:
+        tables: The tables of drivers, by their names.
+        folder: The folder that relative paths in them start from.
+
+    Raises:
+        UsageError: A driver that has a table cannot be used, or its table is wrong.
+    """
+    by_type: dict[str, UsableDriver] = {}
+    problems = []
+    for name in (*tables, *(one for one in plugin_names(DRIVERS) if one not in tables)):
+        try:
+            driver = _load(name, tables.get(name, {}), folder)
+        except UsageError as exc:
+            if name in tables:
+                raise UsageError(f"drivers.{name}: {exc}") from exc
+            problems.append(f"the driver {name} is not used: {exc}")
+            continue
+        for service_type in driver.kind.service_types:
+            by_type.setdefault(full_type(service_type), driver)
+    return InstalledDrivers(by_type, tuple(problems))
+
+
+def _load(name: str, table: Mapping[str, object], folder: Path) -> UsableDriver:
+    kind = load_plugin(DRIVERS, name)
+    if not issubclass(kind, Driver):
+        raise PluginError(name, f"{kind.__name__} is not a Driver; derive it from {Driver.__module__}")
+    try:
+        settings = kind.Settings.model_validate(table, context=in_folder(folder))
+    except ValidationError as exc:
+        first = exc.errors(include_url=False, include_input=False)[0]
+        raise UsageError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from exc
+    kind.check(settings)
+    return UsableDriver(name, kind, settings)

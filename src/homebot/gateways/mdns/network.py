@@ -1,0 +1,93 @@
+"""The network as the gateway sees it: signs of services, their records, and what homebot announces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, Protocol
+
+from homebot.gateways.drivers import FoundService
+
+__all__ = ["OwnService", "ResolvedService", "ServiceNetwork", "ServiceNews"]
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceNews:
+    """A sign of a service on the network.
+
+    Attributes:
+        kind: ``seen`` (announced, or changed), or ``gone`` (it said goodbye).
+        service_type: Its type in full.
+        name: Its name in full.
+    """
+
+    kind: Literal["seen", "gone"]
+    service_type: str
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class ResolvedService:
+    """A service whose records are known.
+
+    Attributes:
+        service: The service.
+        ttl: Seconds for which its SRV record was said to hold.
+        left: Seconds of that which are left.
+        problem: The rule that its records break, as text; empty for none.
+        txt: Its TXT record.
+    """
+
+    service: FoundService
+    ttl: float
+    left: float
+    problem: str = ""
+    txt: bytes = b""
+
+
+@dataclass(frozen=True, slots=True)
+class OwnService:
+    """A service that homebot announces.
+
+    Attributes:
+        service_type: Its type, such as ``_homebot._tcp``, perhaps with a subtype.
+        name: The name for people.
+        port: Its port; 0 where there is nothing to connect to.
+        addresses: The addresses that it listens on; empty for all of this computer.
+        properties: Its TXT record.
+    """
+
+    service_type: str
+    name: str
+    port: int
+    addresses: tuple[str, ...] = ()
+    properties: Mapping[str, str] = field(default_factory=dict)
+
+
+class ServiceNetwork(Protocol):
+    """The port to the network; :class:`homebot.gateways.mdns.zeroconf_network.MdnsNetwork` is the adapter."""
+
+    def resolve_cached(self, service_type: str, name: str) -> ResolvedService | None:
+        """Return a service as its last records say; None where some are missing or have run out."""
+
+    async def resolve(self, service_type: str, name: str, within: float) -> ResolvedService | None:
+        """Ask for the records of a service; return None where it does not answer *within* that many seconds."""
+
+    def forget(self, service_type: str, name: str) -> None:
+        """Forget what is kept of a service, so that its next announcement is news."""
+
+    def cached_names(self, service_type: str) -> tuple[str, ...]:
+        """Return the names of the services of a type that were announced and not withdrawn."""
+
+    async def ask_again(self) -> None:
+        """Ask for all types anew."""
+
+    async def announce(self, service: OwnService) -> str:
+        """Announce a service of our own; return the name that it got.
+
+        Raises:
+            LinkError: It cannot be announced.
+        """
+
+    async def withdraw(self, service_type: str) -> None:
+        """Withdraw a service of our own."""

@@ -1,0 +1,97 @@
+"""Facts that DNS-SD tells of a device: by what it is known elsewhere, its maker and model, usable addresses. Pure."""
+
+from __future__ import annotations
+
+import ipaddress
+from collections.abc import Iterable
+
+from homebot.devices.identity import identifiers
+from homebot.gateways.drivers import FoundService
+
+__all__ = ["facts_of", "identifiers_of", "printable", "usable_addresses"]
+
+_HARDWARE = ("mac", "macaddress", "mac_address", "deviceid", "bssid", "ethmac")
+"""Keys of TXT records that say the hardware address: of ESPHome, WLED, Tasmota, AirPlay and others."""
+
+_DECLARED = ("serial", "serialnumber", "serial_number", "sn", "uuid", "udn", "usn", "id")
+"""Keys that say what the device calls itself."""
+
+_SHORTEST = 8
+"""Characters of a declared id: a shorter one, such as ``1``, belongs to many devices."""
+
+_PAIRING = "_hap._tcp.local."
+"""HomeKit: its ``id`` looks like a hardware address, and is a random number that changes with each reset."""
+
+_FACTS = {
+    "manufacturer": ("manufacturer", "vendor", "mf", "usb_mfg"),
+    "model": ("model", "md", "ty", "app", "board"),
+    "sw_version": ("sw_version", "fw_version", "version", "ver", "fv"),
+}
+"""Facts by their names in the directory, and the keys of TXT records that say them."""
+
+
+def facts_of(service: FoundService) -> dict[str, str]:
+    """Return what is known of a service, as metadata of its device: DNS-SD's facts, and TXT as ``txt_<key>``."""
+    found = {
+        "dns_sd_type": service.service_type.removesuffix(".local."),
+        "host": service.host.removesuffix("."),
+        "port": str(service.port),
+        "ip_address": next(iter(service.addresses), ""),
+    }
+    for fact, keys in _FACTS.items():
+        found[fact] = next((service.properties[key] for key in keys if service.properties.get(key)), "")
+    found |= {f"txt_{key}": value for key, value in service.properties.items()}
+    return {name: printable(value) for name, value in found.items() if value}
+
+
+def identifiers_of(service: FoundService) -> tuple[str, ...]:
+    """Return by what the device of a service is known beyond this gateway; see :mod:`homebot.devices.identity`.
+
+    A host name and an instance name count where they contain a hardware address: without one, they are names that
+    people give, and one computer may be the host of many devices.
+    """
+    said = service.properties
+    label = service.host.removesuffix(".").removesuffix(".local")
+    named = [label] if _has_address(label, "mac:", "eui64:") else []
+    # Not of 64 bits: an instance of Matter is called <fabric>-<node>, and neither is an address.
+    named += [one for one in (service.name, service.name.partition("@")[0]) if _has_address(one, "mac:")]
+    if service.service_type == _PAIRING:
+        declared = [f"homekit {said['id']} pairing"] if "id" in said else []
+    else:
+        declared = [said[key] for key in _DECLARED if len(said.get(key, "")) >= _SHORTEST]
+    return identifiers([*(said[key] for key in _HARDWARE if key in said), *named, *declared])
+
+
+def usable_addresses(found: Iterable[str], *, with_loopback: bool) -> tuple[str, ...]:
+    """Return those of the addresses *found* that can be connected to, best first: IPv4, IPv6, then link-local ones.
+
+    Args:
+        found: Addresses, as text; link-local ones of IPv6 with their scope, without which they lead nowhere.
+        with_loopback: Whether a loopback address is this computer's own service. One that was announced on a network
+            would let any neighbour have us connect to what listens for this computer alone.
+    """
+    ranked: dict[str, int] = {}
+    for text in found:
+        try:
+            address = ipaddress.ip_address(text)
+        except ValueError:
+            continue
+        if address.is_multicast or address.is_unspecified or (address.is_loopback and not with_loopback):
+            continue
+        if address.version == 6 and address.is_link_local and "%" not in text:
+            continue
+        ranked[text] = 2 * address.is_link_local + (address.version == 6)
+    return tuple(sorted(ranked, key=lambda one: (ranked[one], one)))
+
+
+def printable(text: str) -> str:
+    """Return *text* with everything replaced that does not show, such as control characters."""
+    return (
+        text
+        if text.isprintable()
+        else "".join(one if one.isprintable() else "\N{REPLACEMENT CHARACTER}" for one in text)
+    )
+
+
+def _has_address(text: str, *kinds: str) -> bool:
+    return any(one.startswith(kinds) for one in identifiers([text]))

@@ -1,0 +1,222 @@
+"""The services on the network, each asked again when what it said has run out.
+
+One task follows one service: it sleeps until the SRV record runs out, asks again, and takes a service that does not
+answer for gone (RFC 6762, section 5.2). Announcements of services that are not known yet wait, bounded by type, and are
+taken in at a pace, one type after the other: a flood of one type does not keep the others out.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import anyio
+from anyio.abc import TaskGroup
+
+from homebot.clock import Clock
+from homebot.gateways.drivers import FoundService
+from homebot.gateways.mdns.network import ResolvedService, ServiceNetwork, ServiceNews
+from homebot.isolation import isolated
+
+__all__ = ["ServiceHandler", "Services"]
+
+ANSWER_WITHIN = 3.0
+"""Seconds in which a service may answer: it is asked four times."""
+
+SHORTEST = 5.0
+"""Seconds between two times that one service is asked, whatever time to live it has."""
+
+GRACE = 0.5
+"""Seconds by which the record has run out for certain."""
+
+MAX_ASKED = 32
+"""Services that are asked at the same time."""
+
+MAX_WAITING = 256
+"""Services of one type that wait to be taken in; one more is dropped and counted, and looked for again later."""
+
+BURST, PER_SECOND = 256.0, 20.0
+"""Services that are taken in at once, and after that."""
+
+PACE = 0.25
+"""Seconds between two times that some are taken in, while more wait."""
+
+LOOK_AGAIN = 30.0
+"""Seconds after which what was dropped is looked for in what the library keeps."""
+
+ASK_AGAIN = 600.0
+"""Seconds after which all types are asked for anew: an announcement may have been lost."""
+
+TRIES_AFTER_LOSS = 5
+"""Times that a service known from before is asked when the network has come back; wireless links take their time."""
+
+
+class ServiceHandler(Protocol):
+    """The port to what is done with services."""
+
+    def may_come(self, news: ServiceNews) -> bool:
+        """Return whether an announcement by a service that is not known yet is to be read."""
+
+    def take(self, found: ResolvedService) -> None:
+        """Take in a service that is there, or still there, or has changed."""
+
+    def drop(self, name: str, why: str) -> None:
+        """Take out a service that is gone, if it was ever there."""
+
+    def refuse(self, name: str, why: str) -> None:
+        """Count an announcement that is not followed."""
+
+
+@dataclass(eq=False, slots=True)
+class _Followed:
+    service_type: str
+    name: str
+    tries: int = 1
+    has_answered: bool = False
+    news: anyio.Event = field(default_factory=anyio.Event)
+    scope: anyio.CancelScope = field(default_factory=anyio.CancelScope)
+
+
+class Services:
+    """The services on one network.
+
+    Args:
+        handler: Told of services.
+        clock: The clock.
+        max_services: Services that are followed; of one type half as many.
+    """
+
+    def __init__(self, handler: ServiceHandler, clock: Clock, max_services: int) -> None:
+        self._handler = handler
+        self._clock = clock
+        self._most = max_services
+        self._followed: dict[str, _Followed] = {}
+        self._by_type: dict[str, int] = {}
+        self._waiting: OrderedDict[str, OrderedDict[str, ServiceNews]] = OrderedDict()
+        self._some_wait = anyio.Event()
+        self._missed: set[str] = set()
+        self._asking = anyio.CapacityLimiter(MAX_ASKED)
+
+    def hear(self, news: ServiceNews) -> None:
+        """Take a sign of a service from the network."""
+        key = news.name.lower()
+        one = self._followed.get(key)
+        if news.kind == "gone":
+            self._waiting.get(news.service_type, OrderedDict()).pop(key, None)
+            if one is not None:
+                one.scope.cancel()
+                self._leave(one, "it said goodbye")
+        elif one is not None:
+            one.news.set()
+        else:
+            self._line_up(key, news)
+
+    async def follow(self, network: ServiceNetwork, known: Iterable[FoundService] = ()) -> None:
+        """Follow the services on *network* until cancelled.
+
+        Args:
+            network: The network, which tells :meth:`hear` of signs.
+            known: Services from before; those that do not answer now are dropped.
+        """
+        self._followed.clear()
+        self._by_type.clear()
+        async with anyio.create_task_group() as tasks:
+            for service in known:
+                self._begin(
+                    tasks, network, _Followed(service.service_type, service.key, TRIES_AFTER_LOSS, has_answered=True)
+                )
+            tasks.start_soon(self._look_again, network)
+            tasks.start_soon(self._ask_again, network)
+            await self._take_in(tasks, network)
+
+    def _line_up(self, key: str, news: ServiceNews) -> None:
+        line = self._waiting.setdefault(news.service_type, OrderedDict())
+        if key in line or not self._handler.may_come(news):
+            return
+        if len(line) >= MAX_WAITING:
+            self._missed.add(news.service_type)
+            self._handler.refuse(news.name, f"more than {MAX_WAITING} new services of its type at once")
+            return
+        line[key] = news
+        self._some_wait.set()
+
+    async def _take_in(self, tasks: TaskGroup, network: ServiceNetwork) -> None:
+        allowed, since = BURST, self._clock.monotonic()
+        while True:
+            await self._some_wait.wait()
+            now = self._clock.monotonic()
+            allowed, since = min(BURST, allowed + (now - since) * PER_SECOND), now
+            while allowed >= 1 and (news := self._next()) is not None:
+                allowed -= 1
+                self._admit(tasks, network, news)
+            if any(self._waiting.values()):
+                await anyio.sleep(PACE)
+            else:
+                self._some_wait = anyio.Event()
+
+    def _next(self) -> ServiceNews | None:
+        """Return the next service to be taken in, of each type in turn."""
+        for service_type in tuple(self._waiting):
+            self._waiting.move_to_end(service_type)
+            if line := self._waiting[service_type]:
+                return line.popitem(last=False)[1]
+            del self._waiting[service_type]
+        return None
+
+    def _admit(self, tasks: TaskGroup, network: ServiceNetwork, news: ServiceNews) -> None:
+        if len(self._followed) >= self._most or self._by_type.get(news.service_type, 0) >= self._most // 2:
+            self._missed.add(news.service_type)
+            self._handler.refuse(news.name, f"more than {self._most} services, or half as many of its type")
+        elif news.name.lower() not in self._followed:
+            self._begin(tasks, network, _Followed(news.service_type, news.name))
+
+    def _begin(self, tasks: TaskGroup, network: ServiceNetwork, one: _Followed) -> None:
+        self._followed[one.name.lower()] = one
+        self._by_type[one.service_type] = self._by_type.get(one.service_type, 0) + 1
+        tasks.start_soon(self._follow_one, network, one)
+
+    async def _follow_one(self, network: ServiceNetwork, one: _Followed) -> None:
+        with isolated(one.name), one.scope:
+            while True:
+                one.news = anyio.Event()
+                found = network.resolve_cached(one.service_type, one.name) or await self._ask(network, one)
+                if found is None:
+                    network.forget(one.service_type, one.name)
+                    if not one.has_answered:
+                        self._handler.refuse(one.name, "it is announced, and does not answer")
+                    self._leave(one, "its announcement has run out, and it does not answer")
+                    return
+                one.tries, one.has_answered = 1, True
+                self._handler.take(found)
+                with anyio.move_on_after(max(found.left + GRACE, SHORTEST)):
+                    await one.news.wait()
+                    await anyio.sleep(PACE)  # most changes come in several messages
+
+    async def _ask(self, network: ServiceNetwork, one: _Followed) -> ResolvedService | None:
+        for _ in range(one.tries):
+            async with self._asking:
+                found = await network.resolve(one.service_type, one.name, ANSWER_WITHIN)
+            if found is not None:
+                return found
+        return None
+
+    def _leave(self, one: _Followed, why: str) -> None:
+        if self._followed.pop(one.name.lower(), None) is not None:
+            self._by_type[one.service_type] -= 1
+            self._handler.drop(one.name, why)
+
+    async def _look_again(self, network: ServiceNetwork) -> None:
+        while True:
+            await anyio.sleep(LOOK_AGAIN)
+            missed, self._missed = self._missed, set()
+            for service_type in missed:
+                for name in network.cached_names(service_type):
+                    if name.lower() not in self._followed and len(self._followed) < self._most:
+                        self.hear(ServiceNews("seen", service_type, name))
+
+    async def _ask_again(self, network: ServiceNetwork) -> None:
+        while True:
+            await anyio.sleep(ASK_AGAIN)
+            await network.ask_again()

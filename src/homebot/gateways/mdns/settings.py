@@ -1,0 +1,88 @@
+"""The table ``[gateways.NAME]`` of an mDNS gateway."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field, PrivateAttr, field_validator
+
+from homebot.config import folder_of
+from homebot.gateways.base import GatewaySettings
+from homebot.gateways.mdns.service_type import ENUMERATION, full_type, is_service_type
+
+__all__ = ["KNOWN_TYPES", "MdnsGatewaySettings"]
+
+KNOWN_TYPES = tuple(
+    f"{name}.local."
+    for name in (
+        "_airplay._tcp",
+        "_esphomelib._tcp",
+        "_googlecast._tcp",
+        "_hap._tcp",
+        "_homebot._tcp",
+        "_http._tcp",
+        "_hue._tcp",
+        "_ipp._tcp",
+        "_matter._tcp",
+        "_matterc._udp",
+        "_matterd._udp",
+        "_mqtt._tcp",
+        "_rosbridge._tcp",
+        "_shelly._tcp",
+        "_wled._tcp",
+        "_wot._tcp",
+    )
+)
+"""What is asked for at once; everything else is found by asking for all types first."""
+
+
+class MdnsGatewaySettings(GatewaySettings):
+    """The settings of an mDNS gateway.
+
+    Attributes:
+        interfaces: The network interfaces to use, by name or address; by default all but loopback.
+        service_types: The DNS-SD service types to look for, such as ``_shelly._tcp``. By default those of all drivers,
+            some that are common in houses, and every further one on the network, which
+            ``_services._dns-sd._udp`` stands for.
+        announce: Whether other programs on the network see homebot.
+        announce_as: The name that they see; by default that of this computer.
+        drivers: The tables of drivers by their names. A driver that is installed needs none; one of your own is named
+            ``module:Class``.
+        max_services: Services that may be known at once; of one type at most half of them.
+    """
+
+    interfaces: tuple[str, ...] = ()
+    service_types: tuple[str, ...] | None = None
+    announce: bool = True
+    announce_as: Annotated[str, Field(max_length=63)] = ""
+    drivers: Mapping[str, Mapping[str, object]] = Field(default_factory=dict)
+    max_services: Annotated[int, Field(ge=2, le=10_000)] = 1000
+    _folder: Path = PrivateAttr(default_factory=Path)
+
+    @field_validator("service_types")
+    @classmethod
+    def _check_types(cls, types: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        if types is None:
+            return None
+        full = tuple(full_type(one) for one in types)
+        for given, one in zip(types, full, strict=True):
+            if not is_service_type(one):
+                raise ValueError(f"{given!r} is not a service type; write it like _shelly._tcp")
+        return full
+
+    def model_post_init(self, context: object) -> None:
+        """Keep the folder of the configuration for the tables of drivers, which are checked later."""
+        self._folder = folder_of(context)
+
+    @property
+    def folder(self) -> Path:
+        """The folder that relative paths in the tables of drivers start from."""
+        return self._folder
+
+    def types_with(self, drivers: frozenset[str]) -> frozenset[str]:
+        """Return the service types to look for, where those of *drivers* can be talked to."""
+        if self.service_types is not None:
+            return frozenset(self.service_types)
+        return frozenset((*drivers, *KNOWN_TYPES, ENUMERATION))

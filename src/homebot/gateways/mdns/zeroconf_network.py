@@ -1,0 +1,251 @@
+"""The network as multicast DNS shows it. The only file that imports zeroconf.
+
+What the library does differently from what one would think: it raises the time to live of a PTR record to 1,125 s, so
+that the end of that record says little; and what an ``AsyncServiceInfo`` calls its TTLs are defaults of its own. The
+true time to live of a service is that of its SRV record in the cache, and is read there.
+
+Sources: RFC 6762 (Multicast DNS), RFC 6763 (DNS-Based Service Discovery).
+"""
+
+from __future__ import annotations
+
+import ipaddress
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from typing import Literal
+
+import anyio
+from zeroconf import Error, IPVersion, ServiceInfo, ServiceStateChange, Zeroconf, current_time_millis
+from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf
+
+from homebot.errors import LinkError
+from homebot.gateways.drivers import FoundService
+from homebot.gateways.mdns.interfaces import Interfaces
+from homebot.gateways.mdns.network import OwnService, ResolvedService, ServiceNetwork, ServiceNews
+from homebot.gateways.mdns.service_facts import printable, usable_addresses
+from homebot.gateways.mdns.service_type import ENUMERATION, base_type, full_type, instance_label, is_service_type
+from homebot.gateways.mdns.txt_record import read_txt
+
+__all__ = ["MdnsNetwork"]
+
+MAX_TYPES = 100
+"""Service types that are asked for at once; a house has up to fifty."""
+
+LONGEST_TTL = 4500.0
+"""Seconds: the longest time to live that RFC 6762, section 10, recommends, for any record."""
+
+UNKNOWN_TTL = 120.0
+"""Seconds: what section 10 recommends for SRV records, where the record is not kept any more."""
+
+_CLOSING = 2.0
+_SRV = 33  # RFC 2782
+
+
+class MdnsNetwork(ServiceNetwork):
+    """The network behind some interfaces, used as ``async with MdnsNetwork.opened(…) as network``.
+
+    Attributes:
+        refused_types: Service types that are not asked for, because there are too many.
+    """
+
+    def __init__(self, zeroconf: AsyncZeroconf, interfaces: Interfaces, hear: Callable[[ServiceNews], None]) -> None:
+        self.refused_types = 0
+        self._zeroconf = zeroconf
+        self._interfaces = interfaces
+        self._hear = hear
+        self._browsers: dict[str, AsyncServiceBrowser] = {}
+        self._own: dict[str, ServiceInfo] = {}
+        self._with_loopback = any(_is_loopback(one) for one in interfaces)
+
+    @classmethod
+    @asynccontextmanager
+    async def opened(cls, interfaces: Interfaces, hear: Callable[[ServiceNews], None]) -> AsyncIterator[MdnsNetwork]:
+        """Open the network inside the block; leaving it says goodbye for what was announced.
+
+        Args:
+            interfaces: Where.
+            hear: Called with each sign of a service; it must not raise.
+
+        Raises:
+            LinkError: It cannot be opened.
+        """
+        try:
+            zeroconf = AsyncZeroconf(zc=Zeroconf(interfaces=list(interfaces), ip_version=_version(interfaces)))
+        except (OSError, RuntimeError, Error) as exc:
+            raise LinkError(f"mDNS cannot be used on {', '.join(map(str, interfaces))}: {exc}") from exc
+        network = cls(zeroconf, interfaces, hear)
+        try:
+            try:
+                await zeroconf.zeroconf.async_wait_for_start()
+            except Error as exc:
+                raise LinkError(f"mDNS cannot be used on {', '.join(map(str, interfaces))}: {exc}") from exc
+            yield network
+        finally:
+            with anyio.CancelScope(shield=True), anyio.move_on_after(_CLOSING):
+                await network._close()
+
+    async def change_interfaces(self, interfaces: Interfaces) -> None:
+        """Use other interfaces from now on; what is announced is announced there too.
+
+        Raises:
+            LinkError: They cannot be used.
+        """
+        self._interfaces = interfaces
+        self._with_loopback = any(_is_loopback(one) for one in interfaces)
+        try:
+            await self._zeroconf.async_update_interfaces(list(interfaces), _version(interfaces))
+        except (OSError, RuntimeError, Error) as exc:
+            raise LinkError(f"mDNS cannot be used on {', '.join(map(str, interfaces))}: {exc}") from exc
+
+    def browse(self, service_type: str) -> None:
+        """Look for services of a type from now on; for :data:`ENUMERATION`, for all types there are."""
+        if service_type in self._browsers:
+            return
+        if len(self._browsers) >= MAX_TYPES:
+            self.refused_types += 1
+            return
+        take = self._take_type if service_type == ENUMERATION else self._take
+        self._browsers[service_type] = AsyncServiceBrowser(self._zeroconf.zeroconf, service_type, handlers=[take])
+
+    async def ask_again(self) -> None:
+        """Ask for all types anew, for what was not heard before; what is known already is said once more."""
+        for service_type, browser in tuple(self._browsers.items()):
+            await browser.async_cancel()
+            del self._browsers[service_type]
+            self.browse(service_type)
+
+    def cached_names(self, service_type: str) -> tuple[str, ...]:
+        """Return the names of the services of a type that were announced and not withdrawn, as far as they are kept."""
+        now, cache = current_time_millis(), self._zeroconf.zeroconf.cache
+        kept = cache.async_entries_with_name(service_type)
+        return tuple(one.alias for one in kept if hasattr(one, "alias") and not one.is_expired(now))
+
+    def resolve_cached(self, service_type: str, name: str) -> ResolvedService | None:
+        """Return a service as its last records say; None where some are missing or have run out."""
+        try:
+            info = AsyncServiceInfo(service_type, name)
+        except Error:
+            return None
+        found = info.load_from_cache(self._zeroconf.zeroconf)
+        return self._resolved(info, service_type, name) if found else None
+
+    async def resolve(self, service_type: str, name: str, within: float) -> ResolvedService | None:
+        """Ask for the records of a service that have run out, or were never heard.
+
+        Args:
+            service_type: Its type in full.
+            name: Its name in full.
+            within: Seconds in which it may answer.
+
+        Returns:
+            The service; None where it does not answer. One that answers without a TXT record, which RFC 6763 demands,
+            is one all the same.
+        """
+        try:
+            info = AsyncServiceInfo(service_type, name)
+            found = await info.async_request(self._zeroconf.zeroconf, within * 1000)
+        except Error:  # a name that is none, or the network was closed meanwhile
+            return None
+        is_enough = found or (info.server and info.port is not None and info.parsed_addresses())
+        return self._resolved(info, service_type, name) if is_enough else None
+
+    def forget(self, service_type: str, name: str) -> None:
+        """Forget what is kept of a service, so that its next announcement is news."""
+        cache = self._zeroconf.zeroconf.cache
+        pointers = [
+            one
+            for one in cache.async_entries_with_name(base_type(service_type))
+            if getattr(one, "alias", "").lower() == name.lower()
+        ]
+        cache.async_remove_records({*pointers, *cache.async_entries_with_name(name)})
+
+    async def announce(self, service: OwnService) -> str:
+        """Announce a service of our own, in place of one of the same type; return the name that it got.
+
+        Where another computer has a service of that name, a number is added to it (RFC 6762, section 9).
+        """
+        await self.withdraw(service.service_type)
+        full = full_type(service.service_type)
+        addresses = [one for one in service.addresses if not ipaddress.ip_address(one).is_unspecified]
+        info = ServiceInfo(
+            full,
+            f"{service.name}.{base_type(full)}",
+            port=service.port,
+            properties=dict(service.properties),
+            server=f"{_host_label(service.name)}.local.",
+            parsed_addresses=addresses or self._own_addresses(),
+        )
+        self._own[service.service_type] = info
+        try:
+            sent = await self._zeroconf.async_register_service(info, allow_name_change=True)
+            await sent
+        except Error as exc:
+            del self._own[service.service_type]
+            raise LinkError(f"{service.name} cannot be announced as {service.service_type}: {exc}") from exc
+        return instance_label(info.name, full)
+
+    async def withdraw(self, service_type: str) -> None:
+        """Withdraw a service of our own with a goodbye; none of that type is nothing new."""
+        info = self._own.pop(service_type, None)
+        if info is not None:
+            await (await self._zeroconf.async_unregister_service(info))
+
+    def _own_addresses(self) -> list[str]:
+        return [one for one in self._interfaces if isinstance(one, str)]
+
+    def _take(self, *, service_type: str, name: str, state_change: ServiceStateChange, **_: object) -> None:
+        if any(one.name.lower() == name.lower() for one in self._own.values()):
+            return
+        kind: Literal["seen", "gone"] = "gone" if state_change is ServiceStateChange.Removed else "seen"
+        self._hear(ServiceNews(kind, service_type, name))
+
+    def _take_type(self, *, name: str, state_change: ServiceStateChange, **_: object) -> None:
+        found = full_type(name)
+        if state_change is not ServiceStateChange.Removed and is_service_type(found) and found != ENUMERATION:
+            self.browse(found)
+
+    def _resolved(self, info: AsyncServiceInfo, service_type: str, name: str) -> ResolvedService:
+        ttl, left = self._time_to_live(name)
+        addresses = usable_addresses(info.parsed_scoped_addresses(), with_loopback=self._with_loopback)
+        record = read_txt(info.text)
+        service = FoundService(
+            key=name,
+            name=printable(instance_label(name, service_type)),
+            service_type=base_type(service_type),
+            host=(info.server or "").lower(),
+            port=info.port or 0,
+            addresses=addresses,
+            properties=record.properties,
+        )
+        problem = record.problem or ("" if addresses else "it has no address that can be connected to")
+        return ResolvedService(service, ttl, left, problem, info.text)
+
+    def _time_to_live(self, name: str) -> tuple[float, float]:
+        """Return the seconds that the SRV record of a service holds in all, and from now on."""
+        now = current_time_millis()
+        kept = self._zeroconf.zeroconf.cache.async_entries_with_name(name)
+        records = [one for one in kept if one.type == _SRV and not one.is_expired(now)]
+        if not records:
+            return UNKNOWN_TTL, UNKNOWN_TTL
+        newest = max(records, key=lambda one: one.get_remaining_ttl(now))
+        return min(float(newest.ttl), LONGEST_TTL), min(float(newest.get_remaining_ttl(now)), LONGEST_TTL)
+
+    async def _close(self) -> None:
+        for browser in self._browsers.values():
+            await browser.async_cancel()
+        self._browsers.clear()
+        await self._zeroconf.async_close()
+
+
+def _version(interfaces: Interfaces) -> IPVersion:
+    return IPVersion.All if any(isinstance(one, int) for one in interfaces) else IPVersion.V4Only
+
+
+def _is_loopback(interface: str | int) -> bool:
+    return isinstance(interface, str) and ipaddress.ip_address(interface).is_loopback
+
+
+def _host_label(name: str) -> str:
+    """Return a host name that this program has for itself: the computer's own may be announced by another program."""
+    label = "".join(one if one.isascii() and one.isalnum() else "-" for one in name.lower()).strip("-")
+    return f"{label[:50] or 'homebot'}-homebot"

@@ -1,0 +1,71 @@
+"""Damaged answers and notifications of a Shelly on its own WebSocket: refused in our words, or understood."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+from typing import TYPE_CHECKING
+
+from pydantic import SecretStr
+from tests.conventions.shelly.rpc_documents import MODELS
+
+from homebot.conventions.payload import as_fields, parse_object
+from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, is_news_of_setup
+from homebot.errors import RefusedError, WireError
+from homebot.gateways.drivers.shelly.rpc_login import RpcLogin
+
+if TYPE_CHECKING:
+    from tests.fuzz.conftest import Fuzz, Mutator
+
+CHALLENGE = '{"auth_type":"digest","nonce":1625038762,"nc":1,"realm":"shellypro4pm-f008d1d8b8b8","algorithm":"SHA-256"}'
+EVENTS = '{"method":"NotifyEvent","params":{"ts":1.0,"events":[{"component":"input:0","event":"single_push"}]}}'
+WORDS = tuple(sorted({key for model in MODELS.values() for key in (*model.status, *model.config)}))
+
+
+def test_damaged_frames_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+    def case(rng: random.Random) -> None:
+        mutate = mutator(rng, WORDS)
+        model = rng.choice(list(MODELS.values()))
+        device = Gen2RpcDevice(model.info["id"])
+        frame = b"{}"
+        for kind, answer in (("info", model.info), ("config", model.config), ("status", model.status)):
+            try:
+                frame = mutate.damaged_json(json.dumps({"id": 1, "src": "x", "result": answer}))
+                device.keep(kind, as_fields(parse_object(frame).get("result")), len(frame))  # type: ignore[arg-type]
+            except WireError:
+                device.keep(kind, answer, 10)  # type: ignore[arg-type]
+        page = mutate.damaged({"components": model.components, "offset": 0, "total": len(model.components)})
+        device.keep_components(as_fields(page))
+        described = device.describe()
+        assert described is not None
+        names = {one.part.id: {able.name for able in one.part.capabilities} for one in described.parts}
+        assert math.isfinite(device.stale_after)
+        news = mutate.damaged_json(json.dumps({"method": "NotifyStatus", "params": model.status}))
+        for one in (frame, news, mutate.damaged_json(EVENTS), device.components_status()):
+            for read in (device.read_status(one), device.read_notification(one)):
+                for part, readings in read:
+                    assert readings.keys() <= names[part]
+                    assert all(math.isfinite(value) for value in readings.values() if isinstance(value, float))
+        is_news_of_setup(as_fields(mutate.value()))
+        for part in [*names, mutate.word()][:3]:
+            try:
+                calls = device.calls(part, rng.choice(("on_off", "level", "position", "state")), mutate.plain(), 0.0)
+            except RefusedError:
+                continue
+            assert all(call.method.isprintable() for call in calls)
+
+    fuzz.run("shelly rpc", case)
+
+
+def test_damaged_challenges_are_refused_or_signed(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+    def case(rng: random.Random) -> None:
+        login = RpcLogin(SecretStr("correct horse"))
+        try:
+            login.take_challenge(mutator(rng).damaged_json(CHALLENGE).decode(errors="replace"))
+        except WireError:
+            assert not login.is_challenged
+            return
+        assert "correct horse" not in json.dumps(login.sign())
+
+    fuzz.run("shelly challenges", case)

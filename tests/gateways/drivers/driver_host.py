@@ -1,0 +1,91 @@
+"""A gateway as drivers see it, which keeps what they say."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager
+
+import anyio
+
+from homebot.clock import Clock, LoopClock
+from homebot.devices.gateway_messages import Command
+from homebot.devices.value import PlainValue, Value
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.announced.value_check import can_report
+from homebot.gateways.drivers.base import Driver, FoundService
+from homebot.logger import get_logger
+
+__all__ = ["KeepingHost", "command", "found", "running"]
+
+
+class KeepingHost:
+    """Keeps the device, its values by part and capability, its raw messages, and what was rejected."""
+
+    def __init__(self) -> None:
+        self.clock: Clock = LoopClock()
+        self.log = get_logger()
+        self.devices: list[GatewayDevice] = []
+        self.values: dict[tuple[str, str], PlainValue] = {}
+        self.events: list[tuple[str, str, PlainValue]] = []
+        self.refused: list[tuple[str, str, PlainValue]] = []
+        self.raw: list[bytes] = []
+        self.rejected: list[str] = []
+        self._changed = anyio.Event()
+
+    @property
+    def device(self) -> GatewayDevice:
+        return self.devices[-1]
+
+    def describe(self, device: GatewayDevice) -> None:
+        self.devices.append(device)
+        self._change()
+
+    async def report(self, values: Mapping[str, PlainValue], part: str = "") -> None:
+        (described,) = (one for one in self.device.parts if one.id == part)
+        for name, value in values.items():
+            if not can_report(described, name, value):
+                self.refused.append((part, name, value))
+                continue
+            self.values[part, name] = value
+            self.events.append((part, name, value))
+        self._change()
+
+    def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
+        self.values[part, "reachable"] = reachable
+        self._change()
+
+    async def deliver_raw(self, payload: bytes) -> None:
+        self.raw.append(payload)
+
+    def reject(self, payload: bytes, why: str) -> None:
+        del payload
+        self.rejected.append(why)
+        self._change()
+
+    async def until(self, is_so: Callable[[], bool]) -> None:
+        """Wait until what it keeps fulfils a condition."""
+        with anyio.fail_after(20):
+            while not is_so():
+                self._changed = anyio.Event()
+                await self._changed.wait()
+
+    def _change(self) -> None:
+        self._changed.set()
+
+
+def found(service_type: str, port: int, **properties: str) -> FoundService:
+    """Return a service on loopback."""
+    return FoundService(f"Hall.{service_type}", "Hall", service_type, "hall.local.", port, ("127.0.0.1",), properties)
+
+
+def command(part: str, capability: str, value: PlainValue, transition: float = 0.0) -> Command:
+    return Command(key="Hall", part=part, capability=capability, value=Value.of(value), transition=transition)
+
+
+@asynccontextmanager
+async def running(driver: Driver) -> AsyncIterator[None]:
+    """Run a driver inside the block."""
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(driver.run)
+        yield
+        tasks.cancel_scope.cancel()

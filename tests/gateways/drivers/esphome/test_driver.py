@@ -1,0 +1,304 @@
+"""The driver against simulated devices, which are real servers of the native API on loopback."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+from pathlib import Path
+
+import anyio
+import pytest
+from pydantic import ValidationError
+from tests.gateways.drivers.driver_host import KeepingHost, command
+from tests.gateways.drivers.esphome.served import KEY, OTHER_KEY, DriverRun, driven, living, service_of, simulated
+
+from homebot.devices.value import PlainValue
+from homebot.errors import LinkError, RefusedError, UnableError, UsageError, WireError
+from homebot.gateways.drivers.esphome import EsphomeDriver, EsphomeSettings
+from homebot.gateways.drivers.esphome.device import EsphomeDevice
+from homebot.gateways.drivers.esphome.driver import StateQueue
+from homebot.gateways.drivers.esphome.settings import EsphomeSecrets
+from homebot.house.dialect import DeviceState
+from homebot.house.esphome import EsphomeServedDevice
+
+LAMP = "light_lamp"
+
+
+def settings(tmp_path: Path, key: str, *, device: str = "") -> EsphomeSettings:
+    file = tmp_path / "key"
+    file.write_text(f"{key}\n")
+    file.chmod(0o600)
+    if device:
+        return EsphomeSettings(devices={device: EsphomeSecrets(key_file=file)})
+    return EsphomeSettings(key_file=file)
+
+
+async def failure(device: EsphomeServedDevice, given: EsphomeSettings, txt: dict[str, str] | None = None) -> str:
+    """The error with which a driver of *device* ends, in words."""
+    service = service_of(device)
+    async with driven(service if txt is None else replace(service, properties=txt), given) as run:
+        error = await run.failure()
+    assert isinstance(error, RefusedError)
+    assert not isinstance(error, UnableError)
+    return str(error)
+
+
+async def told_to(told: list[str], text: str) -> None:
+    with anyio.fail_after(10):
+        while text not in told:  # noqa: ASYNC110 - a device tells nobody what it was told
+            await anyio.sleep(0.01)
+
+
+async def test_a_device_is_described_with_name_area_and_address() -> None:
+    device = simulated("lamp", [])
+    async with living(device), driven(service_of(device)) as run:
+        await run.until_reported()
+    found = run.host.device
+    assert (found.name, found.area, found.identifiers) == ("hall", "Hall", (f"mac:{device.mac}",))
+    assert found.metadata == {"manufacturer": "homebot", "model": "simulated lamp", "sw_version": "2026.10.0"}
+    (part,) = found.parts
+    assert (part.id, part.service_type) == (LAMP, "light")
+
+
+@pytest.mark.parametrize(
+    ("kind", "state", "part", "values"),
+    [
+        (
+            "lamp",
+            DeviceState(text="on", is_on=True, brightness=0.5, kelvin=4000.0),
+            LAMP,
+            {"on_off": True, "level": 50.0, "color_temperature": 4000.0},
+        ),
+        ("switch", DeviceState(text="on"), "switch_switch", {"on_off": True}),
+        ("lux", DeviceState(text="120", value=120.0), "sensor_lux", {"illuminance": 120.0}),
+        ("power_meter", DeviceState(text="7.5", value=7.5), "sensor_power_meter", {"power": 7.5}),
+        ("contact", DeviceState(text="open"), "binary_sensor_contact", {"contact": True}),
+        ("motion", DeviceState(text="motion"), "binary_sensor_motion", {"occupancy": True}),
+        (
+            "cover",
+            DeviceState(text="opening", position=0.25, way=1),
+            "cover_cover",
+            {"movement": "opening", "position": 25.0},
+        ),
+        ("lock", DeviceState(text="jammed"), "lock_lock", {"lock": "jammed"}),
+        (
+            "thermostat",
+            DeviceState(text="20", celsius=19.44, target=21.0, heats=True),
+            "climate_thermostat",
+            {"local_temperature": 19.4, "heating_setpoint": 21.0, "thermostat_action": "heating"},
+        ),
+    ],
+)
+async def test_states_are_reported_when_it_connects_and_when_they_change(
+    kind: str, state: DeviceState, part: str, values: dict[str, PlainValue]
+) -> None:
+    device = simulated(kind, [])
+    async with living(device), driven(service_of(device)) as run:
+        await run.until_reported()
+        device.publish(state)
+        known = run.host.values
+        await run.host.until(lambda: all(known.get((part, name)) == value for name, value in values.items()))
+    assert (run.host.rejected, run.host.refused) == ([], [])
+
+
+@pytest.mark.parametrize(
+    ("kind", "part", "capability", "value", "text"),
+    [
+        ("lamp", LAMP, "on_off", True, "on"),
+        ("lamp", LAMP, "on_off", False, "off"),
+        ("lamp", LAMP, "level", 50.0, "0.5"),
+        ("lamp", LAMP, "level", 0.0, "off"),
+        ("lamp", LAMP, "color_temperature", 4000.0, "4000 K"),
+        ("switch", "switch_switch", "on_off", True, "on"),
+        ("cover", "cover_cover", "position", 25.0, "0.25"),
+        ("cover", "cover_cover", "movement", "open", "1"),
+        ("cover", "cover_cover", "movement", "stopped", "stop"),
+        ("lock", "lock_lock", "lock", "locked", "lock"),
+        ("thermostat", "climate_thermostat", "heating_setpoint", 21.5, "21.5"),
+    ],
+)
+async def test_commands_are_obeyed(kind: str, part: str, capability: str, value: float | str, text: str) -> None:
+    told: list[str] = []
+    device = simulated(kind, told)
+    async with living(device), driven(service_of(device)) as run:
+        await run.until_reported()
+        await run.driver.perform(command(part, capability, value))
+        await told_to(told, text)
+
+
+async def test_what_the_part_cannot_do_is_refused() -> None:
+    device = simulated("lock", [])
+    async with living(device), driven(service_of(device)) as run:
+        await run.until_reported()
+        with pytest.raises(RefusedError, match="it takes unlocked, locked"):
+            await run.driver.perform(command("lock_lock", "lock", "open"))
+        with pytest.raises(RefusedError, match="no such part"):
+            await run.driver.perform(command("lock_other", "lock", "locked"))
+
+
+async def test_without_a_connection_a_command_is_a_link_error() -> None:
+    run = DriverRun(service_of(simulated("lamp", [])))
+    with pytest.raises(LinkError, match="is not connected"):
+        await run.driver.perform(command(LAMP, "on_off", True))
+
+
+async def test_a_device_without_power_is_lost_at_once_and_met_again_by_the_next_run() -> None:
+    device = simulated("lamp", [])
+    async with living(device):
+        async with driven(service_of(device)) as run:
+            await run.until_reported()
+            device.power(on=False)
+            assert isinstance(await run.failure(), LinkError)
+            with pytest.raises(LinkError):
+                await run.driver.perform(command(LAMP, "on_off", True))
+        async with driven(service_of(device)) as run:
+            assert isinstance(await run.failure(), LinkError)
+        device.listening = anyio.Event()
+        device.power(on=True)
+        await device.listening.wait()
+        async with driven(service_of(device)) as run:
+            await run.until_reported()
+
+
+async def test_an_encrypted_device_is_read_and_commanded_with_its_key(tmp_path: Path) -> None:
+    told: list[str] = []
+    device = simulated("lamp", told, key=KEY)
+    async with living(device), driven(service_of(device), settings(tmp_path, KEY)) as run:
+        await run.until_reported()
+        device.publish(DeviceState(text="on", is_on=True))
+        await run.host.until(lambda: run.host.values[LAMP, "on_off"] is True)
+        await run.driver.perform(command(LAMP, "on_off", False))
+        await told_to(told, "off")
+
+
+async def test_another_key_is_refused_with_what_to_do_and_is_in_no_text(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, capsys: pytest.CaptureFixture[str]
+) -> None:
+    caplog.set_level(logging.DEBUG)
+    device = simulated("lamp", [], key=KEY)
+    async with living(device):
+        error = await failure(device, settings(tmp_path, OTHER_KEY))
+    assert error == (
+        "the connection to home-hall was refused: it wants another encryption key; put the key that its ESPHome "
+        'configuration has under "api: encryption: key:" into a file, and name that in '
+        '[gateways.mdns.drivers.esphome.devices."home-hall"] as key_file'
+    )
+    printed = capsys.readouterr()
+    assert OTHER_KEY not in error + caplog.text + printed.out + printed.err
+    assert device.logins == 1
+
+
+async def test_an_encrypted_device_without_a_key_is_not_even_tried() -> None:
+    device = simulated("lamp", [], key=KEY)
+    async with living(device):
+        assert "it wants encryption; put the key" in await failure(device, EsphomeSettings())
+        assert device.logins == 0
+        assert "it wants encryption; put the key" in await failure(device, EsphomeSettings(), txt={})
+
+
+async def test_a_device_with_a_key_of_its_own_is_not_talked_to_in_the_clear(tmp_path: Path) -> None:
+    """Else whoever announces its name would get its commands."""
+    device = simulated("lamp", [])
+    async with living(device):
+        error = await failure(device, settings(tmp_path, KEY, device=device.name))
+    assert 'it does not encrypt; add "api: encryption:"' in error
+
+
+async def test_the_key_of_all_does_not_keep_out_a_device_that_has_none(tmp_path: Path) -> None:
+    device = simulated("lamp", [])
+    async with living(device), driven(service_of(device), settings(tmp_path, KEY)) as run:
+        await run.until_reported()
+
+
+async def test_old_firmware_gets_its_password(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ESPHOME_PASSWORD", "sesame")
+    given = EsphomeSettings(password_env="ESPHOME_PASSWORD")
+    device = simulated("lamp", [], password="sesame")
+    async with living(device):
+        async with driven(service_of(device), given) as run:
+            await run.until_reported()
+        monkeypatch.setenv("ESPHOME_PASSWORD", "tahini")
+        error = await failure(device, given)
+    assert "it wants another password; put the one" in error
+    assert "tahini" not in error
+
+
+async def test_the_password_of_all_is_not_sent_in_the_clear_where_there_is_a_key_of_all(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else whoever announces any device without encryption reads it."""
+    monkeypatch.setenv("ESPHOME_PASSWORD", "tahini")
+    given = settings(tmp_path, KEY).model_copy(update={"password_env": "ESPHOME_PASSWORD"})
+    device = simulated("lamp", [], password="sesame")  # it refuses a wrong password, and lets in who sends none
+    async with living(device), driven(service_of(device), given) as run:
+        await run.until_reported()
+
+
+async def test_a_device_that_goes_to_sleep_is_not_unreachable_and_is_met_when_it_wakes_up() -> None:
+    device = simulated("contact", [])
+    device.sleeps = True
+    async with living(device), driven(service_of(device)) as run:
+        await run.until_reported()
+        assert run.host.device.stale_after == 86_400.0
+        device.sleep()
+        await run.host.until(lambda: ("", "reachable") in run.host.values)
+        assert run.host.values["", "reachable"] is None
+        count = len(run.host.events)
+        await run.host.until(lambda: len(run.host.events) > count)
+        assert run.ended is None
+
+
+async def test_a_server_that_speaks_something_else_is_no_device() -> None:
+    async def greet(stream: anyio.abc.SocketStream) -> None:
+        async with stream:
+            await stream.send(b"SSH-2.0-OpenSSH_9.2\r\n")
+
+    device = simulated("lamp", [])
+    listener = await anyio.create_tcp_listener(local_host="127.0.0.1")
+    device.port = listener.extra(anyio.abc.SocketAttribute.local_port)  # noqa: S610 - no Django
+    async with listener, anyio.create_task_group() as tasks:
+        tasks.start_soon(listener.serve, greet)
+        async with driven(service_of(device)) as run:
+            assert isinstance(await run.failure(), WireError)
+        tasks.cancel_scope.cancel()
+
+
+async def test_the_driver_checks_its_secrets_before_it_starts(tmp_path: Path) -> None:
+    EsphomeDriver.check(settings(tmp_path, KEY))
+    with pytest.raises(UsageError, match=r"devices\.hall\.key: it is not 32 bytes in base64") as caught:
+        EsphomeDriver.check(settings(tmp_path, "short", device="hall"))
+    assert "short" not in str(caught.value)
+    with pytest.raises(UsageError, match=r"^key_file: .* cannot be read"):
+        EsphomeDriver.check(EsphomeSettings(key_file=tmp_path / "nowhere"))
+
+
+async def test_a_key_that_was_taken_away_is_refused_not_a_crash(tmp_path: Path) -> None:
+    device = simulated("lamp", [], key=KEY)
+    given = settings(tmp_path, KEY)
+    (tmp_path / "key").unlink()
+    async with living(device):
+        assert "key_file: " in await failure(device, given)
+
+
+def test_a_secret_has_one_place() -> None:
+    with pytest.raises(ValidationError, match="give key_file or key_env, not both"):
+        EsphomeSettings(key_file=Path("key"), key_env="KEY")
+
+
+async def test_of_many_states_the_newest_counts_and_of_many_events_some_are_dropped_and_counted() -> None:
+    host = KeepingHost()
+    device = EsphomeDevice(
+        {}, [("switch", {"key": 1, "object_id": "a"}), ("event", {"key": 2, "event_types": ["ring"]})]
+    )
+    host.describe(device.describe("k", "n"))
+    queue = StateQueue(device, host)
+    for number in range(10_000):
+        queue.put("switch", {"key": 1, "state": number % 2 == 0})
+        queue.put("event", {"key": 2, "event_type": "ring"})
+        queue.put("sensor", {"key": 3, "state": 1.0})
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(queue.report_all)
+        await host.until(lambda: len(host.events) == 101)
+        tasks.cancel_scope.cancel()
+    assert host.events[0] == ("switch_a", "on_off", False)
+    assert len(host.rejected) == 9900

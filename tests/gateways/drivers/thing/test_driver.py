@@ -1,0 +1,350 @@
+"""The driver for things over HTTP, with a simulated thing and with servers of the test's."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import anyio
+import pytest
+from aiohttp import web
+from tests.gateways.drivers.driver_host import KeepingHost, command, found, running
+from tests.gateways.http_servers import serving
+
+from homebot.devices.value import PlainValue
+from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.drivers.base import FoundService
+from homebot.gateways.drivers.thing import HttpThingDriver, ThingDriver
+from homebot.gateways.drivers.thing.settings import ThingDriverSettings
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.http.thing import ServedThing
+from homebot.wot import CONTEXT
+
+WOT = "_wot._tcp.local."
+
+
+class Obeying(ServedThing):
+    """A lamp that does what it is told, and is dimmed and switched by others."""
+
+    def __init__(self, **access: str) -> None:
+        super().__init__(SimulatedDeviceInfo("home", "lamp", "Shelf", "lights", "hall"), self.obey, **access)  # type: ignore[arg-type]
+        self.told: list[str] = []
+        self.begin(DeviceState(text="off", brightness=0.4, kelvin=2700), has_power=True)
+
+    def obey(self, text: str) -> None:
+        self.told.append(text)
+        is_on = text != "off"
+        brightness = self.state.brightness if text in {"on", "off"} or text.endswith("K") else float(text)
+        self.publish(DeviceState(text=text, is_on=is_on, brightness=brightness, kelvin=2700))
+
+
+@asynccontextmanager
+async def served(thing: ServedThing) -> AsyncIterator[None]:
+    async with anyio.create_task_group() as tasks:
+        await tasks.start(thing.serve)
+        yield
+        tasks.cancel_scope.cancel()
+
+
+def driver(port: int, host: KeepingHost, settings: dict[str, Any] | None = None, **text: str) -> ThingDriver:
+    return ThingDriver(found(WOT, port, **text), ThingDriverSettings.model_validate(settings or {}), host)
+
+
+def description(**changes: Any) -> dict[str, Any]:
+    return {
+        "@context": CONTEXT,
+        "title": "Kettle",
+        "securityDefinitions": {"open": {"scheme": "nosec"}},
+        "security": "open",
+        "properties": {"on": {"type": "boolean", "@type": "OnOffProperty", "forms": [{"href": "/on"}]}},
+    } | changes
+
+
+def port_of(origin: str) -> int:
+    return int(origin.rpartition(":")[2])
+
+
+async def test_a_thing_is_described_with_its_parts_and_reported() -> None:
+    host, lamp = KeepingHost(), Obeying()
+    async with served(lamp), running(driver(lamp.server.port, host)):
+        await host.until(lambda: {("", "on_off"), ("", "level"), ("", "color_temperature")} <= set(host.values))
+    assert (host.device.key, host.device.name) == (f"Hall.{WOT}", "Shelf")
+    assert host.device.identifiers[0].startswith("mac:")
+    (part,) = host.device.parts
+    assert (part.id, part.service_type) == ("", "light")
+    assert {one.name for one in part.capabilities if one.settable} == {"on_off", "level", "color_temperature"}
+    assert (host.values["", "on_off"], host.values["", "level"], host.values["", "color_temperature"]) == (
+        False,
+        40,
+        2700,
+    )
+    assert (host.refused, host.rejected) == ([], [])
+
+
+async def test_what_others_do_with_the_thing_is_pushed() -> None:
+    host, lamp = KeepingHost(), Obeying()
+    async with served(lamp), running(driver(lamp.server.port, host)):
+        await host.until(lambda: len(lamp.server.peers) == 3)
+        lamp.publish(DeviceState(text="on", is_on=True, brightness=1.0))
+        await host.until(lambda: host.values.get(("", "on_off")) is True and host.values["", "level"] == 100)
+
+
+@pytest.mark.parametrize(
+    ("capability", "value", "told"),
+    [("on_off", True, ["on"]), ("level", 20.0, ["0.2"]), ("color_temperature", 4000.0, ["4000 K"])],
+)
+async def test_the_thing_is_commanded(capability: str, value: PlainValue, told: list[str]) -> None:
+    host, lamp = KeepingHost(), Obeying()
+    async with served(lamp):
+        thing = driver(lamp.server.port, host)
+        async with running(thing):
+            await host.until(lambda: ("", capability) in host.values)
+            await thing.perform(command("", capability, value))
+    assert [one for one in lamp.told if one in told] == told
+
+
+async def test_without_a_connection_a_command_finds_no_thing() -> None:
+    with pytest.raises(LinkError, match="not connected"):
+        await driver(1, KeepingHost()).perform(command("", "on_off", True))
+
+
+async def test_a_thing_that_vanishes_ends_the_connection() -> None:
+    host, lamp = KeepingHost(), Obeying()
+    errors: list[LinkError] = []
+
+    async def run() -> None:
+        try:
+            await driver(lamp.server.port, host).run()
+        except LinkError as exc:
+            errors.append(exc)
+
+    async with anyio.create_task_group() as tasks, served(lamp):
+        tasks.start_soon(run)
+        await host.until(lambda: len(lamp.server.peers) == 3)
+    assert len(errors) == 1
+
+
+@pytest.mark.parametrize("scheme", ["basic", "bearer"])
+async def test_a_password_is_sent_the_way_the_description_asks_for(scheme: str, tmp_path: Path) -> None:
+    secret = tmp_path / "secret"
+    secret.write_text("sesame\n")
+    secret.chmod(0o600)
+    host, lamp = KeepingHost(), Obeying(token="sesame", user="ann" if scheme == "basic" else "")
+    settings = {"credentials": [{"host": "hall.local", "user": "ann", "password_file": str(secret)}]}
+    async with served(lamp):
+        thing = driver(lamp.server.port, host, settings)
+        async with running(thing):
+            await host.until(lambda: ("", "on_off") in host.values)
+            await thing.perform(command("", "on_off", True))
+    assert lamp.told == ["on"]
+
+
+async def test_without_its_password_the_thing_refuses_and_the_error_says_so() -> None:
+    host, lamp = KeepingHost(), Obeying(token="sesame")
+    async with served(lamp):
+        with pytest.raises(RefusedError, match="wants a password"):
+            await driver(lamp.server.port, host).run()
+    assert len(host.devices) == 1
+
+
+@pytest.mark.parametrize(
+    ("scheme", "sent"),
+    [
+        ({"scheme": "apikey", "in": "header", "name": "X-Key"}, "header"),
+        ({"scheme": "apikey", "in": "query", "name": "key"}, "query"),
+        ({"scheme": "apikey", "name": "key"}, "query"),
+        ({"scheme": "apikey", "in": "cookie", "name": "key"}, "cookie"),
+    ],
+)
+async def test_a_key_is_sent_where_the_description_says(
+    scheme: dict[str, str], sent: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("KETTLE_KEY", "a b&c")
+    seen: list[str] = []
+
+    async def answer(request: web.Request) -> web.StreamResponse:
+        if request.path == "/.well-known/wot":
+            return web.json_response(description(securityDefinitions={"open": scheme}))
+        where = {
+            "header": request.headers.get("X-Key"),
+            "query": request.query.get("key"),
+            "cookie": request.headers.get("Cookie", "").removeprefix("key="),
+        }
+        seen.append(str(where[sent]))
+        return web.json_response(True)
+
+    host = KeepingHost()
+    settings = {"credentials": [{"host": "127.0.0.1", "password_env": "KETTLE_KEY"}]}
+    async with serving(answer) as origin, running(driver(port_of(origin), host, settings)):
+        await host.until(lambda: ("", "on_off") in host.values)
+    assert seen[0] == "a b&c"
+
+
+async def test_a_way_other_than_the_configured_one_gets_no_password(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stranger who answers in place of the thing cannot ask for the password in clear."""
+    monkeypatch.setenv("KETTLE_KEY", "sesame")
+    seen: list[str | None] = []
+
+    async def answer(request: web.Request) -> web.StreamResponse:
+        seen.append(request.headers.get("Authorization"))
+        return web.json_response(description(securityDefinitions={"open": {"scheme": "basic"}}))
+
+    settings = {"credentials": [{"host": "127.0.0.1", "scheme": "digest", "user": "ann", "password_env": "KETTLE_KEY"}]}
+    async with serving(answer) as origin:
+        with pytest.raises(RefusedError, match="digest is configured"):
+            await driver(port_of(origin), KeepingHost(), settings).run()
+    assert set(seen) == {None}
+
+
+@pytest.mark.parametrize("claimed", ["192.0.2.7.", "lamp.example.org."])
+async def test_who_claims_an_address_or_a_name_of_the_internet_gets_no_password_for_it(
+    claimed: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SECRET", "sesame")
+    settings = {"credentials": [{"host": claimed.removesuffix("."), "scheme": "bearer", "password_env": "SECRET"}]}
+    seen: list[str | None] = []
+
+    async def answer(request: web.Request) -> web.StreamResponse:
+        seen.append(request.headers.get("Authorization"))
+        return web.json_response(description() if request.path.endswith("wot") else True)
+
+    host = KeepingHost()
+    async with serving(answer) as origin:
+        service = replace(found(WOT, port_of(origin)), host=claimed)
+        async with running(ThingDriver(service, ThingDriverSettings.model_validate(settings), host)):
+            await host.until(lambda: ("", "on_off") in host.values)
+    assert set(seen) == {None}
+
+
+async def test_forms_that_lead_to_other_hosts_are_not_used() -> None:
+    """A stranger's description must not make homebot ask, or switch, what the stranger cannot reach."""
+    asked: list[str] = []
+
+    async def other(request: web.Request) -> web.StreamResponse:
+        asked.append(request.path)
+        return web.json_response(True)
+
+    async with serving(other) as target:
+        elsewhere = target.replace("127.0.0.1", "localhost")
+
+        async def answer(request: web.Request) -> web.StreamResponse:
+            form = {"href": f"{elsewhere}/on"}
+            power = {"type": "number", "forms": [{"href": "/power"}], "@type": "InstantaneousPowerProperty"}
+            on = {"type": "boolean", "@type": "OnOffProperty", "forms": [form]}
+            body: object = description(properties={"on": on, "power": power})
+            return web.json_response(body if request.path.endswith("wot") else 5)
+
+        host = KeepingHost()
+        async with serving(answer) as origin, running(driver(port_of(origin), host)):
+            await host.until(lambda: 5 in host.values.values())
+    assert asked == []
+
+
+async def test_addresses_by_the_name_of_the_host_are_reached_without_a_name_server() -> None:
+    async def answer(request: web.Request) -> web.StreamResponse:
+        if request.path == "/lamp/td":
+            port = request.url.port
+            return web.json_response(description(base=f"http://HALL.local:{port}/"))
+        return web.json_response(True)
+
+    host = KeepingHost()
+    async with serving(answer) as origin, running(driver(port_of(origin), host, td="/lamp/td")):
+        await host.until(lambda: host.values.get(("", "on_off")) is True)
+
+
+async def test_long_polls_bring_new_values() -> None:
+    values = iter([True, False])
+    kept = anyio.Event()
+
+    async def answer(request: web.Request) -> web.StreamResponse:
+        if request.path == "/.well-known/wot":
+            forms = [{"href": "/on"}, {"href": "/on/observe", "op": "observeproperty", "subprotocol": "longpoll"}]
+            on = {"type": "boolean", "@type": "OnOffProperty", "forms": forms}
+            return web.json_response(description(properties={"on": on}))
+        if request.path == "/on":
+            return web.json_response(False)
+        value = next(values, None)
+        if value is None:
+            await kept.wait()
+        return web.json_response(value)
+
+    host = KeepingHost()
+    async with serving(answer) as origin:
+        async with running(driver(port_of(origin), host)):
+            await host.until(lambda: [one[2] for one in host.events] == [False, True, False])
+        kept.set()
+
+
+async def test_an_action_is_posted_and_an_event_is_reported() -> None:
+    posted: list[str] = []
+    over = anyio.Event()
+
+    async def answer(request: web.Request) -> web.StreamResponse:
+        if request.path == "/.well-known/wot":
+            actions = {"boil": {"forms": [{"href": "/boil"}]}}
+            events = {"boiled": {"data": {"type": "string"}, "forms": [{"href": "/boiled", "subprotocol": "sse"}]}}
+            return web.json_response(description(actions=actions, events=events))
+        if request.path == "/boiled":
+            stream = web.StreamResponse(headers={"Content-Type": "text/event-stream"})
+            await stream.prepare(request)
+            await stream.write(b'event: boiled\ndata: "hot"\n\n')
+            await over.wait()
+            return stream
+        if request.path == "/boil":
+            posted.append(request.method)
+            return web.Response(status=204)
+        return web.json_response(True)
+
+    host = KeepingHost()
+    async with serving(answer) as origin:
+        thing = driver(port_of(origin), host)
+        async with running(thing):
+            await host.until(lambda: ("boiled", "press", "hot") in host.events)
+            await thing.perform(command("boil", "push", True))
+        over.set()
+    assert posted == ["POST"]
+
+
+async def test_of_a_directory_only_its_place_is_told() -> None:
+    async def answer(_: web.Request) -> web.StreamResponse:
+        return web.json_response(description(**{"@type": "ThingDirectory"}))
+
+    host = KeepingHost()
+    async with serving(answer) as origin, running(driver(port_of(origin), host, type="Directory")):
+        await host.until(lambda: bool(host.devices))
+    assert (host.device.parts, host.device.metadata["thing_directory"]) == ((), origin)
+
+
+@pytest.mark.parametrize(
+    ("body", "kind"),
+    [(b"{", "application/td+json"), (b"{}", "application/json"), (b"<html>", "text/html"), (b"[]", "")],
+)
+async def test_what_is_no_description_is_an_error_that_says_so(body: bytes, kind: str) -> None:
+    async def answer(_: web.Request) -> web.StreamResponse:
+        return web.Response(body=body, headers={"Content-Type": kind} if kind else {})
+
+    async with serving(answer) as origin:
+        with pytest.raises(WireError):
+            await driver(port_of(origin), KeepingHost()).run()
+
+
+@pytest.mark.parametrize("status", [404, 200])
+async def test_a_web_server_need_not_be_a_thing(status: int) -> None:
+    async def answer(_: web.Request) -> web.StreamResponse:
+        return web.Response(status=status, text="<html>", content_type="text/html")
+
+    host = KeepingHost()
+    async with serving(answer) as origin:
+        service = FoundService("P._http", "Printer", "_http._tcp.local.", "p.local.", port_of(origin), ("127.0.0.1",))
+        async with running(HttpThingDriver(service, ThingDriverSettings(), host)):
+            await host.until(lambda: bool(host.devices))
+    assert (host.device.name, host.device.parts) == ("Printer", ())
+
+
+def test_a_password_that_cannot_be_read_is_found_at_once() -> None:
+    settings = {"credentials": [{"host": "lamp.local", "password_env": "NO_SUCH_VARIABLE"}]}
+    with pytest.raises(Exception, match=r"credentials\[0\].password_env"):
+        ThingDriver.check(ThingDriverSettings.model_validate(settings))

@@ -1,0 +1,203 @@
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import anyio
+import pytest
+from tests.gateways.drivers.driver_host import KeepingHost, command, found, running
+
+from homebot.devices.value import PlainValue
+from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.drivers.base import DriverSettings
+from homebot.gateways.drivers.wled import WledDriver
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
+from homebot.house.http.wled import ServedWled
+
+
+@asynccontextmanager
+async def served(device: ServedWled | WebServer) -> AsyncIterator[None]:
+    async with anyio.create_task_group() as tasks:
+        await tasks.start(device.serve)
+        yield
+        tasks.cancel_scope.cancel()
+
+
+class Obeying(ServedWled):
+    """A strip that does what it is told."""
+
+    def __init__(self) -> None:
+        super().__init__(SimulatedDeviceInfo("home", "lamp", "Shelf", "lights", "hall"), self.obey)
+        self.told: list[str] = []
+        self.begin(DeviceState(text="off", brightness=0.4, kelvin=2700), has_power=True)
+
+    def obey(self, text: str) -> None:
+        self.told.append(text)
+        state = self.state
+        if text in {"on", "off"}:
+            state = DeviceState(text=text, is_on=text == "on", brightness=state.brightness, kelvin=state.kelvin)
+        elif not text.endswith("K"):
+            state = DeviceState(text=text, is_on=True, brightness=float(text), kelvin=state.kelvin)
+        self.state = state
+
+
+def driver(port: int, host: KeepingHost) -> WledDriver:
+    return WledDriver(found("_wled._tcp.local.", port), DriverSettings(), host)
+
+
+async def test_a_strip_is_described_with_its_parts_and_reported() -> None:
+    host, strip = KeepingHost(), Obeying()
+    async with served(strip), running(driver(strip.server.port, host)):
+        await host.until(lambda: ("", "on_off") in host.values)
+    device = host.device
+    assert (device.key, device.name) == ("Hall._wled._tcp.local.", "Shelf")
+    assert device.metadata["sw_version"] == "0.15.0"
+    assert device.identifiers
+    lamp = device.parts[0]
+    assert (lamp.id, lamp.service_type) == ("", "light")
+    assert {one.name for one in lamp.capabilities} == {"on_off", "level", "color", "color_temperature", "effect"}
+    assert [one.id for one in device.parts[1:]] == ["sync_send", "sync_receive", "nightlight", "live", "signal"]
+    assert host.values["", "on_off"] is False
+    assert host.values["", "level"] == 40
+    assert host.values["", "effect"] == "Solid"
+    assert host.values["live", "state"] is False
+    assert host.values["signal", "signal_strength"] == -62
+    assert host.refused == []
+
+
+async def test_what_others_do_with_the_strip_is_pushed() -> None:
+    host, strip = KeepingHost(), Obeying()
+    async with served(strip), running(driver(strip.server.port, host)):
+        await host.until(lambda: bool(strip.server.peers) and ("", "on_off") in host.values)
+        strip.is_live = True
+        strip.publish(DeviceState(text="on", is_on=True, brightness=1.0))
+        await host.until(lambda: host.values["", "on_off"] is True)
+    assert host.values["live", "state"] is True
+    assert json.loads(host.raw[-1])["state"]["on"] is True
+
+
+@pytest.mark.parametrize(
+    ("part", "capability", "value", "told"),
+    [
+        ("", "on_off", True, ["on"]),
+        ("", "on_off", False, ["off"]),
+        ("", "level", 20.0, ["0.2"]),
+        ("", "color_temperature", 4012.0, ["4012 K", "on"]),
+        ("", "color", (240.0, 100.0), ["on"]),
+        ("", "effect", "Rainbow", ["on"]),
+    ],
+)
+async def test_the_strip_is_commanded(part: str, capability: str, value: PlainValue, told: list[str]) -> None:
+    host, strip = KeepingHost(), Obeying()
+    async with served(strip):
+        wled = driver(strip.server.port, host)
+        async with running(wled):
+            await host.until(lambda: ("", "on_off") in host.values)
+            await wled.perform(command(part, capability, value, 1.0))
+            await host.until(lambda: host.values[part, capability] == value or capability == "color_temperature")
+    assert strip.told == told
+    if capability == "color":
+        assert strip.segment["col"] == [[0, 0, 255]]
+
+
+async def test_a_setting_is_a_switch() -> None:
+    host, strip = KeepingHost(), Obeying()
+    async with served(strip):
+        wled = driver(strip.server.port, host)
+        async with running(wled):
+            await host.until(lambda: ("sync_send", "on_off") in host.values)
+            await wled.perform(command("sync_send", "on_off", True))
+            await host.until(lambda: host.values["sync_send", "on_off"] is True)
+    assert strip.sync == {"send": True, "recv": True}
+
+
+async def test_what_it_cannot_do_is_refused_and_nothing_is_sent() -> None:
+    host, strip = KeepingHost(), Obeying()
+    async with served(strip):
+        wled = driver(strip.server.port, host)
+        with pytest.raises(LinkError, match="not connected"):
+            await wled.perform(command("", "on_off", True))
+        async with running(wled):
+            await host.until(lambda: ("", "on_off") in host.values)
+            for part, capability, value in (
+                ("cellar", "on_off", True),
+                ("", "level", 101.0),
+                ("", "effect", "RSVD"),
+                ("", "volume", 1.0),
+                ("live", "state", True),
+            ):
+                with pytest.raises(RefusedError):
+                    await wled.perform(command(part, capability, value))
+    assert strip.told == []
+
+
+async def test_a_strip_that_loses_its_power_is_a_lost_link() -> None:
+    host, strip = KeepingHost(), Obeying()
+    lost: list[Exception] = []
+    async with anyio.create_task_group() as tasks, served(strip):
+        wled = driver(strip.server.port, host)
+
+        async def run() -> None:
+            try:
+                await wled.run()
+            except LinkError as exc:
+                lost.append(exc)
+
+        tasks.start_soon(run)
+        await host.until(lambda: bool(strip.server.peers))
+    assert len(lost) == 1
+
+
+class Strange:
+    """A server that answers with a text, and sends messages to each WebSocket."""
+
+    def __init__(self, answer: object, *messages: bytes, status: int = 200) -> None:
+        self.reply = WebReply(json.dumps(answer).encode(), status)
+        self.messages = messages
+
+    def answer(self, request: WebRequest) -> WebReply:
+        return self.reply if request.path == "/json/si" else WebReply(b"[]")
+
+    def greet(self, peer: WebPeer, path: str) -> bool:
+        del path
+        for message in self.messages:
+            peer.send(message)
+        return bool(self.messages)
+
+    def receive(self, peer: WebPeer, message: bytes) -> None:
+        del peer, message
+
+
+@pytest.mark.parametrize("answer", [[], {}, {"state": {}}, {"state": [], "info": {}}, "x", None])
+async def test_what_is_no_wled_is_an_error_of_ours(answer: object) -> None:
+    server = WebServer(Strange(answer))
+    async with served(server):
+        with pytest.raises(WireError, match="no state or no info"):
+            await driver(server.port, KeepingHost()).run()
+
+
+async def test_a_controller_that_sends_rubbish_is_left_after_twenty_messages() -> None:
+    host = KeepingHost()
+    messages = [b"", b"[]", b"{", b'{"state": 1, "info": {}}', b'{"info": {}}'] * 5
+    server = WebServer(Strange({"state": {}, "info": {}}, *messages))
+    async with served(server):
+        with pytest.raises(WireError, match="20 invalid messages"):
+            await driver(server.port, host).run()
+    assert len(host.rejected) == 20
+
+
+async def test_a_controller_without_websockets_is_asked() -> None:
+    host = KeepingHost()
+    server = WebServer(Strange({"state": {"on": True, "bri": 255}, "info": {"ws": -1}}))
+    async with served(server), running(driver(server.port, host)):
+        await host.until(lambda: ("", "on_off") in host.values)
+    assert host.values["", "on_off"] is True
+
+
+async def test_a_controller_that_is_busy_is_asked_again_and_then_given_up() -> None:
+    server = WebServer(Strange({"error": 3}, status=503))
+    async with served(server):
+        with pytest.raises(LinkError, match="503"):
+            await driver(server.port, KeepingHost()).run()

@@ -1,0 +1,254 @@
+"""The mDNS gateway runs drivers, lists what it finds with its facts, and does not mind what breaks."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import anyio
+import pytest
+from tests.gateways.mdns.lamp import DRIVER, LOOPBACK, SERVICE_TYPE, LampServer, Publisher, publisher
+from tests.gateways.mdns.packets import address, answer, pointer, service, text
+
+from homebot.devices import Sighting
+from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
+from homebot.devices.value import Value
+from homebot.errors import UsageError
+from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
+from homebot.graph import Graph, Node, Subscription
+
+PATIENCE = 20.0
+KEY = f"Hall.{SERVICE_TYPE}"
+
+
+class House:
+    """A gateway, what it says, and a computer that announces services."""
+
+    def __init__(self, gateway: MdnsGateway, watcher: Node, computer: Publisher) -> None:
+        self.gateway = gateway
+        self.computer = computer
+        self.sightings: Subscription[Sighting] = watcher.create_subscription(
+            Sighting, gateway.names.received_topics, qos_profile=1000
+        )
+        self._reports = watcher.create_subscription(Report, gateway.names.readings, qos_profile=1000)
+        self._commands = watcher.create_client(SendCommand, gateway.names.send_command)
+
+    async def seen(self, *, kind: str = "", port: str = "") -> Sighting:
+        """Wait for a sighting of a kind, or one that names a port."""
+        with anyio.fail_after(PATIENCE):
+            while True:
+                sighting = await self.sightings.receive()
+                if (kind or sighting.kind) == sighting.kind and (port or facts(sighting)["port"]) == facts(sighting)[
+                    "port"
+                ]:
+                    return sighting
+
+    async def reported(self, capability: str, value: object) -> Report:
+        """Wait for a report."""
+        with anyio.fail_after(PATIENCE):
+            while True:
+                report = await self._reports.receive()
+                if any(one.capability == capability and one.value.plain() == value for one in report.readings):
+                    return report
+
+    async def turn_on(self) -> SendCommandResponse:
+        """Tell the lamp to be on."""
+        return await self._commands.call(Command(key=KEY, part="", capability="on_off", value=Value.of(True)))
+
+
+def facts(sighting: Sighting) -> dict[str, str]:
+    return {one.key: one.value for one in sighting.metadata}
+
+
+@asynccontextmanager
+async def house(**settings: object) -> AsyncIterator[House]:
+    graph = Graph()
+    table = {"interfaces": [LOOPBACK], "service_types": [SERVICE_TYPE], "announce": False, "drivers": {DRIVER: {}}}
+    async with (
+        publisher() as computer,
+        Node(graph, "watcher") as watcher,
+        Node(graph, "mdns", namespace="/gateway") as node,
+    ):
+        gateway = MdnsGateway(node, MdnsGatewaySettings.model_validate({**table, **settings}))
+        found = House(gateway, watcher, computer)
+        async with anyio.create_task_group() as tasks:
+            await tasks.start(gateway.serve)
+            yield found
+            tasks.cancel_scope.cancel()
+
+
+async def test_a_device_has_the_facts_of_its_driver_and_those_of_its_service() -> None:
+    lamp = LampServer()
+    async with lamp.listening(), house() as home:
+        await home.computer.announce("Hall", lamp.port, {"mac": "A8032ABE54DC", "ver": "2.1", "model": "unknown"})
+        sighting = await home.seen()
+        assert sighting.service_type == "light"
+        found = facts(sighting)
+        assert (found["model"], found["sw_version"], found["txt_mac"]) == ("Lamp 1", "2.1", "A8032ABE54DC")
+        assert (found["host"], found["port"], found["ip_address"]) == ("hall.local", str(lamp.port), LOOPBACK)
+        assert "mac:a8032abe54dc" in sighting.identifiers
+        assert sighting.expires_at.to_seconds() - sighting.seen_at.to_seconds() == pytest.approx(135, abs=1)
+
+
+async def test_a_connection_that_is_made_and_lost_is_reported_and_made_again() -> None:
+    lamp = LampServer()
+    async with lamp.listening(), house() as home:
+        await home.computer.announce("Hall", lamp.port)
+        await home.reported("reachable", True)
+        await lamp.hang_up()
+        await home.reported("reachable", False)
+        assert home.gateway.devices.keys == (KEY,)
+        await home.reported("reachable", True)
+        assert lamp.connections == 2
+        assert (await home.turn_on()).success
+
+
+async def test_a_device_that_cannot_be_connected_to_is_listed_without_parts_and_refuses_commands() -> None:
+    lamp = LampServer()
+    async with lamp.listening():
+        port = lamp.port
+    async with house() as home:
+        await home.computer.announce("Hall", port)
+        sighting = await home.seen()
+        assert (sighting.parts, sighting.service_type) == ((), SERVICE_TYPE.removesuffix(".local."))
+        await home.reported("reachable", False)
+
+
+@pytest.mark.parametrize("change", ["port", "txt"])
+async def test_a_device_that_moved_or_says_something_else_is_connected_to_anew(change: str) -> None:
+    lamp, other = LampServer(), LampServer()
+    async with lamp.listening(), other.listening(), house() as home:
+        await home.computer.announce("Hall", lamp.port, {"v": "1"})
+        await home.reported("on_off", False)
+        moved = other if change == "port" else lamp
+        await home.computer.announce("Hall", moved.port, {"v": "1" if change == "port" else "2"})
+        await home.reported("reachable", False)
+        await home.reported("reachable", True)
+        assert (lamp.connections, other.connections) == ((1, 1) if change == "port" else (2, 0))
+
+
+async def test_a_device_that_wants_a_password_is_not_tried_all_the_time_and_doctor_hears_of_it() -> None:
+    lamp = LampServer()
+    lamp.greeting = b"password?\n"
+    async with lamp.listening(), house() as home:
+        await home.computer.announce("Hall", lamp.port)
+        await home.seen()
+        await home.reported("reachable", False)
+        assert lamp.connections == 1
+        assert home.gateway.devices.problems == ("Hall: the connection was refused: give a password",)
+
+
+async def test_what_a_device_says_against_its_protocol_is_counted() -> None:
+    lamp = LampServer()
+    async with lamp.listening(), house() as home:
+        await home.computer.announce("Hall", lamp.port)
+        await home.reported("on_off", False)
+        await lamp.say(b"\xff\n")
+        await lamp.switch(on=True)
+        await home.reported("on_off", True)
+        assert home.gateway.devices.counters.rejected == 1
+
+
+async def test_a_service_without_a_driver_is_listed_with_its_facts() -> None:
+    async with house(drivers={}) as home:
+        await home.computer.announce("Hall", 80, {"serial": "GW-2026-0042"})
+        sighting = await home.seen()
+        assert (sighting.key, sighting.name, sighting.parts) == (KEY, "Hall", ())
+        assert "id:GW-2026-0042" in sighting.identifiers
+
+
+async def test_a_txt_record_that_breaks_the_rules_is_counted_and_read_as_far_as_it_goes() -> None:
+    async with house(drivers={}) as home:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+            stranger.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(LOOPBACK))
+            records = (
+                pointer(SERVICE_TYPE, KEY),
+                service(KEY, "hall.local.", 80),
+                text(KEY, b"\x07model=x\x04=abc\x03a\xff=\x05bin=\xfe\xffcut"),
+                address("hall.local.", LOOPBACK),
+            )
+            stranger.sendto(answer(*records), ("224.0.0.251", 5353))
+        found = facts(await home.seen())
+        assert (found["model"], found["txt_bin"]) == ("x", "\\xfe")
+        assert home.gateway.devices.counters.rejected == 1
+
+
+async def test_a_service_whose_addresses_are_not_its_own_is_not_listed() -> None:
+    async with house(drivers={}) as home:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+            stranger.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(LOOPBACK))
+            evil = f"Evil.{SERVICE_TYPE}"
+            records = (
+                pointer(SERVICE_TYPE, evil),
+                service(evil, "evil.local.", 80),
+                text(evil, b"\0"),
+                address("evil.local.", "224.0.0.1"),
+            )
+            stranger.sendto(answer(*records), ("224.0.0.251", 5353))
+        await home.computer.announce("Hall", 80)
+        assert (await home.seen()).key == KEY
+        assert home.gateway.devices.keys == (KEY,)
+
+
+async def test_a_device_that_lost_its_power_is_removed_when_its_record_has_run_out_and_found_again_later() -> None:
+    async with house(drivers={}) as home:
+        await home.computer.announce("Hall", 80, ttl=5)
+        await home.seen()
+        await home.computer.vanish()
+        begun = anyio.current_time()
+        gone = await home.seen(kind="removed")
+        assert gone.why == "its announcement has run out, and it does not answer"
+        assert anyio.current_time() - begun < 5 + 3 + 5
+        await home.computer.announce("Hall", 80, ttl=5)
+        assert (await home.seen()).kind == "appeared"
+
+
+async def test_a_flood_of_services_is_bounded_and_the_lamp_is_not_affected() -> None:
+    lamp = LampServer()
+    async with lamp.listening(), house(max_services=200) as home:
+        await home.computer.announce("Hall", lamp.port)
+        await home.reported("on_off", False)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+            stranger.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(LOOPBACK))
+            for number in range(10_000):
+                fake, host = f"fake {number}.{SERVICE_TYPE}", f"fake{number}.local."
+                records = (pointer(SERVICE_TYPE, fake), service(fake, host, 9), text(fake, b"\0"))
+                stranger.sendto(answer(*records, address(host, LOOPBACK)), ("224.0.0.251", 5353))
+                if number % 20 == 0:
+                    await anyio.sleep(0.001)
+        assert len(home.gateway.devices.keys) <= 200
+        await lamp.switch(on=True)
+        await home.reported("on_off", True)
+        assert (await home.turn_on()).success
+        assert KEY in home.gateway.devices.keys
+
+
+@pytest.mark.parametrize(
+    ("table", "problem"),
+    [
+        ({"drivers": {"nobody": {}}}, "drivers.nobody"),
+        ({"drivers": {DRIVER: {"colour": 1}}}, "colour"),
+        ({"drivers": {"homebot.gateways.memory:MemoryGateway": {}}}, "is not a Driver"),
+    ],
+    ids=["unknown", "wrong key", "no driver"],
+)
+def test_a_table_of_a_driver_that_cannot_be_used_is_an_error_before_anything_starts(
+    table: dict[str, object], problem: str
+) -> None:
+    with pytest.raises(UsageError, match=problem):
+        MdnsGateway.check(MdnsGatewaySettings.model_validate(table))
+
+
+@pytest.mark.parametrize("wrong", ["shelly", "_a_b._tcp", "_http._sctp", "_toolongforaservice._tcp", ""])
+def test_what_is_no_service_type_is_refused(wrong: str) -> None:
+    with pytest.raises(ValueError, match="is not a service type"):
+        MdnsGatewaySettings(service_types=(wrong,))
+
+
+def test_without_service_types_those_of_drivers_and_all_on_the_network_are_looked_for() -> None:
+    types = MdnsGatewaySettings().types_with(frozenset({"_lamp._tcp.local."}))
+    assert {"_lamp._tcp.local.", "_hap._tcp.local.", "_services._dns-sd._udp.local."} <= types
+    assert MdnsGatewaySettings(service_types=("_HTTP._tcp",)).types_with(frozenset({"_lamp._tcp.local."})) == {
+        "_http._tcp.local."
+    }

@@ -1,0 +1,88 @@
+"""What DNS-SD tells of real devices becomes facts and identifiers; records as their firmware sends them."""
+
+from __future__ import annotations
+
+import pytest
+
+from homebot.gateways.drivers import FoundService
+from homebot.gateways.mdns.service_facts import facts_of, identifiers_of, usable_addresses
+from homebot.gateways.mdns.service_type import base_type, full_type, instance_label, is_service_type
+
+
+def found(name: str, service_type: str, host: str, **properties: str) -> FoundService:
+    full = f"{service_type}.local."
+    return FoundService(f"{name}.{full}", name, full, host, 80, ("192.168.1.20",), properties)
+
+
+SHELLY = found(
+    "shellyplus1-a8032abe54dc", "_shelly._tcp", "ShellyPlus1-A8032ABE54DC.local.", gen="2", app="Plus1", ver="1.4.4"
+)
+ESPHOME = found(
+    "kitchen-light",
+    "_esphomelib._tcp",
+    "kitchen-light.local.",
+    mac="a8032abe54dc",
+    board="esp32dev",
+    version="2026.10.0",
+)
+WLED = found("wled-desk", "_wled._tcp", "wled-desk.local.", mac="a8032abe54dc")
+MATTER = found("2906C908D115D362-8FC7772401CD0696", "_matter._tcp", "B827EBA1B2C3.local.", SII="5000")
+HOMEKIT = found("Hall lamp", "_hap._tcp", "hall-lamp.local.", id="A8:03:2A:BE:54:DC", md="Lamp 1", sf="0")
+AIRPLAY = found("A8032ABE54DC@Kitchen", "_raop._tcp", "Kitchen.local.", am="AudioAccessory5,1")
+
+
+@pytest.mark.parametrize("service", [SHELLY, ESPHOME, WLED, AIRPLAY], ids=["Shelly", "ESPHome", "WLED", "AirPlay"])
+def test_a_hardware_address_is_found_where_devices_have_it(service: FoundService) -> None:
+    assert "mac:a8032abe54dc" in identifiers_of(service)
+
+
+def test_of_matter_the_host_is_the_hardware_address_and_the_instance_is_none() -> None:
+    assert identifiers_of(MATTER) == ("mac:b827eba1b2c3",)
+
+
+def test_the_pairing_id_of_homekit_is_no_hardware_address() -> None:
+    assert identifiers_of(HOMEKIT) == ("id:homekit A8:03:2A:BE:54:DC pairing",)
+
+
+@pytest.mark.parametrize("properties", [{"id": "1"}, {"serial": ""}, {"uuid": "lamp"}])
+def test_what_many_devices_are_called_identifies_none(properties: dict[str, str]) -> None:
+    assert identifiers_of(found("Lamp", "_http._tcp", "raspberrypi.local.", **properties)) == ()
+
+
+def test_a_serial_number_is_an_identifier() -> None:
+    assert identifiers_of(found("Lamp", "_http._tcp", "lamp.local.", serial="GW-2026-1")) == ("id:GW-2026-1",)
+
+
+def test_facts_have_the_names_of_the_directory_and_nothing_that_does_not_show() -> None:
+    facts = facts_of(ESPHOME)
+    assert (facts["model"], facts["sw_version"], facts["host"]) == ("esp32dev", "2026.10.0", "kitchen-light.local")
+    assert facts["txt_mac"] == "a8032abe54dc"
+    assert facts_of(found("x", "_http._tcp", "x.local.", md="a\x1b[2J"))["model"] == "a\N{REPLACEMENT CHARACTER}[2J"
+
+
+def test_addresses_are_sorted_by_what_works_best() -> None:
+    heard = ["fe80::1%3", "fd00::7", "192.168.1.20", "fe80::2", "224.0.0.1", "0.0.0.0", "no address", "169.254.3.4"]  # noqa: S104
+    assert usable_addresses(heard, with_loopback=False) == ("192.168.1.20", "fd00::7", "169.254.3.4", "fe80::1%3")
+
+
+def test_a_loopback_address_is_used_only_where_the_network_is_loopback() -> None:
+    assert usable_addresses(["127.0.0.1", "::1"], with_loopback=False) == ()
+    assert usable_addresses(["127.0.0.1"], with_loopback=True) == ("127.0.0.1",)
+
+
+@pytest.mark.parametrize(
+    ("text", "full"),
+    [
+        ("_shelly._tcp", "_shelly._tcp.local."),
+        (" _HTTP._TCP.local ", "_http._tcp.local."),
+        ("_directory._sub._wot._tcp", "_directory._sub._wot._tcp.local."),
+    ],
+)
+def test_a_service_type_is_written_in_full(text: str, full: str) -> None:
+    assert full_type(text) == full
+    assert is_service_type(full)
+
+
+def test_a_subtype_belongs_to_its_type() -> None:
+    assert base_type("_directory._sub._wot._tcp.local.") == "_wot._tcp.local."
+    assert instance_label("My dir._x._wot._tcp.local.", "_directory._sub._wot._tcp.local.") == "My dir._x"

@@ -1,0 +1,305 @@
+"""Services are followed for as long as they say they are there, and a flood of them stays bounded; in virtual time."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field, replace
+
+import anyio
+import pytest
+
+from homebot.clock import LoopClock
+from homebot.gateways.drivers import FoundService
+from homebot.gateways.mdns.network import OwnService, ResolvedService, ServiceNetwork, ServiceNews
+from homebot.gateways.mdns.services import ANSWER_WITHIN, BURST, GRACE, MAX_WAITING, PER_SECOND, Services
+
+LAMP = "_lamp._tcp.local."
+OTHER = "_other._tcp.local."
+
+
+@dataclass
+class Record:
+    """What a service said, and until when that holds."""
+
+    found: ResolvedService
+    until: float
+
+
+@dataclass
+class FakeNetwork(ServiceNetwork):
+    """A network without packets: those who answer, and what is kept of what they said."""
+
+    answers: dict[str, ResolvedService] = field(default_factory=dict)
+    kept: dict[str, Record] = field(default_factory=dict)
+    names: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    asked: list[tuple[float, str]] = field(default_factory=list)
+    asked_again: int = 0
+    at_once: int = 0
+    most_at_once: int = 0
+
+    def say(self, found: ResolvedService) -> ServiceNews:
+        """A service announces itself, all of it."""
+        key = found.service.key
+        self.answers[key] = found
+        self.kept[key] = Record(found, asyncio.get_running_loop().time() + found.ttl)
+        return ServiceNews("seen", found.service.service_type, key)
+
+    def resolve_cached(self, service_type: str, name: str) -> ResolvedService | None:
+        del service_type
+        record = self.kept.get(name)
+        left = 0.0 if record is None else record.until - asyncio.get_running_loop().time()
+        return replace(record.found, left=left) if record is not None and left > 0 else None
+
+    async def resolve(self, service_type: str, name: str, within: float) -> ResolvedService | None:
+        del service_type
+        self.asked.append((asyncio.get_running_loop().time(), name))
+        self.at_once += 1
+        self.most_at_once = max(self.most_at_once, self.at_once)
+        await anyio.sleep(0.01 if name in self.answers else within)
+        self.at_once -= 1
+        if name in self.answers:
+            self.say(self.answers[name])
+        return self.answers.get(name)
+
+    def forget(self, service_type: str, name: str) -> None:
+        del service_type
+        self.kept.pop(name, None)
+
+    def cached_names(self, service_type: str) -> tuple[str, ...]:
+        return self.names.get(service_type, ())
+
+    async def ask_again(self) -> None:
+        self.asked_again += 1
+
+    async def announce(self, service: OwnService) -> str:
+        raise NotImplementedError
+
+    async def withdraw(self, service_type: str) -> None:
+        raise NotImplementedError
+
+
+@dataclass
+class RecordingHandler:
+    """What is known of services."""
+
+    there: dict[str, ResolvedService] = field(default_factory=dict)
+    taken: list[str] = field(default_factory=list)
+    gone: list[tuple[float, str, str]] = field(default_factory=list)
+    refused: list[tuple[str, str]] = field(default_factory=list)
+    lets_in: bool = True
+
+    def may_come(self, news: ServiceNews) -> bool:
+        del news
+        return self.lets_in
+
+    def take(self, found: ResolvedService) -> None:
+        self.taken.append(found.service.key)
+        self.there[found.service.key] = found
+
+    def drop(self, name: str, why: str) -> None:
+        if self.there.pop(name, None) is not None:
+            self.gone.append((asyncio.get_running_loop().time(), name, why))
+
+    def refuse(self, name: str, why: str) -> None:
+        self.refused.append((name, why))
+
+
+def service(name: str, service_type: str = LAMP, ttl: float = 120.0) -> ResolvedService:
+    key = f"{name}.{service_type}"
+    return ResolvedService(FoundService(key, name, service_type, "hall.local.", 80, ("10.0.0.7",)), ttl, ttl)
+
+
+@asynccontextmanager
+async def following(
+    network: FakeNetwork, most: int = 1000, *before: FoundService
+) -> AsyncIterator[tuple[Services, RecordingHandler]]:
+    known = RecordingHandler()
+    services = Services(known, LoopClock(), most)
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(services.follow, network, before)
+        await anyio.wait_all_tasks_blocked()
+        yield services, known
+        tasks.cancel_scope.cancel()
+
+
+pytestmark = pytest.mark.virtual_time
+
+
+async def test_a_service_that_announces_all_of_itself_is_taken_in_without_being_asked() -> None:
+    network = FakeNetwork()
+    async with following(network) as (services, known):
+        services.hear(network.say(service("Hall")))
+        await anyio.wait_all_tasks_blocked()
+        assert list(known.there) == [f"Hall.{LAMP}"]
+        assert network.asked == []
+
+
+async def test_a_dead_service_is_gone_when_its_record_has_run_out_and_it_did_not_answer() -> None:
+    network = FakeNetwork()
+    async with following(network) as (services, known):
+        begun = asyncio.get_running_loop().time()
+        services.hear(network.say(service("Hall", ttl=120)))
+        await anyio.wait_all_tasks_blocked()
+        network.answers.clear()
+        await anyio.sleep(200)
+        ((at, name, why),) = known.gone
+        assert (name, why) == (f"Hall.{LAMP}", "its announcement has run out, and it does not answer")
+        assert at - begun == pytest.approx(120 + GRACE + ANSWER_WITHIN, abs=0.1)
+
+
+async def test_a_living_service_is_asked_once_for_each_time_to_live_and_stays() -> None:
+    network = FakeNetwork()
+    async with following(network) as (services, known):
+        services.hear(network.say(service("Hall", ttl=120)))
+        await anyio.sleep(3600)
+        assert known.gone == []
+        assert len(network.asked) == 29
+        assert len(known.taken) == 30
+
+
+async def test_a_service_that_comes_back_after_its_end_is_taken_in_again() -> None:
+    network = FakeNetwork()
+    async with following(network) as (services, known):
+        services.hear(network.say(service("Hall", ttl=10)))
+        await anyio.wait_all_tasks_blocked()
+        network.answers.clear()
+        await anyio.sleep(20)
+        assert known.there == {}
+        services.hear(network.say(service("Hall", ttl=10)))
+        await anyio.wait_all_tasks_blocked()
+        assert list(known.there) == [f"Hall.{LAMP}"]
+
+
+async def test_a_goodbye_ends_it_at_once() -> None:
+    network = FakeNetwork()
+    async with following(network) as (services, known):
+        services.hear(network.say(service("Hall")))
+        await anyio.wait_all_tasks_blocked()
+        services.hear(ServiceNews("gone", LAMP, f"Hall.{LAMP}"))
+        assert [(name, why) for _, name, why in known.gone] == [(f"Hall.{LAMP}", "it said goodbye")]
+        await anyio.sleep(300)
+        assert network.asked == []
+
+
+async def test_a_change_is_taken_in_soon() -> None:
+    network = FakeNetwork()
+    async with following(network) as (services, known):
+        services.hear(network.say(service("Hall")))
+        await anyio.wait_all_tasks_blocked()
+        changed = service("Hall")
+        moved = replace(changed, service=replace(changed.service, port=81))
+        services.hear(network.say(moved))
+        await anyio.sleep(1)
+        assert known.there[f"Hall.{LAMP}"].service.port == 81
+
+
+async def test_one_that_never_answers_is_counted_and_asked_once() -> None:
+    network = FakeNetwork()
+    async with following(network) as (services, known):
+        services.hear(ServiceNews("seen", LAMP, f"Ghost.{LAMP}"))
+        await anyio.sleep(600)
+        assert len(network.asked) == 1
+        assert known.refused == [(f"Ghost.{LAMP}", "it is announced, and does not answer")]
+
+
+async def test_a_service_with_a_short_time_to_live_is_not_asked_all_the_time() -> None:
+    network = FakeNetwork()
+    async with following(network) as (services, _):
+        services.hear(network.say(service("Hall", ttl=0.1)))
+        await anyio.sleep(60)
+        assert len(network.asked) <= 12
+
+
+async def test_those_known_from_before_are_asked_several_times_before_they_are_dropped() -> None:
+    network = FakeNetwork()
+    hall = service("Hall").service
+    async with following(network, 1000, hall) as (_, known):
+        known.there[hall.key] = service("Hall")
+        await anyio.sleep(3 * ANSWER_WITHIN)
+        assert known.gone == []
+        await anyio.sleep(10 * ANSWER_WITHIN)
+        assert [name for _, name, _ in known.gone] == [hall.key]
+        assert len(network.asked) == 5
+
+
+class TestFlood:
+    """Ten thousand services are announced at once."""
+
+    async def test_at_most_as_many_are_followed_as_may_be_and_of_one_type_half_of_them(self) -> None:
+        network = FakeNetwork()
+        async with following(network, 100) as (services, known):
+            for number in range(10_000):
+                services.hear(network.say(service(f"fake {number}")))
+            await anyio.sleep(30)
+            assert len(known.there) == 50
+            assert len(known.refused) >= 10_000 - MAX_WAITING
+
+    async def test_they_are_taken_in_at_a_pace(self) -> None:
+        network = FakeNetwork()
+        async with following(network, 10_000) as (services, known):
+            for number in range(10_000):
+                services.hear(network.say(service(f"fake {number}", f"_type{number % 100}._tcp.local.", 4500)))
+            await anyio.sleep(1)
+            assert len(known.there) <= BURST + 1.5 * PER_SECOND
+            await anyio.sleep(10)
+            assert len(known.there) == pytest.approx(BURST + 11 * PER_SECOND, abs=10)
+
+    async def test_those_that_do_not_answer_are_asked_a_few_at_a_time(self) -> None:
+        network = FakeNetwork()
+        async with following(network) as (services, _):
+            for number in range(10_000):
+                services.hear(ServiceNews("seen", LAMP, f"fake {number}.{LAMP}"))
+            await anyio.sleep(30)
+            assert network.most_at_once == 32
+
+    async def test_a_real_service_of_another_type_is_found_at_once_all_the_same(self) -> None:
+        network = FakeNetwork()
+        async with following(network) as (services, known):
+            for number in range(10_000):
+                services.hear(network.say(service(f"fake {number}", OTHER)))
+            services.hear(network.say(service("Hall")))
+            await anyio.sleep(1)
+            assert f"Hall.{LAMP}" in known.there
+
+    async def test_a_service_that_was_there_before_stays_and_its_end_is_noticed(self) -> None:
+        network = FakeNetwork()
+        async with following(network) as (services, known):
+            services.hear(network.say(service("Hall", ttl=120)))
+            await anyio.wait_all_tasks_blocked()
+            for number in range(10_000):
+                services.hear(ServiceNews("seen", LAMP, f"fake {number}.{LAMP}"))
+            await anyio.sleep(110)
+            assert f"Hall.{LAMP}" in known.there
+            del network.answers[f"Hall.{LAMP}"]
+            await anyio.sleep(60)
+            assert f"Hall.{LAMP}" not in known.there
+
+    async def test_a_real_service_that_was_dropped_with_them_is_found_once_there_is_room(self) -> None:
+        network = FakeNetwork()
+        async with following(network) as (services, known):
+            for number in range(1000):
+                services.hear(ServiceNews("seen", LAMP, f"fake {number}.{LAMP}"))
+            hall = network.say(service("Hall", ttl=4500))
+            services.hear(hall)
+            assert known.refused[-1][0] == hall.name
+            network.names[LAMP] = (hall.name,)
+            await anyio.sleep(120)
+            assert list(known.there) == [hall.name]
+
+
+async def test_what_may_not_come_is_not_taken_in() -> None:
+    network = FakeNetwork()
+    async with following(network) as (services, known):
+        known.lets_in = False
+        services.hear(network.say(service("Hall")))
+        await anyio.sleep(1)
+        assert known.there == {}
+
+
+async def test_all_types_are_asked_for_anew_now_and_then() -> None:
+    network = FakeNetwork()
+    async with following(network):
+        await anyio.sleep(3601)
+        assert network.asked_again == 6

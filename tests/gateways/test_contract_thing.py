@@ -1,0 +1,88 @@
+"""The mDNS gateway keeps the contract with the driver for things: a simulated thing that zeroconf announces."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import ClassVar
+
+import anyio
+from tests.gateways.contract import GatewayContract, Lamp
+from tests.gateways.mdns.lamp import LOOPBACK, SERVICE_TYPE, Publisher, publisher
+from tests.gateways.test_contract_mdns import Cable, MdnsLamp
+
+from homebot.gateways import Gateway, GatewayContext
+from homebot.gateways.drivers.thing import ThingDriver
+from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings, NetworkInterfaces
+from homebot.graph import Node
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.http.thing import ServedThing
+
+
+class AnnouncedThingDriver(ThingDriver):
+    """The driver, for the service type of this process alone."""
+
+    service_types: ClassVar[frozenset[str]] = frozenset({SERVICE_TYPE})
+
+
+class ThingLamp(Lamp):
+    """A thing on loopback."""
+
+    def __init__(self, computer: Publisher) -> None:
+        key = f"Hall.{SERVICE_TYPE}"
+        super().__init__(key, address=key)
+        self.computer = computer
+        self.cable = Cable()
+        self.commands: list[str] = []
+        self.thing = ServedThing(SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "hall"), self.commands.append)
+        self.thing.begin(DeviceState(text="off"), has_power=True)
+
+    async def announce(self) -> None:
+        await self.computer.announce("Hall", self.thing.server.port, {"td": "/.well-known/wot", "type": "Thing"})
+
+    async def report(self, *, on: bool) -> None:
+        self.thing.publish(DeviceState(text="on" if on else "off", is_on=on))
+
+    def raw(self, *, on: bool) -> bytes:
+        return b"true" if on else b"false"
+
+    async def misbehave(self) -> None:
+        await MdnsLamp.misbehave(self)  # type: ignore[arg-type]  # what a stranger sends is the same
+
+    async def withdraw(self) -> None:
+        await self.computer.withdraw("Hall")
+
+    async def told(self) -> bool | None:
+        return self.commands[-1] == "on" if self.commands else None
+
+    async def lose_link(self) -> None:
+        self.cable.move(is_in=False)
+
+    async def mend_link(self) -> None:
+        self.cable.move(is_in=True)
+
+
+class TestThings(GatewayContract):
+    """One lamp."""
+
+    name = "mdns"
+
+    @asynccontextmanager
+    async def lamp(self) -> AsyncIterator[Lamp]:
+        async with publisher() as computer, anyio.create_task_group() as tasks:
+            lamp = ThingLamp(computer)
+            await tasks.start(lamp.thing.serve)
+            yield lamp
+            tasks.cancel_scope.cancel()
+
+    def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
+        assert isinstance(lamp, ThingLamp)
+        table = {
+            "interfaces": [LOOPBACK],
+            "service_types": [SERVICE_TYPE],
+            "announce": False,
+            "drivers": {f"{__name__}:AnnouncedThingDriver": {}},
+            **settings,
+        }
+        context = GatewayContext(services={NetworkInterfaces: lamp.cable})
+        return MdnsGateway(node, MdnsGatewaySettings.model_validate(table), context)
