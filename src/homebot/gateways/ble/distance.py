@@ -1,0 +1,58 @@
+"""A coarse distance by the strength of a signal, and how uncertain it is. Pure.
+
+The model is the path loss that grows with the logarithm of the distance: ``d = 10 ** ((P1 - P) / (10 n))`` metres,
+where P is received and P1 is what is received at one metre. In a dwelling, at about 2 GHz, 10 n is 28, and walls
+scatter the loss by 8 dB (Recommendation ITU-R P.1238, tables of power loss coefficients and of shadow fading,
+residential), so that the true distance is within the estimate times and divided by ``10 ** (8 / 28)``, about 2, two
+times out of three. A median over some seconds takes out fading, which changes from packet to packet, but not this.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from statistics import median
+
+__all__ = ["DISTANCE_FACTOR", "RSSI_AT_1M", "SignalFilter", "distance_of"]
+
+RSSI_AT_1M = -59.0
+"""dBm that most small devices are received with at a distance of one metre."""
+
+LOSS_PER_DECADE = 28.0
+SCATTER = 8.0
+"""Both in dB."""
+
+DISTANCE_FACTOR = 10 ** (SCATTER / LOSS_PER_DECADE)
+
+KEPT = 15
+KEPT_FOR = 30.0
+_WEAKEST, _STRONGEST = -127, 20
+_NEAREST, _FARTHEST = 0.1, 100.0
+
+
+def distance_of(rssi: float, rssi_at_1m: float) -> float:
+    """Return a distance in metres, 0.1 to 100, with two digits that mean something.
+
+    Args:
+        rssi: What is received, in dBm.
+        rssi_at_1m: What is received at one metre.
+    """
+    metres = 10 ** ((rssi_at_1m - rssi) / LOSS_PER_DECADE)
+    return float(f"{min(max(metres, _NEAREST), _FARTHEST):.2g}")
+
+
+class SignalFilter:
+    """The median of the last signals of one device: at most 15, of the last 30 seconds."""
+
+    def __init__(self) -> None:
+        self._kept: deque[tuple[float, int]] = deque(maxlen=KEPT)
+
+    def add(self, rssi: int, now: float) -> None:
+        """Add a signal in dBm; what cannot be one is left out: 127 means unknown (Core 6.0, Vol 4, E 7.7.65.2)."""
+        if _WEAKEST < rssi <= _STRONGEST:
+            self._kept.append((now, rssi))
+
+    def value(self, now: float) -> float | None:
+        """Return the median; None where nothing was received lately."""
+        while self._kept and now - self._kept[0][0] > KEPT_FOR:
+            self._kept.popleft()
+        return float(median(rssi for _, rssi in self._kept)) if self._kept else None

@@ -1,0 +1,320 @@
+"""The Bluetooth gateway: hears what devices broadcast, and connects to those with a declared profile."""
+
+from __future__ import annotations
+
+from functools import partial
+from random import Random
+from typing import ClassVar
+
+import anyio
+import anyio.lowlevel
+from anyio.abc import TaskStatus
+from pydantic import BaseModel
+
+from homebot.ble_backend import BleBackend
+from homebot.devices.gateway_messages import Command
+from homebot.errors import LinkError, PluginError, UsageError, WireError
+from homebot.extras import check_extra
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.base import Gateway
+from homebot.gateways.ble.admission import Newcomers, find_dispensable
+from homebot.gateways.ble.advertisement import Advertisement
+from homebot.gateways.ble.broadcast_parser import Broadcast, BroadcastParser
+from homebot.gateways.ble.connections import ConnectionHost, Connections
+from homebot.gateways.ble.gatt_profile import GattProfile
+from homebot.gateways.ble.intake import Intake
+from homebot.gateways.ble.known_device import KnownDevice
+from homebot.gateways.ble.radio import BleRadio, BluetoothUnavailableError
+from homebot.gateways.ble.settings import PARSERS, BleDeviceSettings, BleGatewaySettings
+from homebot.gateways.context import GatewayContext
+from homebot.graph import Node
+from homebot.isolation import run_as
+from homebot.mqtt.backoff import LINK_BACKOFF
+from homebot.plugins import load_plugin
+
+__all__ = ["BleGateway"]
+
+QUIET = 30.0
+"""Seconds without any advertisement after which the scan is begun anew: an adapter that vanished tells nobody."""
+
+MAX_PROBLEMS = 20
+
+MAX_SCANNED = 5_000
+"""Addresses after which the scan is begun anew: bleak keeps all of one scan."""
+
+UNREACHABLE = "gateway.unreachable"
+
+BACK_AFTER = 10.0
+"""Seconds of silence after which a device that is heard again is back."""
+
+TICK = 5.0
+SIGNAL_EVERY = 5.0
+"""Both in seconds."""
+
+PUT_EVERY = 1.0
+"""Seconds between two sightings of one device that is as it was."""
+
+
+class BleGateway(Gateway):
+    """Brings Bluetooth devices nearby onto the graph.
+
+    Args:
+        node: Its node.
+        settings: Its table.
+        context: What its host gives it; a :class:`BleBackend` in it replaces the Bluetooth of the operating system.
+
+    Attributes:
+        devices: Its devices.
+        intake: The advertisements that it received.
+    """
+
+    Settings: ClassVar[type[BaseModel]] = BleGatewaySettings
+
+    def __init__(self, node: Node, settings: BleGatewaySettings, context: GatewayContext | None = None) -> None:
+        """Make the gateway; nothing is scanned before :meth:`serve`.
+
+        Raises:
+            UsageError: A bind key cannot be read.
+            PluginError: A parser cannot be loaded.
+        """
+        super().__init__(node, settings, context)
+        clock = node.graph.clock
+        self._settings = settings
+        self._clock = clock
+        self._random = self.context.random or Random()  # noqa: S311 - spreads retries
+        self._profiles = {one.service: one for one in settings.all_profiles().values()}
+        self._parsers = _find_parsers(settings)
+        self._known: dict[str, KnownDevice] = {}
+        self._keys: dict[str, str] = {}
+        self._put_at: dict[str, float] = {}
+        self._newcomers = Newcomers(clock.monotonic())
+        self._connections: Connections | None = None
+        self._restart = anyio.Event()
+        self._listens_since: float | None = None
+        self._reason = "it has not begun"
+        self._told: dict[str, int] = {}
+        self.intake = Intake(clock)
+        self.devices = PublishedDevices(self, self._perform, settings, max_devices=settings.max_devices)
+
+    @classmethod
+    def check(cls, settings: BaseModel) -> None:
+        """Look for bleak, the parsers and the bind keys.
+
+        Raises:
+            UsageError: One is missing.
+        """
+        check_extra('the gateway "ble"', "ble", "bleak", "cryptography")
+        if isinstance(settings, BleGatewaySettings):
+            _find_parsers(settings)
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Run the scan and the connections until cancelled; ready when the first try to scan has ended."""
+        from homebot.gateways.ble.bleak_adapter import BleakRadio  # noqa: PLC0415 - only where it runs
+
+        backend = self.context.service(BleBackend)
+        radio = BleakRadio(backend, self._settings.adapter, is_passive=self._settings.scan == "passive")
+        async with anyio.create_task_group() as tasks:
+            self._connections = Connections(radio, self._host(), tasks, self._settings.max_connections)
+            for work in (self._read, self._look_around):
+                tasks.start_soon(run_as, self.node.full_name, work)
+            await self._scan(radio, task_status)
+
+    def _host(self) -> ConnectionHost:
+        return ConnectionHost(
+            owner=self.node.full_name,
+            clock=self._clock,
+            random=self._random,
+            described=partial(self._put, why="it was connected to"),
+            report=self.devices.report,
+            deliver_raw=self.devices.deliver_raw,
+            reject=self.devices.reject,
+            reachable=self.devices.report_reachable,
+            unavailable=self._begin_anew,
+            failed=lambda why: self.devices.engine.quarantine.log_limited(UNREACHABLE, why, source=""),
+        )
+
+    def _begin_anew(self) -> None:
+        self._restart.set()
+
+    async def _scan(self, radio: BleRadio, task_status: TaskStatus[None]) -> None:
+        failures, since, is_ready = 0, 0.0, False
+        while True:
+            now = self._clock.monotonic()
+            try:
+                async with radio.scanning(self.intake.hear):
+                    failures, self._reason = 0, ""
+                    self._listens_since = now if self._listens_since is None else self._listens_since
+                    self.publish_state("active")
+                    if not is_ready:
+                        task_status.started()
+                    is_ready = True
+                    await self._until_done(radio)
+                continue
+            except BluetoothUnavailableError as exc:
+                self._listens_since = None
+                self._reason = str(exc)
+                self.publish_state("unavailable", self._reason)
+            if not is_ready:
+                task_status.started()
+            is_ready = True
+            failures += 1
+            since = now if failures == 1 else since
+            await anyio.sleep(LINK_BACKOFF.delay(failures, now - since, self._random))
+
+    async def _until_done(self, radio: BleRadio) -> None:
+        """Wait until the scan is to be begun anew."""
+        self._restart = anyio.Event()
+        began = self._clock.monotonic()
+        while radio.heard < MAX_SCANNED:
+            with anyio.move_on_after(TICK):
+                await self._restart.wait()
+                return
+            if self._clock.monotonic() - max(began, self.intake.heard_at) >= QUIET:
+                return
+
+    async def _read(self) -> None:
+        while True:
+            advertisement = await self.intake.next()
+            await self._take(advertisement)
+            await anyio.lowlevel.checkpoint()
+
+    async def _take(self, advertisement: Advertisement) -> None:
+        source = self._keys.get(advertisement.address, advertisement.address)
+        found: Broadcast | None = None
+        for parser in self._parsers:
+            if not parser.concerns(advertisement):
+                continue
+            if not self.devices.admits(source):
+                return
+            try:
+                found = parser.read(advertisement, self._clock.monotonic())
+            except WireError as exc:
+                self.devices.reject(source, exc.frame, str(exc))
+                return
+            except Exception as exc:  # noqa: BLE001 - a parser of somebody else's must not end the gateway
+                self.devices.engine.quarantine.record_plugin_failure(source, type(parser).__name__, exc)
+                return
+            if found is not None:
+                break
+        await self._hear(advertisement, found)
+
+    async def _hear(self, advertisement: Advertisement, found: Broadcast | None) -> None:
+        now = self._clock.monotonic()
+        key = (found.key if found is not None else "") or self._keys.get(advertisement.address, advertisement.address)
+        device = self._known.get(key)
+        if device is None:
+            device = self._admit(key, advertisement, found, now)
+            if device is None:
+                for parser in self._parsers:
+                    parser.forget(advertisement.address)
+                return
+        if self._keys.get(device.address) == key:
+            del self._keys[device.address]  # a beacon may have another address now
+        is_back = now - device.presence.last_heard >= BACK_AFTER
+        device.hear(advertisement, found, now)
+        self._keys[advertisement.address] = key
+        has_news = found is not None and bool(found.values)
+        if has_news or now - self._put_at.get(key, float("-inf")) >= PUT_EVERY:
+            self._put(device, "it was heard")
+        if device.profile is not None and self._connections is not None:
+            self._connections.keep(device, is_back=is_back)
+        if found is not None and found.values:
+            await self._report(key, advertisement, found)
+        if self._settings.signal and now - device.reported_at >= SIGNAL_EVERY:
+            device.reported_at = now
+            for part, values in device.signal_values(self._settings.rssi_at_1m, now).items():
+                await self.devices.report(key, values, part)
+
+    async def _report(self, key: str, advertisement: Advertisement, found: Broadcast) -> None:
+        for data in (*advertisement.service_data.values(), *advertisement.manufacturer_data.values()):
+            await self.devices.deliver_raw(key, data)
+        for one in found.values:
+            await self.devices.report(key, {one.capability: one.value}, one.part)
+
+    def _admit(self, key: str, advertisement: Advertisement, found: Broadcast | None, now: float) -> KnownDevice | None:
+        """Return a new device, if it is to be listed and there is room."""
+        declared = self._settings.devices.get(advertisement.address)
+        profile = self._profile_of(advertisement, declared)
+        is_understood = found is not None or profile is not None or declared is not None
+        listed = self._settings.listed
+        if not (is_understood or listed == "all" or (listed == "named" and advertisement.name)):
+            return None
+        if declared is None and not self._newcomers.admits(now):
+            return None
+        if len(self._known) >= self._settings.max_devices:
+            dispensable = find_dispensable(self._known.values())
+            if dispensable is None:
+                self.devices.counters.devices_refused += 1
+                return None
+            self._forget(dispensable, "too many devices are nearby, and it was heard only briefly")
+        device = self._known[key] = KnownDevice(key, declared or BleDeviceSettings(), profile, now)
+        return device
+
+    def _profile_of(self, advertisement: Advertisement, declared: BleDeviceSettings | None) -> GattProfile | None:
+        if declared is not None and declared.profile:
+            return self._settings.all_profiles()[declared.profile]
+        return next((self._profiles[one] for one in advertisement.service_uuids if one in self._profiles), None)
+
+    def _put(self, device: KnownDevice, why: str) -> None:
+        self._put_at[device.key] = self._clock.monotonic()
+        self.devices.put(device.describe(signal=self._settings.signal), why)
+
+    def _forget(self, device: KnownDevice, why: str) -> None:
+        del self._known[device.key]
+        self._put_at.pop(device.key, None)
+        self._keys.pop(device.address, None)
+        for parser in self._parsers:
+            parser.forget(device.address)
+        if self._connections is not None:
+            self._connections.let_go(device.key)
+        self.devices.remove(device.key, why)
+
+    async def _look_around(self) -> None:
+        """Keep in sight those that are connected, and forget those that have long been silent; every few seconds."""
+        while True:
+            await anyio.sleep(TICK)
+            now = self._clock.monotonic()
+            for device in self._connections.connected if self._connections is not None else ():
+                device.presence.hear(now)
+                self._put(device, "it is connected")
+            if self._listens_since is not None:
+                heard_since = self._listens_since
+                silent = [
+                    one
+                    for one in self._known.values()
+                    if now - max(one.presence.last_heard, heard_since) > self._settings.forget_after
+                ]
+                for device in silent:
+                    self._forget(device, f"it was not heard for {self._settings.forget_after:g} seconds")
+            self.devices.problems = self._problems()
+
+    def _problems(self) -> tuple[str, ...]:
+        """Return what is wrong, as text; of what was too much, only what came since this was asked last."""
+        problems = [f"{one.key}: {one.problem}" for one in self._known.values() if one.problem][:MAX_PROBLEMS]
+        counts = {
+            "advertisements were dropped, as more came than can be read": self.intake.counts.dropped,
+            "advertisements of unknown devices were left out, as too many devices appear": self._newcomers.refused,
+        }
+        for what, count in counts.items():
+            if count > self._told.get(what, 0):
+                problems.append(f"{count - self._told.get(what, 0)} {what}")
+            self._told[what] = count
+        return tuple(problems)
+
+    async def _perform(self, command: Command) -> None:
+        if self._connections is None or self._reason:
+            raise LinkError(f"no device can be reached: {self._reason}")
+        await self._connections.perform(command.key, command.capability, command.value.plain())
+
+
+def _find_parsers(settings: BleGatewaySettings) -> tuple[BroadcastParser, ...]:
+    keys = settings.bind_keys()
+    found: list[BroadcastParser] = []
+    for name in dict.fromkeys(settings.parsers):
+        kind = load_plugin(PARSERS, name)
+        if not issubclass(kind, BroadcastParser):
+            raise PluginError(name, "is no BroadcastParser")
+        found.append(kind(keys))
+    if keys and not found:
+        raise UsageError("bind keys are configured, and no parser that reads them")
+    return tuple(found)

@@ -1,0 +1,214 @@
+"""Declared profiles: how a device that is connected to encodes its state and its commands. Pure.
+
+A *frame* is hexadecimal bytes with fields between them: ``56{red}{green}{blue}00f0aa``. Each field is one byte:
+``{on}`` is 01 or 00, ``{level}`` is 0 to ``level_max``, and ``{red}``, ``{green}``, ``{blue}`` are the brightest shade
+of a colour. ``..`` is any byte, in what a device reports.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+
+from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
+from homebot.devices.part import Capability, Part
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+from homebot.gateways.ble.advertisement import full_uuid
+
+__all__ = ["BUILT_IN", "GattProfile", "GattState"]
+
+Uuid: TypeAlias = Annotated[str, AfterValidator(full_uuid)]
+GattType: TypeAlias = Literal["light", "plug", "switch", "fan", "siren"]
+
+_TOKEN = re.compile(r"\s*(?:([0-9a-fA-F]{2})|\{(\w+)\}|(\.\.))\s*")
+_FIELDS = ("on", "level", "red", "green", "blue")
+_LONGEST = 64
+_WHITE = (2000, 6500)
+_BYTE = 255
+
+
+def _tokens(frame: str) -> tuple[int | str, ...]:
+    """Return the bytes of a frame, and the names of its fields; ``..`` is the empty name.
+
+    Raises:
+        ValueError: It is no frame.
+    """
+    found: list[int | str] = []
+    at = 0
+    while at < len(frame):
+        match = _TOKEN.match(frame, at)
+        if match is None:
+            raise ValueError(f"{frame!r}: {frame[at : at + 8]!r} is neither two hexadecimal digits, {{field}} nor ..")
+        digits, name, _ = match.groups()
+        if name is not None and name not in _FIELDS:
+            raise ValueError(f"{name!r} is not a field; known are {', '.join(_FIELDS)}")
+        found.append(int(digits, 16) if digits else name or "")
+        at = match.end()
+    if not 0 < len(found) <= _LONGEST:
+        raise ValueError(f"a frame has 1 to {_LONGEST} bytes")
+    return tuple(found)
+
+
+def _checked(frame: str) -> str:
+    _tokens(frame)
+    return frame
+
+
+def _checked_command(frame: str) -> str:
+    if "" in _tokens(frame):
+        raise ValueError(".. is for what a device reports; a command needs every byte")
+    return frame
+
+
+ReportFrame: TypeAlias = Annotated[str, AfterValidator(_checked)]
+CommandFrame: TypeAlias = Annotated[str, AfterValidator(_checked_command)]
+
+
+@dataclass(slots=True)
+class GattState:
+    """The state of a device, as its frames say it.
+
+    Attributes:
+        fields: The bytes by field; what is not known is what a lamp has that was never told: off, bright and white.
+    """
+
+    fields: dict[str, int]
+
+    @classmethod
+    def unknown(cls, level_max: int) -> GattState:
+        """Return the state of a device that said nothing."""
+        return cls({"on": 0, "level": level_max, "red": _BYTE, "green": _BYTE, "blue": _BYTE})
+
+
+class GattProfile(BaseModel):
+    """A table ``[gateways.NAME.profiles.PROFILE]``.
+
+    Attributes:
+        service: The service by which its devices are recognised in their advertisements.
+        type: The type of their part.
+        command: The characteristic that takes commands.
+        on: The frame that turns it on.
+        off: Likewise off.
+        level: The frame that sets the brightness; none where it cannot be dimmed.
+        color: The frame that sets the colour; likewise.
+        level_max: The byte of full brightness.
+        state: The characteristic that reports; by default that of commands.
+        report: The frame that it reports; none where it reports nothing.
+        response: Whether commands are acknowledged by the device.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    service: Uuid
+    type: GattType = "light"
+    command: Uuid
+    on: CommandFrame
+    off: CommandFrame
+    level: CommandFrame | None = None
+    color: CommandFrame | None = None
+    level_max: Annotated[int, Field(ge=1, le=255)] = 255
+    state: Uuid | None = None
+    report: ReportFrame | None = None
+    response: bool = True
+
+    @model_validator(mode="after")
+    def _check_state(self) -> GattProfile:
+        if self.state is not None and self.report is None:
+            raise ValueError("state needs report: the frame that is read there")
+        return self
+
+    @property
+    def reported_by(self) -> str:
+        """The characteristic that reports."""
+        return self.state or self.command
+
+    def part(self) -> Part:
+        """Return the part of its devices."""
+        reported = set(_tokens(self.report)) if self.report else set()
+        capabilities = [Capability(name="on_off", readable="on" in reported, settable=True)]
+        if self.level is not None:
+            capabilities.append(Capability(name="level", readable="level" in reported, settable=True))
+        if self.color is not None:
+            readable = {"red", "green", "blue"} <= reported
+            capabilities.append(Capability(name="color", readable=readable, settable=True))
+        return Part(id="", service_type=self.type, capabilities=tuple(capabilities))
+
+    def read(self, data: bytes, state: GattState) -> dict[str, PlainValue]:
+        """Take what a device reported into *state*, and return its values by capability.
+
+        Raises:
+            WireError: It is not the frame that the profile declares.
+        """
+        tokens = _tokens(self.report or "..")
+        if len(data) < len(tokens):
+            raise WireError(f"it reported {len(data)} bytes, not {len(tokens)}", data)
+        fields = dict(state.fields)
+        for token, byte in zip(tokens, data, strict=False):
+            if isinstance(token, int) and token != byte:
+                raise WireError(f"it reported {byte:02x} where the profile has {token:02x}", data)
+            if isinstance(token, str) and token:
+                fields[token] = byte
+        if fields["level"] > self.level_max:
+            raise WireError(f"it reported the level {fields['level']} above {self.level_max}", data)
+        state.fields.update(fields)
+        return self._values(state.fields, {one.name for one in self.part().capabilities if one.readable})
+
+    def write(self, capability: str, value: PlainValue, state: GattState) -> bytes:
+        """Return the command that sets a capability; *state*, which says what other fields are, then has it.
+
+        Raises:
+            RefusedError: No frame does that.
+        """
+        fields = dict(state.fields)
+        frame: str | None = None
+        if capability == "on_off":
+            fields["on"] = int(bool(value))
+            frame = self.on if value else self.off
+            if value and not fields["level"]:
+                fields["level"] = self.level_max
+        elif capability == "level" and isinstance(value, float | int):
+            if value > 0:
+                fields["level"] = max(1, round(value * self.level_max / 100))
+            fields["on"] = int(value > 0)
+            frame = self.level if value > 0 else self.off
+        elif capability == "color" and isinstance(value, tuple):
+            red, green, blue = from_hue_saturation("rgb", value[0], value[1], _WHITE)
+            fields.update(red=round(red), green=round(green), blue=round(blue), on=1)
+            frame = self.color
+        if frame is None:
+            raise RefusedError(capability, "the profile of the device has no frame for it")
+        data = bytes(token if isinstance(token, int) else fields[token] for token in _tokens(frame))
+        state.fields.update(fields)
+        return data
+
+    def _values(self, fields: Mapping[str, int], readable: set[str]) -> dict[str, PlainValue]:
+        is_on = bool(fields["on"])
+        found: dict[str, PlainValue] = {}
+        if "on_off" in readable:
+            found["on_off"] = is_on
+        if "level" in readable:
+            is_dark = "on_off" in readable and not is_on
+            found["level"] = 0.0 if is_dark else round(fields["level"] * 100 / self.level_max, 1)
+        if "color" in readable:
+            channels = tuple(float(fields[one]) for one in ("red", "green", "blue"))
+            found["color"] = to_hue_saturation("rgb", channels, _WHITE)
+        return found
+
+
+BUILT_IN: Mapping[str, GattProfile] = {
+    "gatt_light": GattProfile(
+        service="7b1d0001-6b8f-4f3e-9d2a-0123456789ab",
+        command="7b1d0002-6b8f-4f3e-9d2a-0123456789ab",
+        state="7b1d0003-6b8f-4f3e-9d2a-0123456789ab",
+        on="{on}{level}",
+        off="{on}{level}",
+        level="{on}{level}",
+        report="{on}{level}",
+    )
+}
+"""The profiles that need not be configured: the light of homebot's simulated house."""

@@ -1,0 +1,86 @@
+"""The port to Bluetooth: what the gateway needs of it, whatever library does it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
+
+from homebot.errors import LinkError
+from homebot.gateways.ble.advertisement import Advertisement
+
+__all__ = ["BleLink", "BleRadio", "BluetoothUnavailableError"]
+
+
+class BluetoothUnavailableError(LinkError):
+    """There is no Bluetooth adapter, or it is off, or the service that has it does not run."""
+
+
+class BleLink(ABC):
+    """A connection to one device; characteristics are named by their full UUIDs."""
+
+    @property
+    @abstractmethod
+    def is_open(self) -> bool:
+        """True while it stands."""
+
+    @abstractmethod
+    def has(self, characteristic: str, *properties: str) -> bool:
+        """Return whether the device has a characteristic, with one of these properties if any are given."""
+
+    @abstractmethod
+    async def read(self, characteristic: str) -> bytes:
+        """Return the value of a characteristic.
+
+        Raises:
+            LinkError: The connection is lost.
+            RefusedError: The device refuses.
+        """
+
+    @abstractmethod
+    async def write(self, characteristic: str, data: bytes, *, response: bool) -> None:
+        """Set the value of a characteristic; with a *response*, return when the device has it.
+
+        Raises:
+            LinkError: The connection is lost.
+            RefusedError: The device refuses.
+        """
+
+    @abstractmethod
+    async def subscribe(self, characteristic: str, on_value: Callable[[bytes], None]) -> None:
+        """Have *on_value* called with each value that the device notifies.
+
+        Raises:
+            LinkError: The connection is lost.
+            RefusedError: The device refuses.
+        """
+
+    @abstractmethod
+    async def close(self) -> None:
+        """Disconnect; one that was lost before is nothing new."""
+
+
+class BleRadio(ABC):
+    """A Bluetooth adapter."""
+
+    @property
+    @abstractmethod
+    def heard(self) -> int:
+        """The number of addresses that are kept of the running scan."""
+
+    @abstractmethod
+    def scanning(self, on_heard: Callable[[Advertisement], None]) -> AbstractAsyncContextManager[None]:
+        """Return a scan, which runs inside the block.
+
+        Raises:
+            BluetoothUnavailableError: There is no adapter, or it vanished.
+        """
+
+    @abstractmethod
+    async def connect(self, address: str, on_lost: Callable[[], None]) -> BleLink:
+        """Connect to a device, and find its services.
+
+        Raises:
+            BluetoothUnavailableError: There is no adapter.
+            LinkError: The device cannot be reached.
+        """

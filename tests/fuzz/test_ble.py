@@ -1,0 +1,109 @@
+"""Damaged Bluetooth advertisements and notified values: refused in our words, or understood."""
+
+from __future__ import annotations
+
+import math
+import random
+from typing import TYPE_CHECKING
+
+from homebot.conventions.bthome.encryption import seal
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.value import PlainValue
+from homebot.errors import WireError
+from homebot.gateways.announced.value_check import can_report
+from homebot.gateways.ble.advertisement import Advertisement, full_uuid
+from homebot.gateways.ble.beacon_parser import APPLE, EDDYSTONE, BeaconParser
+from homebot.gateways.ble.bthome_parser import BTHomeParser
+from homebot.gateways.ble.gatt_profile import BUILT_IN, GattState
+
+if TYPE_CHECKING:
+    from tests.fuzz.conftest import Fuzz, Mutator
+
+BTHOME = full_uuid("fcd2")
+KEY = bytes.fromhex("231d39c1d7cc1ab1aee224cd096db932")
+OPEN, SEALED = "A4:C1:38:00:00:01", "A4:C1:38:00:00:02"
+BODIES = tuple(
+    bytes.fromhex(one)
+    for one in (
+        "00BE016402CA0903BF13",
+        "3A013A003C0103",
+        "530C48656C6C6F20576F726C6421",
+        "5402FFFE505D396164",
+        "3B0002F1000102043E2A2C0960",
+        "2801150158EA5BEAEA0215",
+    )
+)
+IBEACON = bytes.fromhex("0215f7826da64fa24e988024bc5b71e0893e00010002c5")
+UID = bytes.fromhex("00ee00112233445566778899aabbccddeeff0000")
+
+
+def test_damaged_bthome_packets_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+    def case(rng: random.Random) -> None:
+        damage = mutator(rng)
+        parser = BTHomeParser({SEALED: KEY})
+        now = 0.0
+        for _ in range(rng.randrange(1, 6)):
+            body = rng.choice(BODIES)
+            body = damage.damaged_bytes(body) if rng.random() < 0.7 else body
+            address = rng.choice((OPEN, SEALED))
+            data = bytes([rng.choice((0x40, 0x44, 0x42, 0x41, 0x20))]) + body
+            if address == SEALED and rng.random() < 0.8:
+                data = seal(KEY, bytes.fromhex(SEALED.replace(":", "")), 0x41, rng.randrange(2**32), body)
+            data = damage.damaged_bytes(data) if rng.random() < 0.3 else data
+            now += rng.choice((0.1, 1.0, 10.0))
+            check_bthome(parser, Advertisement(address, -60, service_data={BTHOME: data}), now)
+
+    fuzz.run("bthome", case)
+
+
+def check_bthome(parser: BTHomeParser, advertisement: Advertisement, now: float) -> None:
+    assert parser.concerns(advertisement)
+    try:
+        found = parser.read(advertisement, now)
+    except WireError:
+        return
+    assert found is not None
+    parts = {one.id: one for one in found.parts}
+    for one in found.values:
+        assert can_report(parts[one.part], one.capability, one.value), one
+        assert not isinstance(one.value, float) or math.isfinite(one.value)
+        assert one.capability in CAPABILITIES
+
+
+def test_damaged_beacons_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+    def case(rng: random.Random) -> None:
+        damage = mutator(rng)
+        parser = BeaconParser({})
+        advertisement = Advertisement(
+            OPEN,
+            -60,
+            damage.word(),
+            manufacturer_data={APPLE: damage.damaged_bytes(IBEACON)} if rng.random() < 0.5 else {},
+            service_data={EDDYSTONE: damage.damaged_bytes(UID)} if rng.random() < 0.8 else {},
+        )
+        if not parser.concerns(advertisement):
+            return
+        try:
+            found = parser.read(advertisement, 0.0)
+        except WireError:
+            return
+        assert found is not None
+        assert found.key.startswith(("ibeacon:", "eddystone:"))
+
+    fuzz.run("beacons", case)
+
+
+def test_damaged_reports_and_values_of_a_profile_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+    def case(rng: random.Random) -> None:
+        damage = mutator(rng)
+        profile = BUILT_IN["gatt_light"]
+        state = GattState.unknown(profile.level_max)
+        try:
+            values: dict[str, PlainValue] = profile.read(damage.damaged_bytes(b"\x01\x7f"), state)
+        except WireError:
+            return
+        for name, value in values.items():
+            assert can_report(profile.part(), name, value), (name, value)
+        assert len(profile.write("level", rng.uniform(0, 100), state)) == 2
+
+    fuzz.run("gatt", case)

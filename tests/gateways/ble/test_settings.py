@@ -1,0 +1,77 @@
+"""The table of a Bluetooth gateway."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from homebot.errors import UsageError
+from homebot.gateways.ble import BleGateway, BleGatewaySettings
+
+ADDRESS = "A4:C1:38:0A:0B:0C"
+KEY = "231d39c1d7cc1ab1aee224cd096db932"
+
+
+def settings(**given: object) -> BleGatewaySettings:
+    return BleGatewaySettings.model_validate(given)
+
+
+def test_homebots_own_parsers_are_used_unless_others_are_named() -> None:
+    assert settings().parsers == ("beacon", "bthome")
+
+
+def test_a_bind_key_is_read_from_a_private_file(tmp_path: Path) -> None:
+    file = tmp_path / "attic.key"
+    file.write_text(f"{KEY}\n")
+    file.chmod(0o600)
+    found = settings(devices={ADDRESS.lower(): {"bind_key_file": str(file)}})
+    assert found.bind_keys() == {ADDRESS: bytes.fromhex(KEY)}
+    BleGateway.check(found)
+
+
+def test_a_file_that_others_can_change_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "attic.key"
+    file.write_text(KEY)
+    file.chmod(0o666)
+    with pytest.raises(UsageError, match=f'devices."{ADDRESS}".bind_key_file'):
+        BleGateway.check(settings(devices={ADDRESS: {"bind_key_file": str(file)}}))
+
+
+@pytest.mark.parametrize("text", ["secret-that-is-no-key", KEY + "00", ""])
+def test_what_is_no_key_is_refused_and_not_shown(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ATTIC_KEY", text)
+    with pytest.raises(UsageError, match="32 hexadecimal digits") as caught:
+        settings(devices={ADDRESS: {"bind_key_env": "ATTIC_KEY"}}).bind_keys()
+    assert not text or text not in str(caught.value)
+
+
+def test_a_variable_that_is_not_set_is_named() -> None:
+    with pytest.raises(UsageError, match="HOMEBOT_NO_SUCH_KEY is not set"):
+        BleGateway.check(settings(devices={ADDRESS: {"bind_key_env": "HOMEBOT_NO_SUCH_KEY"}}))
+
+
+@pytest.mark.parametrize(
+    ("given", "named"),
+    [
+        ({"devices": {"attic": {}}}, "is not an address"),
+        ({"devices": {ADDRESS: {"profile": "disco"}}}, "'disco' is unknown; known are gatt_light"),
+        ({"devices": {ADDRESS: {"bind_key": KEY}}}, "Extra inputs"),
+        ({"devices": {ADDRESS: {"bind_key_env": "A", "bind_key_file": "b"}}}, "not both"),
+        ({"profiles": {"lamp": {"service": "xyz", "command": "ffd9", "on": "01", "off": "00"}}}, "is not a UUID"),
+        ({"profiles": {"lamp": {"service": "ffd5", "command": "ffd9", "on": "0", "off": "00"}}}, "neither two"),
+        ({"profiles": {"lamp": {"service": "ffd5", "command": "ffd9", "on": "{x}", "off": "00"}}}, "is not a field"),
+        ({"profiles": {"lamp": {"service": "ffd5", "command": "ffd9", "on": "..", "off": "00"}}}, "every byte"),
+        ({"profiles": {"lamp": {"service": "ffd5", "command": "1", "on": "01", "off": "00"}}}, "is not a UUID"),
+        (
+            {"profiles": {"lamp": {"service": "ffd5", "command": "ffd9", "on": "01", "off": "00", "state": "ffd4"}}},
+            "state needs report",
+        ),
+        ({"scan": "loud"}, "'active' or 'passive'"),
+        ({"max_connections": 0}, "greater than or equal to 1"),
+    ],
+)
+def test_a_mistake_is_named(given: dict[str, object], named: str) -> None:
+    with pytest.raises(ValidationError, match=named):
+        settings(**given)
