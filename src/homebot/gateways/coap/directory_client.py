@@ -1,0 +1,147 @@
+"""Endpoints that somebody else's resource directory lists: looked up, and followed.
+
+The lookup is observed, so that changes come by themselves, and read now and then as well: a notification may be lost.
+
+Source: RFC 9176, sections 4.3 (finding the lookup) and 6.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import aclosing
+from functools import partial
+from random import Random
+from typing import TYPE_CHECKING, Final
+
+import anyio
+
+from homebot.clock import Clock
+from homebot.errors import LinkError, PeerError, RefusedError, WireError
+from homebot.gateways.coap.content_formats import LINK_FORMAT
+from homebot.gateways.coap.endpoint import CoapEndpoint, authority_of, endpoint_of_link
+from homebot.gateways.coap.link_format import parse_links
+from homebot.isolation import first_cause, run_as
+from homebot.mqtt.backoff import Backoff
+from homebot.wot import resolve_uri
+
+if TYPE_CHECKING:
+    from homebot.gateways.coap.aiocoap_client import CoapClient
+
+__all__ = ["DirectoryClient"]
+
+RETRY: Final = Backoff(first=1.0, factor=2.0, cap=5.0, late_cap=30.0, late_after=300.0, jitter=0.5)
+
+CHECK_EVERY = 20.0
+"""Seconds after which the lookup is read although nothing came."""
+
+_LOOKUP = "core.rd-lookup-ep"
+
+
+class DirectoryClient:
+    """The client of one resource directory.
+
+    Args:
+        uri: Its address.
+        client: The CoAP endpoint that asks.
+        clock: The clock to live by.
+        random: For the pauses between tries.
+        take: Gets all endpoints that it lists, whenever that may have changed.
+        reject: Gets what breaks the rules: the bytes and the reason.
+        report: Gets how the directory is: empty where it answers, else what is wrong.
+    """
+
+    def __init__(
+        self,
+        uri: str,
+        client: CoapClient,
+        clock: Clock,
+        random: Random,
+        *,
+        take: Callable[[tuple[CoapEndpoint, ...]], None],
+        reject: Callable[[bytes, str], None],
+        report: Callable[[str], None],
+    ) -> None:
+        self._uri = uri.rstrip("/")
+        self._client = client
+        self._clock = clock
+        self._random = random
+        self._take = take
+        self._reject = reject
+        self._report = report
+
+    async def run(self) -> None:
+        """Follow the directory until cancelled."""
+        failures, since = 0, self._clock.monotonic()
+        while True:
+            began = self._clock.monotonic()
+            try:
+                await self._follow()
+            except (LinkError, PeerError) as exc:
+                if isinstance(exc, WireError):
+                    self._reject(exc.frame, str(exc))
+                self._report(f"the resource directory {self._uri} cannot be read: {exc}")
+            now = self._clock.monotonic()
+            failures, since = (failures + 1, since) if now - began < CHECK_EVERY else (1, now)
+            await anyio.sleep(RETRY.delay(failures, now - since, self._random))
+
+    async def _follow(self) -> None:
+        lookup = await self._find_lookup()
+        await self._read(lookup)
+        try:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(run_as, "the lookup of a resource directory", partial(self._observe, lookup))
+                while True:
+                    await anyio.sleep(CHECK_EVERY)
+                    await self._read(lookup)
+        except BaseExceptionGroup as group:
+            known, others = group.split((LinkError, PeerError))
+            if known is None or others is not None:
+                raise
+            raise first_cause(known) from group
+
+    async def _find_lookup(self) -> str:
+        """Return the address of the endpoint lookup.
+
+        Raises:
+            RefusedError: The server has none.
+        """
+        answer = await self._client.request("GET", f"{self._uri}/.well-known/core?rt=core.rd*", accept=LINK_FORMAT)
+        for link in parse_links(answer.payload):
+            if _LOOKUP in link.words("rt"):
+                try:
+                    uri = resolve_uri(f"{self._uri}/", link.target)
+                    is_own = authority_of(uri) == authority_of(self._uri)
+                except ValueError:
+                    is_own, uri = False, ""
+                if is_own:
+                    return uri
+        raise RefusedError(f"looking endpoints up at {self._uri}", f"it offers no {_LOOKUP}")
+
+    async def _read(self, lookup: str) -> None:
+        self._take_list((await self._client.request("GET", lookup, accept=LINK_FORMAT)).payload)
+
+    async def _observe(self, lookup: str) -> None:
+        try:
+            async with aclosing(self._client.observe(lookup, LINK_FORMAT)) as answers:
+                async for answer in answers:
+                    self._take_list(answer.payload)
+        except RefusedError:
+            return  # it is read often enough
+
+    def _take_list(self, payload: bytes) -> None:
+        """Take a list; one that cannot be read changes nothing.
+
+        Raises:
+            WireError: It is none.
+        """
+        links = parse_links(payload)
+        self._report("")
+        endpoints: dict[str, CoapEndpoint] = {}
+        for link in links:
+            try:
+                endpoint = endpoint_of_link(link)
+            except WireError as exc:
+                self._reject(payload[:100], str(exc))
+                continue
+            endpoints.setdefault(endpoint.key, endpoint)
+        self._take(tuple(endpoints.values()))

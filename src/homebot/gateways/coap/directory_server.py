@@ -1,0 +1,189 @@
+"""A resource directory on aiocoap, for devices that register at homebot itself; RFC 9176.
+
+Everything but registering simply, without a body, is there. What breaks the rules is answered with 4.00, and charged to
+its host; what is too much with 5.03; who changes or ends the registration of another host gets 4.03.
+"""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from urllib.parse import urlsplit
+
+import aiocoap
+import anyio
+import anyio.lowlevel
+from aiocoap import resource
+from aiocoap.numbers.codes import Code
+
+from homebot.clock import Clock
+from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.coap.content_formats import LINK_FORMAT
+from homebot.gateways.coap.endpoint import CoapEndpoint
+from homebot.gateways.coap.link_format import WebLink, format_links, parse_links
+from homebot.gateways.coap.registry import FORBIDDEN, DirectoryRegistry
+
+__all__ = ["DirectoryServer"]
+
+MAX_OBSERVERS = 32
+"""Observations of one lookup."""
+
+
+class DirectoryServer:
+    """A resource directory.
+
+    Args:
+        clock: The clock to live by.
+        found: Gets each endpoint that registers, or renews its registration.
+        gone: Gets the key of each endpoint whose registration ended, and why.
+        admits: Says whether a request of a host is to be read.
+        reject: Gets what broke the rules: the host, the bytes and the reason.
+
+    Attributes:
+        registry: The registrations.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        *,
+        found: Callable[[CoapEndpoint], None],
+        gone: Callable[[str, str], None],
+        admits: Callable[[str], bool],
+        reject: Callable[[str, bytes, str], None],
+    ) -> None:
+        self.registry = DirectoryRegistry()
+        self._clock = clock
+        self._found = found
+        self._gone = gone
+        self._admits = admits
+        self._reject = reject
+        self._lookups = (
+            _Lookup(self.registry.look_up_endpoints, "core.rd-lookup-ep"),
+            _Lookup(self.registry.look_up_resources, "core.rd-lookup-res"),
+        )
+
+    @asynccontextmanager
+    async def open(self, host: str, port: int) -> AsyncIterator[None]:
+        """Serve on an address inside the block.
+
+        Raises:
+            LinkError: The address cannot be listened on.
+        """
+        site = resource.Site()
+        site.add_resource(
+            [".well-known", "core"], resource.WKCResource(site.get_resources_as_linkheader, impl_info=None)
+        )
+        site.add_resource(["rd"], _RegisterResource(self))
+        site.add_resource(["rd"], _Registrations(self))
+        site.add_resource(["rd-lookup", "ep"], self._lookups[0])
+        site.add_resource(["rd-lookup", "res"], self._lookups[1])
+        try:
+            context = await aiocoap.Context.create_server_context(site, bind=(host, port), transports=["udp6"])
+        except OSError as exc:
+            raise LinkError(f"no resource directory can be served on {host}:{port}: {exc}") from exc
+        try:
+            yield
+        finally:
+            with anyio.CancelScope(shield=True):
+                await anyio.lowlevel.checkpoint()
+                await context.shutdown()
+
+    def expire(self) -> None:
+        """End the registrations whose lifetime is over."""
+        for one in self.registry.expire(self._clock.monotonic()):
+            self._gone(one.endpoint.key, f"its registration was not renewed for {one.parameters['lt']} s")
+            self._notify()
+
+    def answer(self, request: aiocoap.Message, path: str) -> aiocoap.Message:
+        """Register, renew or remove; *path* is that of the registration, empty for a new one."""
+        host = str(urlsplit(request.remote.uri_base).hostname)
+        if not self._admits(host):
+            return aiocoap.Message(code=Code.SERVICE_UNAVAILABLE)
+        try:
+            return self._answer(request, path, host)
+        except WireError as exc:
+            self._reject(host, request.payload[:200], str(exc))
+            return aiocoap.Message(code=Code.BAD_REQUEST, payload=str(exc)[:200].encode())
+        except RefusedError as exc:
+            return aiocoap.Message(code=Code.FORBIDDEN if exc.code == FORBIDDEN else Code.SERVICE_UNAVAILABLE)
+        except KeyError:
+            return aiocoap.Message(code=Code.NOT_FOUND)
+
+    def _answer(self, request: aiocoap.Message, path: str, host: str) -> aiocoap.Message:
+        now = self._clock.monotonic()
+        query = _query(request)
+        if not path and request.code == Code.POST:
+            links = parse_links(request.payload)
+            made = self.registry.register(query, links, host, request.remote.uri_base, now)
+            self._found(made.endpoint)
+            self._notify()
+            return aiocoap.Message(code=Code.CREATED, location_path=tuple(made.path.split("/")[1:]))
+        if path and request.code == Code.POST:
+            self._found(self.registry.renew(path, query, host, now).endpoint)
+            return aiocoap.Message(code=Code.CHANGED)
+        if path and request.code == Code.DELETE:
+            self._gone(self.registry.remove(path, host).endpoint.key, "it took back its registration")
+            self._notify()
+            return aiocoap.Message(code=Code.DELETED)
+        return aiocoap.Message(code=Code.METHOD_NOT_ALLOWED)
+
+    def _notify(self) -> None:
+        for one in self._lookups:
+            one.updated_state()
+
+
+class _RegisterResource(resource.Resource):  # type: ignore[misc]  # the library has no types
+    """The resource to register at."""
+
+    rt = "core.rd"
+    ct = str(LINK_FORMAT)
+
+    def __init__(self, server: DirectoryServer) -> None:
+        super().__init__()
+        self._server = server
+
+    async def render(self, request: aiocoap.Message) -> aiocoap.Message:
+        return self._server.answer(request, "")
+
+
+class _Registrations(resource.Resource, resource.PathCapable):  # type: ignore[misc]  # likewise
+    """The resources below it: one for each registration. They are not listed."""
+
+    def __init__(self, server: DirectoryServer) -> None:
+        super().__init__()
+        self._server = server
+
+    def get_link_description(self) -> None:
+        return None
+
+    async def render(self, request: aiocoap.Message) -> aiocoap.Message:
+        return self._server.answer(request, f"/rd/{'/'.join(request.opt.uri_path)}")
+
+
+class _Lookup(resource.ObservableResource):  # type: ignore[misc]  # likewise
+    """A lookup, which can be observed."""
+
+    ct = str(LINK_FORMAT)
+
+    def __init__(self, look_up: Callable[[dict[str, str]], tuple[WebLink, ...]], kind: str) -> None:
+        super().__init__()
+        self.rt = kind
+        self._look_up = look_up
+
+    async def add_observation(self, request: aiocoap.Message, observation: object) -> None:
+        """Accept an observation, unless there are too many: then the answer is one that is not observed."""
+        if len(self._observations) < MAX_OBSERVERS:
+            await super().add_observation(request, observation)
+
+    async def render_get(self, request: aiocoap.Message) -> aiocoap.Message:
+        try:
+            found = self._look_up(_query(request))
+        except WireError as exc:
+            return aiocoap.Message(code=Code.BAD_REQUEST, payload=str(exc).encode())
+        return aiocoap.Message(payload=format_links(found), content_format=LINK_FORMAT)
+
+
+def _query(request: aiocoap.Message) -> dict[str, str]:
+    pairs = (one.partition("=") for one in request.opt.uri_query)
+    return {name: value for name, _, value in pairs}

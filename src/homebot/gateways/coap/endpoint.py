@@ -1,0 +1,119 @@
+"""Endpoints: the hosts that devices were found on. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from urllib.parse import urlsplit
+
+from homebot.conventions.payload import clean_text
+from homebot.devices.identity import identifiers
+from homebot.errors import WireError
+from homebot.gateways.coap.link_format import WebLink
+from homebot.gateways.coap.settings import SCHEMES
+from homebot.wot import Thing, resolve_uri
+
+__all__ = ["CoapEndpoint", "authority_of", "endpoint_at", "endpoint_of_link", "static_endpoint", "with_own_forms"]
+
+_COAP_PORT = 5683
+_FACTS = {"d": "sector", "et": "endpoint_type"}
+
+
+@dataclass(frozen=True, slots=True)
+class CoapEndpoint:
+    """A host with one or more devices.
+
+    Attributes:
+        key: The key of its first device: its name in a resource directory, else its address.
+        base: Its address: ``coap://192.168.1.20``.
+        name: What people call it, where that is known.
+        description: The address of its Thing Description, where that is known.
+        is_registered: Whether it is in a resource directory, which says when it is gone.
+        is_static: Whether it is in the configuration.
+        lifetime: Seconds after which its registration ends; 0 where that is not known.
+        facts: What its registration says of it.
+        identifiers: What it is known by beyond this gateway.
+    """
+
+    key: str
+    base: str
+    name: str = ""
+    description: str = ""
+    is_registered: bool = False
+    is_static: bool = False
+    lifetime: float = 0.0
+    facts: Mapping[str, str] = field(default_factory=dict)
+    identifiers: tuple[str, ...] = ()
+
+
+def endpoint_at(host: str, port: int) -> CoapEndpoint:
+    """Return the endpoint at an address that answered a question."""
+    quoted = f"[{host.replace('%', '%25')}]" if ":" in host else host
+    base = f"coap://{quoted}" + ("" if port == _COAP_PORT else f":{port}")
+    return CoapEndpoint(base, base)
+
+
+def static_endpoint(uri: str) -> CoapEndpoint:
+    """Return the endpoint of an address in the configuration; with a path that is the address of a description."""
+    parts = urlsplit(uri)
+    base = f"{parts.scheme}://{parts.netloc}"
+    has_path = parts.path not in {"", "/"}
+    return CoapEndpoint(uri.rstrip("/"), base, description=uri if has_path else "", is_static=True)
+
+
+def endpoint_of_link(link: WebLink) -> CoapEndpoint:
+    """Return the endpoint that one link of an endpoint lookup is about; RFC 9176, section 6.4.
+
+    Raises:
+        WireError: It has no name, or no usable address; says which.
+    """
+    name, sector = link.get("ep"), link.get("d")
+    base = link.get("base") or link.get("con")
+    if not name:
+        raise WireError(f"the registration {link.target[:60]!a} has no ep")
+    lifetime = link.get("lt")
+    return CoapEndpoint(
+        key=clean_text(f"{name}@{sector}" if sector else name, 200),
+        base=_checked_base(base, name),
+        name=clean_text(name),
+        is_registered=True,
+        lifetime=float(lifetime) if lifetime.isdecimal() and len(lifetime) < 10 else 0.0,
+        facts={fact: clean_text(link.get(key)) for key, fact in _FACTS.items() if link.get(key)},
+        identifiers=tuple(one for one in identifiers([name]) if not one.startswith("id:") or one.startswith("id:urn:")),
+    )
+
+
+def authority_of(uri: str) -> str:
+    """Return scheme, host and port of an address, for comparison."""
+    parts = urlsplit(uri)
+    return f"{parts.scheme}://{parts.netloc}".casefold().removesuffix(f":{_COAP_PORT}")
+
+
+def with_own_forms(thing: Thing, base: str) -> Thing:
+    """Return *thing* with those forms alone that are at the endpoint *base*: it does not speak for other hosts."""
+    own = authority_of(base)
+    affordances = (
+        replace(one, forms=tuple(form for form in one.forms if _is_at(form.href, own))) for one in thing.affordances
+    )
+    return replace(
+        thing, affordances=tuple(affordances), forms=tuple(form for form in thing.forms if _is_at(form.href, own))
+    )
+
+
+def _is_at(href: str, own: str) -> bool:
+    try:
+        return authority_of(href) == own
+    except ValueError:
+        return False
+
+
+def _checked_base(base: str, name: str) -> str:
+    try:
+        parts = urlsplit(base)
+        is_usable = parts.scheme in SCHEMES and bool(parts.hostname) and parts.port != 0
+        resolved = resolve_uri(base, "/").removesuffix("/")
+    except ValueError:
+        is_usable, resolved = False, ""
+    if not is_usable or not resolved.isprintable():
+        raise WireError(f"the endpoint {name[:60]!a} has no usable base: {base[:60]!a}")
+    return resolved

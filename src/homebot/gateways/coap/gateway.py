@@ -1,0 +1,320 @@
+"""The gateway for CoAP."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from random import Random
+from typing import TYPE_CHECKING, ClassVar
+
+import anyio
+from anyio.abc import TaskGroup, TaskStatus
+from pydantic import BaseModel
+
+from homebot.devices.gateway_messages import Command
+from homebot.errors import LinkError, UnableError, UsageError, WireError
+from homebot.extras import check_extra
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.base import Gateway
+from homebot.gateways.coap.directory_client import DirectoryClient
+from homebot.gateways.coap.endpoint import CoapEndpoint, authority_of, endpoint_at, static_endpoint
+from homebot.gateways.coap.link_format import parse_links
+from homebot.gateways.coap.session import RETRY, EndpointSession
+from homebot.gateways.coap.settings import CoapGatewaySettings, split_address
+from homebot.gateways.context import GatewayContext
+from homebot.graph import Node
+from homebot.isolation import run_as
+
+if TYPE_CHECKING:
+    from homebot.gateways.coap.aiocoap_client import CoapClient, GroupAnswer
+
+__all__ = ["CoapGateway"]
+
+DESCRIBED_AT_ONCE = 8
+"""Endpoints that are described at the same time; the others wait."""
+
+MAX_PER_HOST = 32
+"""Endpoints at one address that are found by multicast: a host that answers from many ports is one host."""
+
+OWN_DIRECTORY = "homebot's own resource directory"
+
+LEISURE = 5.0
+"""Seconds for answers to a multicast question; RFC 7252, section 8.2."""
+
+_TOO_MANY = "coap.endpoint_refused"
+
+
+class CoapGateway(Gateway):
+    """A gateway to devices that are CoAP servers.
+
+    Args:
+        node: Its node.
+        settings: Its table.
+        context: Random numbers, in simulations.
+
+    Attributes:
+        devices: Its devices.
+    """
+
+    Settings: ClassVar[type[BaseModel]] = CoapGatewaySettings
+
+    def __init__(self, node: Node, settings: CoapGatewaySettings, context: GatewayContext | None = None) -> None:
+        super().__init__(node, settings, context)
+        self._settings = settings
+        self.devices = PublishedDevices(self, self._perform, settings, max_devices=settings.max_devices)
+        self._random = self.context.random or Random()  # noqa: S311 - for pauses
+        self._describing = anyio.CapacityLimiter(DESCRIBED_AT_ONCE)
+        self._sessions: dict[str, tuple[EndpointSession, anyio.CancelScope]] = {}
+        self._registered_at: dict[str, str] = {}
+        self._keys_at: dict[str, set[str]] = {}
+        self._ways: dict[str, str] = {}
+        self._tried: set[str] = set()
+        self._all_tried = anyio.Event()
+        self._client: CoapClient | None = None
+        self._tasks: TaskGroup | None = None
+
+    @classmethod
+    def check(cls, settings: BaseModel) -> None:
+        """Look for aiocoap, for what credentials need, and for a way to find devices."""
+        check_extra('the gateway "coap"', "coap", "aiocoap", "cbor2", "filelock")
+        assert isinstance(settings, CoapGatewaySettings)  # noqa: S101 - what the runtime gives
+        for one in settings.credentials:
+            for name in ("settings.json", "secret.json") if one.oscore else ():
+                if not (Path(one.oscore) / name).is_file():
+                    raise UsageError(f"credentials for {one.uri}: {one.oscore} has no {name} of an OSCORE context")
+            if one.identity:
+                check_extra(f"the DTLS key for {one.uri}", "coap,dtls", "DTLSSocket")
+        if not (settings.devices or settings.resource_directory or settings.interfaces or settings.serve_directory):
+            raise UsageError(
+                "the gateway finds no device: set devices, resource_directory or interfaces, or serve_directory"
+            )
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Find devices, and work with them, until cancelled."""
+        from homebot.gateways.coap.aiocoap_client import CoapClient  # noqa: PLC0415 - a library of an extra
+
+        failures = 0
+        while True:
+            try:
+                async with CoapClient.open(self._settings.timeout, self._settings.credentials) as client:
+                    failures = 0
+                    await self._serve(client, task_status)
+            except LinkError as exc:
+                failures += 1
+                self.publish_state("unavailable", str(exc))
+                if failures == 1 and not self._all_tried.is_set():
+                    self._all_tried.set()
+                    task_status.started()
+                await anyio.sleep(RETRY.delay(failures, 0.0, self._random))
+
+    async def _serve(self, client: CoapClient, task_status: TaskStatus[None]) -> None:
+        settings = self._settings
+        self._client = client
+        async with anyio.create_task_group() as tasks:
+            self._tasks = tasks
+            self._ways = dict.fromkeys(self._names_of_ways(), "")
+            for uri in settings.resource_directory:
+                tasks.start_soon(run_as, "a resource directory", self._directory_client(uri, client).run)
+            for interface in settings.interfaces:
+                for version in settings.groups:
+                    ask = partial(self._ask, client, interface, version)
+                    tasks.start_soon(run_as, "a multicast question", ask)
+            if settings.serve_directory:
+                tasks.start_soon(run_as, "the resource directory", self._serve_directory)
+            for uri in settings.devices:
+                self._found(static_endpoint(uri))
+            self._report_ways()
+            if not self._all_tried.is_set():
+                if self._ways:
+                    await self._all_tried.wait()
+                self._all_tried.set()
+                self._report_ways()
+                task_status.started()
+            await anyio.sleep_forever()
+
+    def _names_of_ways(self) -> list[str]:
+        settings = self._settings
+        asked = [f"{interface} {version}" for interface in settings.interfaces for version in settings.groups]
+        own = [OWN_DIRECTORY] if settings.serve_directory else []
+        return [*settings.resource_directory, *own, *asked]
+
+    def _report(self, way: str, problem: str) -> None:
+        """Note how one way to find devices is: empty for well."""
+        self._tried.add(way)
+        if problem and self._ways.get(way) != problem:
+            self.node.log.warning("coap.way_lost", way=way, reason=problem[:200])
+        self._ways[way] = problem
+        if len(self._tried) == len(self._ways):
+            self._all_tried.set()
+        self._report_ways()
+
+    def _report_ways(self) -> None:
+        """Publish the state: unavailable where no way to find devices is left, and no device has a fixed address."""
+        problems = tuple(one for one in self._ways.values() if one)
+        self.devices.problems = problems
+        if not self._all_tried.is_set() and self._ways:
+            return
+        if problems and len(problems) == len(self._ways) and not self._settings.devices:
+            self.publish_state("unavailable", "; ".join(problems)[:500])
+        else:
+            self.publish_state("active")
+
+    def _directory_client(self, uri: str, client: CoapClient) -> DirectoryClient:
+        return DirectoryClient(
+            uri,
+            client,
+            self.node.graph.clock,
+            self._random,
+            take=partial(self._take_registered, uri),
+            reject=partial(self.devices.reject, uri),
+            report=partial(self._report, uri),
+        )
+
+    def _take_registered(self, directory: str, endpoints: tuple[CoapEndpoint, ...]) -> None:
+        """Take the whole list of a directory: what is missing in it is registered there no longer."""
+        listed = {one.key for one in endpoints}
+        gone = [key for key, source in self._registered_at.items() if source == directory and key not in listed]
+        for key in gone:
+            del self._registered_at[key]
+            self._gone(key, f"its registration at {directory} ended")
+        for one in endpoints:
+            if self._registered_at.setdefault(one.key, directory) == directory:
+                self._found(one)
+
+    async def _serve_directory(self) -> None:
+        """Be a resource directory; where its address is taken, try again now and then."""
+        from homebot.gateways.coap.directory_server import DirectoryServer  # noqa: PLC0415 - a library of an extra
+
+        server = DirectoryServer(
+            self.node.graph.clock,
+            found=self._found,
+            gone=self._gone,
+            admits=self.devices.admits,
+            reject=self.devices.reject,
+        )
+        failures = 0
+        while True:
+            try:
+                async with server.open(*split_address(self._settings.serve_directory)):
+                    failures = 0
+                    self._report(OWN_DIRECTORY, "")
+                    while True:
+                        await anyio.sleep(1.0)
+                        server.expire()
+            except LinkError as exc:
+                failures += 1
+                self._report(OWN_DIRECTORY, str(exc))
+            await anyio.sleep(RETRY.delay(failures, 0.0, self._random))
+
+    async def _ask(self, client: CoapClient, interface: str, version: str) -> None:
+        way = f"{interface} {version}"
+        while True:
+            try:
+                await client.ask_group(
+                    version, interface, self._settings.group_port, (".well-known", "core"), self._answered, LEISURE
+                )
+                self._report(way, "")
+            except LinkError as exc:
+                self._report(way, str(exc))
+            await anyio.sleep(self._settings.ask_every)
+
+    def _answered(self, answer: GroupAnswer) -> None:
+        """Take an answer to a multicast question; whether it is whole does not matter, its sender is asked again."""
+        source = answer.host.partition("%")[0]
+        if not self.devices.admits(source):
+            return
+        if answer.is_whole:
+            try:
+                parse_links(answer.payload)
+            except WireError as exc:
+                self.devices.reject(source, answer.payload, str(exc))
+                return
+        endpoint = endpoint_at(answer.host, answer.port)
+        host = endpoint.base.rpartition(":")[0] if endpoint.base.count(":") > 1 else endpoint.base
+        if endpoint.key not in self._sessions and self._count_at(host) >= MAX_PER_HOST:
+            self.devices.reject(source, b"", f"more than {MAX_PER_HOST} endpoints answer from there")
+            return
+        self._found(endpoint)
+
+    def _count_at(self, host: str) -> int:
+        return sum(key.startswith(host) for key in self._sessions)
+
+    def _found(self, endpoint: CoapEndpoint) -> None:
+        """Begin to work with an endpoint, or note that it gave a sign of life."""
+        known = self._sessions.get(endpoint.key)
+        if known is not None and known[0].endpoint == endpoint:
+            if not endpoint.is_registered:  # a directory lists also what is silent
+                known[0].seen()
+            return
+        if known is not None:  # it moved, or says other things of itself
+            known[1].cancel()
+            self._forget(endpoint.key)
+        elif not self._may_begin(endpoint):
+            return
+        self._begin(endpoint)
+
+    def _may_begin(self, endpoint: CoapEndpoint) -> bool:
+        """Return whether a new endpoint is worked with: each address once, and a registered name before an address."""
+        same = tuple(self._keys_at.get(authority_of(endpoint.base), ()))
+        if same and not endpoint.is_registered:
+            return False
+        for key in same:
+            if not self._sessions[key][0].endpoint.is_registered:
+                self._gone(key, f"it registered itself as {endpoint.key}")
+        if len(self._sessions) < self._settings.max_devices:
+            return True
+        self.devices.counters.devices_refused += 1
+        problem = f"more than {self._settings.max_devices} endpoints; the new one is left out: {endpoint.key[:100]}"
+        self.devices.engine.quarantine.log_limited(_TOO_MANY, problem, source="")
+        return False
+
+    def _forget(self, key: str) -> EndpointSession | None:
+        """Forget a session, which goes on until it is cancelled."""
+        known = self._sessions.pop(key, None)
+        if known is None:
+            return None
+        authority = authority_of(known[0].endpoint.base)
+        self._keys_at[authority].discard(key)
+        if not self._keys_at[authority]:
+            del self._keys_at[authority]
+        return known[0]
+
+    def _begin(self, endpoint: CoapEndpoint) -> None:
+        assert self._client is not None  # noqa: S101 - found while it serves
+        assert self._tasks is not None  # noqa: S101 - likewise
+        session = EndpointSession(
+            endpoint,
+            self._client,
+            self.devices,
+            self.node.graph.clock,
+            self.node.log,
+            poll_every=self._settings.poll_every,
+            random=self._random,
+            describing=self._describing,
+        )
+        scope = anyio.CancelScope()
+        self._sessions[endpoint.key] = session, scope
+        self._keys_at.setdefault(authority_of(endpoint.base), set()).add(endpoint.key)
+        self._tasks.start_soon(run_as, "a CoAP endpoint", partial(self._run, session, scope))
+
+    async def _run(self, session: EndpointSession, scope: anyio.CancelScope) -> None:
+        with scope:
+            await session.run()
+            self._forget(session.endpoint.key)
+
+    def _gone(self, key: str, why: str) -> None:
+        known = self._sessions.get(key)
+        if known is None:
+            return
+        session, scope = known
+        self._forget(key)
+        scope.cancel()
+        for one in session.keys:
+            self.devices.remove(one, why)
+
+    async def _perform(self, command: Command) -> None:
+        for session, _ in self._sessions.values():
+            if command.key in session.keys:
+                await session.perform(command)
+                return
+        raise UnableError(f"{command.key[:100]} is not known at any endpoint")

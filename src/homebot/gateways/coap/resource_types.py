@@ -1,0 +1,180 @@
+"""Devices without a Thing Description, as things: what links say of their resources. Pure.
+
+OCF resources are known by their type (``rt``), IPSO ones by the numbers in their path. Another resource that can be
+observed, or that its interface calls a sensor, is there to be read as a text.
+
+Source: OCF Resource Type Specification 2.2.5, section 6; OMA LwM2M registry, objects 3200 to 3347; RFC 9176 and the
+CoRE interfaces draft (``core.s``, ``core.a``) for ``if``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from urllib.parse import unquote
+
+from homebot.conventions.payload import clean_text
+from homebot.gateways.coap.content_formats import coap_formats, content_type_of
+from homebot.gateways.coap.link_format import WebLink
+from homebot.wot import Affordance, DataSchema, Form, Thing
+from homebot.wot.thing import DataType
+
+__all__ = ["MAX_RESOURCES", "thing_of_links"]
+
+MAX_RESOURCES = 64
+"""Resources of one device that are used; the first in the order of their paths."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """A known kind of resource.
+
+    Attributes:
+        name: What it is, as the names of properties say it.
+        type: Of its value.
+        unit: Of its value.
+        bounds: The smallest and the largest value, if any.
+        member: The member of the object that has the value.
+        settable: Whether there are actuators of this kind.
+        semantic: The semantic type, where the name does not say it.
+        enum: The two spellings of no and yes, for a boolean that is spelt as text.
+    """
+
+    name: str
+    type: DataType
+    unit: str = ""
+    bounds: tuple[float, float] | None = None
+    member: str = ""
+    settable: bool = False
+    semantic: str = ""
+    enum: tuple[str, ...] = ()
+
+
+_OCF: Mapping[str, _Known] = MappingProxyType(
+    {
+        "oic.r.switch.binary": _Known("on", "boolean", member="value", settable=True, semantic="OnOffProperty"),
+        "oic.r.light.dimming": _Known("brightness", "integer", "%", (0, 100), "dimmingSetting", settable=True),
+        "oic.r.light.brightness": _Known("brightness", "integer", "%", (0, 100), "brightness", settable=True),
+        "oic.r.colour.colourtemperature": _Known("color_temperature", "integer", "mired", member="ct", settable=True),
+        "oic.r.openlevel": _Known("position", "integer", "%", (0, 100), "openLevel", settable=True),
+        "oic.r.lock.status": _Known(
+            "lock", "string", member="lockState", settable=True, semantic="LockedProperty", enum=("Unlocked", "Locked")
+        ),
+        "oic.r.temperature": _Known("temperature", "number", "celsius", member="temperature"),
+        "oic.r.humidity": _Known("humidity", "number", "%", member="humidity"),
+        "oic.r.sensor.illuminance": _Known("illuminance", "number", "lux", member="illuminance"),
+        "oic.r.sensor.atmosphericpressure": _Known("pressure", "number", "hPa", member="atmosphericPressure"),
+        "oic.r.sensor.motion": _Known("motion", "boolean", member="value"),
+        "oic.r.sensor.presence": _Known("motion", "boolean", member="value"),
+        "oic.r.sensor.water": _Known("water_leak", "boolean", member="value"),
+        "oic.r.sensor.smoke": _Known("smoke", "boolean", member="value"),
+        "oic.r.sensor.carbonmonoxide": _Known("carbon_monoxide_alarm", "boolean", member="value"),
+        "oic.r.energy.battery": _Known("battery", "integer", "%", member="charge"),
+    }
+)
+
+_ONE_OR_ZERO = ("0", "1")
+_IPSO: Mapping[tuple[int, int], _Known] = MappingProxyType(
+    {
+        (3301, 5700): _Known("illuminance", "number", "lux"),
+        (3302, 5500): _Known("motion", "string", enum=_ONE_OR_ZERO),
+        (3303, 5700): _Known("temperature", "number", "celsius"),
+        (3304, 5700): _Known("humidity", "number", "%"),
+        (3306, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
+        (3311, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
+        (3311, 5851): _Known("brightness", "integer", "%", (0, 100), settable=True),
+        (3312, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
+        (3316, 5700): _Known("voltage", "number", "V"),
+        (3317, 5700): _Known("current", "number", "A"),
+        (3328, 5700): _Known("power", "number", "W"),
+        (3342, 5500): _Known("on", "string", enum=_ONE_OR_ZERO),
+    }
+)
+_IPSO_PATH = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}/(5\d{3})/?")
+
+_THING_TYPES: Mapping[str, str] = MappingProxyType(
+    {
+        "oic.d.light": "Light",
+        "oic.d.smartplug": "SmartPlug",
+        "oic.d.switch": "OnOffSwitch",
+        "oic.d.smartlock": "Lock",
+        "oic.d.blind": "WindowCovering",
+        "oic.d.thermostat": "Thermostat",
+    }
+)
+_READ_ONLY = frozenset({"oic.if.s", "oic.if.r", "core.s", "core.rp", "core.lb", "sensor"})
+_ACTUATORS = frozenset({"oic.if.a", "oic.if.rw", "core.a", "core.p", "actuator"})
+_NEVER = ("/.well-known/", "/oic/", "/rd", "/bs")
+
+
+def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: str) -> Thing:
+    """Return the thing that has the resources of *links*.
+
+    Args:
+        links: The resources of one device.
+        resolve: The absolute address of each target.
+        name: What people call the device.
+    """
+    listed = sorted(links, key=lambda one: one.target)
+    kinds = [word for one in listed for word in one.words("rt")]
+    types = tuple(dict.fromkeys(_THING_TYPES[word] for word in kinds if word in _THING_TYPES))
+    found = [made for one in listed if (made := _affordance(one, resolve[one.target])) is not None]
+    has_light = any(word.startswith("oic.r.light.") for word in kinds) or any("/3311/" in one.target for one in listed)
+    return Thing(
+        id="",
+        title=name,
+        types=types or (("Light",) if has_light else ()),
+        description="",
+        affordances=tuple(found[:MAX_RESOURCES]),
+    )
+
+
+def _affordance(link: WebLink, href: str) -> Affordance | None:
+    if link.target.startswith(_NEVER) or not href:
+        return None
+    interfaces = frozenset(link.words("if"))
+    known = next((_OCF[word] for word in link.words("rt") if word in _OCF), None)
+    default_type = "application/vnd.ocf+cbor"
+    if known is None and (match := _IPSO_PATH.fullmatch(link.target)):
+        known, default_type = _IPSO.get((int(match[1]), int(match[2]))), "text/plain"
+    if known is None:
+        if not link.has("obs") and interfaces.isdisjoint(_READ_ONLY):
+            return None
+        last = unquote(link.target.rstrip("/").rpartition("/")[2])
+        known, default_type = _Known(clean_text(link.get("title") or last, 60) or "value", "string"), "text/plain"
+    content_type = _content_type(link, default_type)
+    if content_type is None:
+        return None
+    is_settable = known.settable and (interfaces.isdisjoint(_READ_ONLY) or not interfaces.isdisjoint(_ACTUATORS))
+    low, high = known.bounds or (None, None)
+    return Affordance(
+        name=known.name,
+        kind="property",
+        title=clean_text(link.get("title"), 60),
+        types=(known.semantic,) if known.semantic else (),
+        schema=DataSchema(known.type, known.unit, low, high, known.enum, known.member),
+        read_only=not is_settable,
+        write_only=False,
+        forms=_forms(link, href, content_type, known),
+    )
+
+
+def _forms(link: WebLink, href: str, content_type: str, known: _Known) -> tuple[Form, ...]:
+    scheme = href.partition(":")[0].lower()
+    method = "POST" if known.member else "PUT"  # OCF changes by UPDATE, which is POST in CoAP
+    observed = Form(("observeproperty",), scheme, href, subprotocol="cov:observe", content_type=content_type)
+    return (
+        *((observed,) if link.has("obs") else ()),
+        Form(("readproperty",), scheme, href, content_type=content_type),
+        Form(("writeproperty",), scheme, href, method=method, content_type=content_type),
+    )
+
+
+def _content_type(link: WebLink, default: str) -> str | None:
+    """Return the first type of the resource that is understood; None where none of those that it names is."""
+    named = [content_type_of(int(one)) for one in link.words("ct") if one.isdecimal() and len(one) <= 5]
+    if not named:
+        return default
+    return next((one for one in named if coap_formats(one) is not None), None)

@@ -1,0 +1,267 @@
+"""The devices of one endpoint: described, run, and tried again when they cannot be reached."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import replace
+from functools import partial
+from random import Random
+from typing import TYPE_CHECKING, Final
+
+import anyio
+from anyio.abc import TaskGroup
+from structlog.typing import FilteringBoundLogger
+
+from homebot.clock import Clock
+from homebot.conventions.payload import parse_object
+from homebot.devices.gateway_messages import Command
+from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.coap.coap_port import COAP_BINDING, CoapPort
+from homebot.gateways.coap.content_formats import LINK_FORMAT, TD_FORMAT
+from homebot.gateways.coap.endpoint import CoapEndpoint, authority_of, with_own_forms
+from homebot.gateways.coap.link_format import WebLink, parse_links
+from homebot.gateways.coap.resource_types import thing_of_links
+from homebot.gateways.things.host import PublishedDriverHost
+from homebot.gateways.things.thing_device import ThingDevice, describe_thing
+from homebot.isolation import first_cause, run_as
+from homebot.mqtt.backoff import Backoff
+from homebot.wot import Thing, read_thing, resolve_uri
+
+if TYPE_CHECKING:
+    from homebot.gateways.coap.aiocoap_client import CoapClient
+
+__all__ = ["RETRY", "EndpointSession"]
+
+# A device that lost its power is often back in a minute; one that is asked more often than that pays with its battery.
+RETRY: Final = Backoff(first=1.0, factor=2.0, cap=60.0, late_cap=300.0, late_after=3600.0, jitter=0.5)
+
+MAX_THINGS = 16
+"""Descriptions of one endpoint that are read."""
+
+_CORE = "/.well-known/core"
+_WOT = "/.well-known/wot"
+_NOT_FOUND = 0x84
+_MISSES = 3
+
+
+class EndpointSession:
+    """The work on one endpoint, until it is cancelled.
+
+    Args:
+        endpoint: The endpoint.
+        client: The CoAP endpoint that asks.
+        devices: The devices of the gateway.
+        clock: The clock to live by.
+        log: The log of the gateway's node.
+        poll_every: Seconds between two readings of what cannot be observed.
+        random: For the pauses between tries.
+        describing: Limits the endpoints that are described at the same time.
+
+    Attributes:
+        endpoint: The endpoint.
+    """
+
+    def __init__(
+        self,
+        endpoint: CoapEndpoint,
+        client: CoapClient,
+        devices: PublishedDevices,
+        clock: Clock,
+        log: FilteringBoundLogger,
+        *,
+        poll_every: float,
+        random: Random,
+        describing: anyio.CapacityLimiter,
+    ) -> None:
+        self.endpoint = endpoint
+        self._client = client
+        self._devices = devices
+        self._clock = clock
+        self._log = log
+        self._poll_every = poll_every
+        self._random = random
+        self._describing = describing
+        self._things: dict[str, ThingDevice] = {}
+        self._seen = anyio.Event()
+        self._misses = 0
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of its devices, as far as they are known."""
+        return tuple(self._things) or (self.endpoint.key,)
+
+    def seen(self) -> None:
+        """Note a sign of life: what waits for the next try tries now."""
+        self._seen.set()
+
+    async def run(self) -> None:
+        """Describe its devices and run them; return where nothing is there that could come back.
+
+        That is one that only answered a multicast question, and then no other one.
+        """
+        failures, failing_since = 0, self._clock.monotonic()
+        while True:
+            began = self._clock.monotonic()
+            try:
+                await self._run_once()
+            except (LinkError, PeerError) as exc:
+                self._log.info("coap.device_lost", endpoint=self.endpoint.key, reason=str(exc)[:200])
+                if isinstance(exc, WireError):
+                    self._devices.reject(self.endpoint.key, exc.frame, str(exc))
+                self._report_lost(exc)
+            if not self._things and not self.endpoint.is_registered and not self.endpoint.is_static:
+                return
+            now = self._clock.monotonic()
+            failures, failing_since = (failures + 1, failing_since) if now - began < RETRY.cap else (1, now)
+            self._seen = anyio.Event()
+            with anyio.move_on_after(RETRY.delay(failures, now - failing_since, self._random)):
+                await self._seen.wait()
+
+    async def perform(self, command: Command) -> None:
+        """Carry out a command to one of its devices.
+
+        Raises:
+            LinkError: It cannot be reached.
+            RefusedError: It refuses.
+            UnableError: It is not known what it can do.
+        """
+        thing = self._things.get(command.key)
+        if thing is None:
+            raise UnableError(f"{command.key[:100]} has not described itself yet")
+        await thing.perform(command)
+
+    async def _run_once(self) -> None:
+        async with self._describing:
+            described = await self._describe()
+        before = set(self._things)
+        self._things = {device.key: self._thing(device, thing) for device, thing in described}
+        for key in before - set(self._things):
+            self._devices.remove(key, "its endpoint no longer describes it")
+        async with _one_error() as tasks:
+            for thing in self._things.values():
+                tasks.start_soon(run_as, "a CoAP device", thing.run)
+            if not any(device.parts for device, _ in described):
+                tasks.start_soon(run_as, "the check of a CoAP device", partial(self._check, described[0][0]))
+
+    def _thing(self, device: GatewayDevice, thing: Thing) -> ThingDevice:
+        host = PublishedDriverHost(self._devices, device.key, self._clock, self._log)
+        port = CoapPort(self._client, partial(self._devices.admits, device.key))
+        return ThingDevice(thing, device, port, host, self._poll_every)
+
+    def _report_lost(self, error: Exception) -> None:
+        key = self.endpoint.key
+        if (
+            not self._things
+            and (self.endpoint.is_registered or self.endpoint.is_static)
+            and key not in self._devices.keys
+        ):
+            # Advertised, though not reachable: somebody vouches for it.
+            name = self.endpoint.name or key
+            device = GatewayDevice(key, name, metadata=self.endpoint.facts, identifiers=self.endpoint.identifiers)
+            self._devices.put(device, f"it is listed, but {error}"[:200], confirmed=False)
+        if isinstance(error, LinkError):
+            for one in self.keys:
+                self._devices.report_reachable(one, reachable=False)
+
+    async def _check(self, device: GatewayDevice) -> None:
+        """Look now and then whether a device is still there that has nothing to be read."""
+        misses = 0
+        self._devices.report_reachable(device.key, reachable=True)
+        while True:
+            await anyio.sleep(self._poll_every)
+            try:
+                await self._client.request("GET", self.endpoint.base + _CORE, accept=LINK_FORMAT)
+            except LinkError:
+                misses += 1
+                if misses >= _MISSES:
+                    raise
+                continue
+            except PeerError:
+                pass  # an answer is an answer
+            misses = 0
+            self._devices.put(device, "it answered")
+
+    async def _describe(self) -> list[tuple[GatewayDevice, Thing]]:
+        """Return the devices of the endpoint, at least one, each with its description.
+
+        Raises:
+            LinkError: It does not answer.
+            PeerError: It breaks the rules, or lets homebot read nothing.
+        """
+        endpoint = self.endpoint
+        if endpoint.description:
+            return [self._described(await self._read_description(endpoint.description), endpoint.key)]
+        links = await self._links()
+        found: list[tuple[GatewayDevice, Thing]] = []
+        for uri in self._descriptions(links):
+            key = endpoint.key if not found else f"{endpoint.key}{uri.removeprefix(endpoint.base)}"
+            found.append(self._described(await self._read_description(uri), key))
+        if found:
+            return found
+        try:
+            return [self._described(await self._read_description(endpoint.base + _WOT), endpoint.key)]
+        except (RefusedError, WireError):
+            pass  # most have none
+        own = {one.target: self._resolved(one) for one in links}
+        thing = thing_of_links(links, own, endpoint.name or endpoint.base.partition("://")[2])
+        return [self._described(thing, endpoint.key, links)]
+
+    async def _links(self) -> tuple[WebLink, ...]:
+        try:
+            answer = await self._client.request("GET", self.endpoint.base + _CORE, accept=LINK_FORMAT)
+        except RefusedError as exc:
+            if exc.code != _NOT_FOUND:
+                raise
+            return ()
+        return parse_links(answer.payload)
+
+    def _descriptions(self, links: tuple[WebLink, ...]) -> list[str]:
+        named = [one for one in links if str(TD_FORMAT) in one.words("ct") or "wot.thing" in one.words("rt")]
+        return list(dict.fromkeys(uri for one in named if (uri := self._resolved(one))))[:MAX_THINGS]
+
+    def _resolved(self, link: WebLink) -> str:
+        """Return the address of a link; empty for one of another host, which this one does not speak for."""
+        try:
+            uri = resolve_uri(self.endpoint.base + "/", link.target)
+            return uri if authority_of(uri) == authority_of(self.endpoint.base) else ""
+        except ValueError:
+            return ""
+
+    async def _read_description(self, uri: str) -> Thing:
+        answer = await self._client.request("GET", uri, accept=TD_FORMAT)
+        thing = read_thing(parse_object(answer.payload), uri)
+        return thing if self.endpoint.is_static else with_own_forms(thing, self.endpoint.base)
+
+    def _described(self, thing: Thing, key: str, links: tuple[WebLink, ...] = ()) -> tuple[GatewayDevice, Thing]:
+        endpoint = self.endpoint
+        kinds = " ".join(dict.fromkeys(word for one in links for word in one.words("rt")))
+        device = describe_thing(thing, key, COAP_BINDING)
+        facts = {"address": endpoint.base, **endpoint.facts, **device.metadata}
+        if kinds:
+            facts["resource_types"] = kinds[:200]
+        return (
+            replace(
+                device,
+                metadata=facts,
+                identifiers=tuple(dict.fromkeys((*device.identifiers, *endpoint.identifiers))),
+                raw_address=endpoint.base if key == endpoint.key else key,
+                stale_after=max(endpoint.lifetime, _MISSES * self._poll_every),
+            ),
+            thing,
+        )
+
+
+@asynccontextmanager
+async def _one_error() -> AsyncIterator[TaskGroup]:
+    """Run a task group whose expected errors come out as one, the first, instead of in a group."""
+    try:
+        async with anyio.create_task_group() as tasks:
+            yield tasks
+    except BaseExceptionGroup as group:
+        known, others = group.split((LinkError, PeerError))
+        if known is None or others is not None:
+            raise
+        raise first_cause(known) from group

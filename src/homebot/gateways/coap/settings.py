@@ -1,0 +1,114 @@
+"""Settings of the gateway for CoAP."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Literal
+from urllib.parse import urlsplit
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, model_validator
+
+from homebot.addresses import is_loopback
+from homebot.gateways.base import GatewaySettings
+from homebot.units import Seconds
+
+__all__ = ["CoapCredentials", "CoapGatewaySettings", "CoapUri", "split_address"]
+
+SCHEMES = frozenset({"coap", "coaps", "coap+tcp", "coaps+tcp"})
+
+
+def _checked_uri(uri: str) -> str:
+    try:
+        parts = urlsplit(uri)
+        port = parts.port
+    except ValueError as exc:
+        raise ValueError(f"{uri!r} is not an address: {exc}") from None
+    if parts.scheme not in SCHEMES or not parts.hostname or port == 0:
+        raise ValueError(f"{uri!r} is not an address such as coap://192.168.1.20")
+    return uri
+
+
+CoapUri = Annotated[str, AfterValidator(_checked_uri)]
+"""An address such as ``coap://192.168.1.20`` or ``coap://[fe80::1%25eth0]/things/lamp``."""
+
+_ADDRESS = re.compile(r"\[?([^\[\]]+?)\]?:(\d{1,5})")
+
+
+def split_address(address: str) -> tuple[str, int]:
+    """Return host and port of ``127.0.0.1:5683`` or ``[::1]:5683``.
+
+    Raises:
+        ValueError: It is none of these.
+    """
+    match = _ADDRESS.fullmatch(address)
+    if match is None or int(match[2]) > 65535:
+        raise ValueError(f"{address!r} is not an address such as 127.0.0.1:5683")
+    return match[1], int(match[2])
+
+
+class CoapCredentials(BaseModel):
+    """The credentials for the devices whose address begins with a text.
+
+    Attributes:
+        uri: Addresses that they are for; ``*`` stands for any text: ``coap://192.168.1.20/*``.
+        oscore: A directory with an OSCORE context (RFC 8613) as aiocoap keeps it: ``settings.json``, ``secret.json``.
+        identity: The identity of a DTLS pre-shared key; with *key*.
+        key: The key itself.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    uri: Annotated[str, Field(min_length=1)]
+    oscore: str = ""
+    identity: str = ""
+    key: SecretStr = SecretStr("")
+
+    @model_validator(mode="after")
+    def _is_one(self) -> CoapCredentials:
+        has_key = bool(self.identity) and bool(self.key.get_secret_value())
+        if bool(self.oscore) == has_key or (self.identity and not has_key):
+            raise ValueError("give either oscore, or identity and key")
+        return self
+
+
+class CoapGatewaySettings(GatewaySettings):
+    """The table ``[gateways.coap]``.
+
+    Attributes:
+        devices: Addresses of devices, or of Thing Descriptions.
+        resource_directory: Addresses of resource directories (RFC 9176) to look devices up in.
+        interfaces: Names of network interfaces on which devices are asked for by multicast.
+        groups: The IP versions of the multicast groups: 224.0.1.187 and ff02::fd, all CoAP nodes.
+        group_port: The port of those groups.
+        ask_every: Seconds between two multicast questions.
+        serve_directory: The address on which homebot is a resource directory itself; empty for nowhere.
+        directory_is_open: Whether that may be another address than loopback. Anyone there can register devices.
+        poll_every: Seconds between two readings of a resource that cannot be observed.
+        timeout: Seconds to wait for a response, retransmissions included.
+        max_devices: Devices that may be known at once.
+        credentials: What devices ask for.
+    """
+
+    devices: tuple[CoapUri, ...] = ()
+    resource_directory: tuple[CoapUri, ...] = ()
+    interfaces: tuple[str, ...] = ()
+    groups: tuple[Literal["ipv4", "ipv6"], ...] = ("ipv4", "ipv6")
+    group_port: Annotated[int, Field(ge=1, le=65535)] = 5683
+    ask_every: Annotated[Seconds, Field(ge=1.0)] = 60.0
+    serve_directory: str = ""
+    directory_is_open: bool = False
+    poll_every: Annotated[Seconds, Field(ge=1.0)] = 60.0
+    timeout: Annotated[Seconds, Field(ge=0.1, le=300.0)] = 15.0
+    max_devices: Annotated[int, Field(ge=1, le=10_000)] = 1000
+    credentials: tuple[CoapCredentials, ...] = ()
+
+    @model_validator(mode="after")
+    def _directory_is_safe(self) -> CoapGatewaySettings:
+        if self.serve_directory:
+            host, _ = split_address(self.serve_directory)
+            if not is_loopback(host) and not self.directory_is_open:
+                raise ValueError(
+                    f"serve_directory {self.serve_directory} is open to the network: anyone there could register"
+                    " devices; set directory_is_open = true to allow that"
+                )
+        return self

@@ -1,0 +1,106 @@
+"""Damaged link format, CBOR, SenML and Thing Descriptions of CoAP: refused in our words, or understood."""
+
+from __future__ import annotations
+
+import json
+import random
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from homebot.errors import RefusedError, WireError
+from homebot.gateways.coap.cbor import decode_cbor, encode_cbor
+from homebot.gateways.coap.coap_port import COAP_BINDING
+from homebot.gateways.coap.content_formats import coap_formats
+from homebot.gateways.coap.endpoint import endpoint_of_link
+from homebot.gateways.coap.link_format import parse_links
+from homebot.gateways.coap.resource_types import thing_of_links
+from homebot.wot import CONTEXT, Thing, decode_document, encode_document, parts_of, read_thing
+
+if TYPE_CHECKING:
+    from tests.fuzz.conftest import Fuzz, Mutator
+
+LINKS = (
+    b'</a/light>;rt="oic.r.switch.binary";if="oic.if.a oic.if.baseline";obs;ct="50 60",'
+    b'</a/dim>;rt="oic.r.light.dimming",</3303/0/5700>;obs,</time>;obs;title="Clock \\"1\\"",</.well-known/wot>;ct=432'
+)
+ENDPOINTS = b'</reg/1/>;ep="lamp";d="home";base="coap://[2001:db8::1]:61616";lt=60,</reg/2/>;ep=x;con="coap://h"'
+THING = {
+    "@context": CONTEXT,
+    "title": "Lamp",
+    "securityDefinitions": {"psk_sc": {"scheme": "psk"}},
+    "security": "psk_sc",
+    "base": "coap://h:5683/things/",
+    "forms": [{"href": "all", "op": "readallproperties"}],
+    "properties": {
+        "on": {
+            "type": "object",
+            "properties": {"value": {"type": "boolean"}},
+            "forms": [
+                {"href": "on{?x}", "cov:method": "GET", "op": "readproperty", "contentType": "application/cbor"},
+                {"href": "/on", "op": ["observeproperty"], "subprotocol": "cov:observe"},
+                {"href": "/on", "op": "writeproperty", "cov:method": "PUT", "response": {"contentType": "text/plain"}},
+            ],
+        },
+        "level": {"type": "integer", "minimum": 0, "maximum": 254, "forms": [{"href": "//h2/level", "security": []}]},
+    },
+}
+DOCUMENTS = (
+    {"value": True, "n": "x", "range": [0, 100]},
+    [{"bn": "urn:dev:mac:1/", "n": "t", "u": "Cel", "v": 23.1, "bv": 1}, {"n": "h", "vb": True}],
+    [{-2: "a", 0: "b", 2: 21.5}, {0: "c", 4: False, 8: "x"}],
+    21.5,
+)
+TYPES = ("application/cbor", "application/senml+cbor", "application/senml+json", "application/json", "text/plain")
+
+
+def test_damaged_links_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+    def case(rng: random.Random) -> None:
+        damaged = mutator(rng).damaged_bytes(rng.choice((LINKS, ENDPOINTS)))
+        with suppress(WireError):
+            links = parse_links(damaged)
+            check_parts(
+                mutator(rng), thing_of_links(links, {one.target: f"coap://h/{one.target}" for one in links}, "x")
+            )
+            for link in links:
+                with suppress(WireError):
+                    assert endpoint_of_link(link).base.isprintable()
+
+    fuzz.run("coap links", case)
+
+
+def test_damaged_payloads_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+    def case(rng: random.Random) -> None:
+        mutate, document = mutator(rng), rng.choice(DOCUMENTS)
+        encoded = encode_cbor(document) if rng.random() < 0.7 else json.dumps(document, default=str).encode()
+        damaged = mutate.damaged_bytes(encoded)
+        found = coap_formats(rng.choice(TYPES))
+        assert found is not None
+        with suppress(WireError):
+            found.parse(damaged)
+        with suppress(WireError):
+            json.dumps(decode_cbor(damaged), default=str)
+
+    fuzz.run("coap payloads", case)
+
+
+def test_damaged_descriptions_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+    def case(rng: random.Random) -> None:
+        mutate = mutator(rng, ("coap", "coap://h/x", "cov:observe", "readproperty", "application/cbor", "..", "//["))
+        try:
+            thing = read_thing(json.loads(mutate.damaged_json(json.dumps(THING))), "coap://h/.well-known/wot")
+        except (WireError, ValueError):
+            return
+        check_parts(mutate, thing)
+
+    fuzz.run("coap things", case)
+
+
+def check_parts(mutate: Mutator, thing: Thing) -> None:
+    for part in parts_of(thing, COAP_BINDING):
+        for one in part.affordances:
+            decode_document(one.capability, one.affordance, mutate.value())
+            with suppress(RefusedError):
+                format_ = coap_formats(one.written.content_type) if one.written is not None else None
+                document = encode_document(one.capability, one.affordance, mutate.plain())
+                if format_ is not None:
+                    format_.encode(document)

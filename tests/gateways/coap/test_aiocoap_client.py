@@ -1,0 +1,151 @@
+"""The adapter for aiocoap against servers on loopback: blocks, observations, secured requests, and their ends."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator
+from contextlib import aclosing, asynccontextmanager
+from pathlib import Path
+
+import aiocoap
+import anyio
+import pytest
+from aiocoap import resource
+from aiocoap.credentials import CredentialsMap
+from aiocoap.oscore_sitewrapper import OscoreSiteWrapper
+from tests.gateways.test_contract_coap import free_port
+
+from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.coap.aiocoap_client import MAX_BODY, CoapClient
+from homebot.gateways.coap.settings import CoapCredentials
+
+
+class Value(resource.ObservableResource):  # type: ignore[misc]  # the library has no types
+    """A value that may be long, and of which the observers may never be told."""
+
+    def __init__(self, payload: bytes, max_age: int | None = None) -> None:
+        super().__init__()
+        self.payload = payload
+        self.max_age = max_age
+
+    async def render_get(self, request: aiocoap.Message) -> aiocoap.Message:
+        self.authenticated = list(request.remote.authenticated_claims)
+        return aiocoap.Message(payload=self.payload, content_format=0, max_age=self.max_age)
+
+
+@asynccontextmanager
+async def server(value: resource.Resource, port: int, credentials: CredentialsMap | None = None) -> AsyncIterator[str]:
+    site = resource.Site()
+    site.add_resource(["value"], value)
+    context = await aiocoap.Context.create_server_context(
+        site,
+        bind=("127.0.0.1", port),
+        transports=["oscore", "udp6"] if credentials else ["udp6"],
+        server_credentials=credentials,
+    )
+    if credentials:
+        context.serversite = OscoreSiteWrapper(site, credentials)
+    try:
+        yield f"coap://127.0.0.1:{port}/value"
+    finally:
+        await context.shutdown()
+
+
+async def test_a_long_answer_is_put_together_of_its_blocks_up_to_a_limit() -> None:
+    value = Value(bytes(range(256)) * 40)
+    async with server(value, free_port()) as uri, CoapClient.open(5.0, ()) as client:
+        assert (await client.request("GET", uri)).payload == value.payload
+        value.payload = b"x" * (MAX_BODY + 1)
+        with pytest.raises(WireError, match="is longer than 262144 bytes"):
+            await client.request("GET", uri)
+
+
+async def test_an_answer_of_empty_blocks_without_end_is_refused() -> None:
+    class Endless(resource.Resource):  # type: ignore[misc]  # the library has no types
+        async def needs_blockwise_assembly(self, request: aiocoap.Message) -> bool:
+            del request
+            return False
+
+        async def render_get(self, request: aiocoap.Message) -> aiocoap.Message:
+            asked.append(request)
+            number = 0 if request.opt.block2 is None else request.opt.block2.block_number
+            return aiocoap.Message(payload=b"", block2=(number, True, 6))
+
+    asked: list[aiocoap.Message] = []
+    async with server(Endless(), free_port()) as uri, CoapClient.open(5.0, ()) as client:
+        with anyio.fail_after(10), pytest.raises(WireError, match="not full and not the last"):
+            await client.request("GET", uri)
+    assert len(asked) == 1
+
+
+async def test_what_is_not_there_or_not_possible_is_said_in_words() -> None:
+    port = free_port()
+    async with server(Value(b"1"), port) as uri, CoapClient.open(5.0, ()) as client:
+        with pytest.raises(RefusedError, match=r"4\.04 Not Found"):
+            await client.request("GET", f"{uri}/x")
+        with pytest.raises(RefusedError, match=r"4\.05 Method Not Allowed"):
+            await client.request("PUT", uri, b"2")
+        with pytest.raises(RefusedError, match="CoAP has no such method"):
+            await client.request("SHOUT", uri)
+        with pytest.raises(WireError, match="is not an address"):
+            await client.request("GET", "nonsense")
+    async with CoapClient.open(1.0, ()) as client:
+        with pytest.raises(LinkError, match=r"cannot be reached|does not answer"):
+            await client.request("GET", uri)
+        with pytest.raises(LinkError, match="cannot be reached"):
+            await client.request("GET", "coap://no-such-host.invalid/")
+
+
+async def test_an_observation_is_registered_again_when_its_last_state_is_too_old() -> None:
+    """A server that was restarted knows of no observation, and tells nobody of its new state."""
+    port = free_port()
+    async with CoapClient.open(5.0, ()) as client, aclosing(client.observe(f"coap://127.0.0.1:{port}/value")) as states:
+        async with server(Value(b"old", max_age=1), port):
+            assert (await anext(states)).payload == b"old"
+        async with server(Value(b"new", max_age=1), port):
+            with anyio.fail_after(20):
+                assert (await anext(states)).payload == b"new"
+
+
+async def test_a_server_that_went_away_ends_the_observation_as_a_broken_link() -> None:
+    port = free_port()
+    async with CoapClient.open(1.0, ()) as client, aclosing(client.observe(f"coap://127.0.0.1:{port}/value")) as states:
+        async with server(Value(b"old", max_age=1), port):
+            await anext(states)
+        with pytest.raises(LinkError):
+            await anext(states)
+
+
+async def test_what_cannot_be_observed_is_refused() -> None:
+    class Plain(resource.Resource):  # type: ignore[misc]  # the library has no types
+        async def render_get(self, request: aiocoap.Message) -> aiocoap.Message:
+            del request
+            return aiocoap.Message(payload=b"1")
+
+    async with server(Plain(), free_port()) as uri, CoapClient.open(5.0, ()) as client:
+        with pytest.raises(RefusedError, match="it cannot be observed"):
+            await anext(client.observe(uri))
+
+
+def oscore_context(directory: Path, own: str, other: str) -> str:
+    """Write an OSCORE context as aiocoap keeps it; the key is that of RFC 8613, appendix C."""
+    directory.mkdir()
+    secret = {"secret_hex": "0102030405060708090a0b0c0d0e0f10", "salt_hex": "9e7ca92223786340"}
+    settings = {"sender-id_hex": own, "recipient-id_hex": other}
+    (directory / "secret.json").write_text(json.dumps(secret), "utf-8")
+    (directory / "settings.json").write_text(json.dumps(settings), "utf-8")
+    return str(directory)
+
+
+async def test_a_request_is_secured_by_an_oscore_context(tmp_path: Path) -> None:
+    ours, theirs = oscore_context(tmp_path / "ours", "01", "02"), oscore_context(tmp_path / "theirs", "02", "01")
+    credentials = CredentialsMap()
+    credentials.load_from_dict({":ours": {"oscore": {"basedir": f"{theirs}/"}}})
+    value = Value(b"secret")
+    async with server(value, free_port(), credentials) as uri:
+        async with CoapClient.open(5.0, [CoapCredentials(uri=f"{uri}*", oscore=ours)]) as client:
+            assert (await client.request("GET", uri)).payload == b"secret"
+            assert value.authenticated == [":ours"]
+        async with CoapClient.open(5.0, ()) as client:
+            await client.request("GET", uri)
+            assert value.authenticated == []

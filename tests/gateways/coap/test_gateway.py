@@ -1,0 +1,192 @@
+"""The gateway beyond the contract, on aiocoap and loopback: its own directory, fixed addresses, devices that leave."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+
+import aiocoap
+import anyio
+import pytest
+from tests.gateways.contract import KEPT, running
+from tests.gateways.test_contract_coap import free_port
+
+from homebot.devices import GatewayState, Sighting
+from homebot.devices.gateway_messages import REACHABLE, Command, Report, SendCommand, SendCommandResponse
+from homebot.devices.value import PlainValue, Value
+from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
+from homebot.gateways.coap.registry import MAX_PER_HOST
+from homebot.graph import Graph, Node
+from homebot.house.coap_devices import CoapDevice
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+
+PATIENCE = 30.0
+
+
+class Watcher:
+    def __init__(self, node: Node, gateway: CoapGateway) -> None:
+        self.gateway = gateway
+        self._node = node
+        self.states = node.create_subscription(GatewayState, gateway.names.state, qos_profile=KEPT)
+        self.sightings = node.create_subscription(Sighting, gateway.names.received_topics, qos_profile=KEPT)
+        self.reports = node.create_subscription(Report, gateway.names.readings, qos_profile=KEPT)
+
+    async def sighting(self, is_it: Callable[[Sighting], bool]) -> Sighting:
+        with anyio.fail_after(PATIENCE):
+            while not is_it(sighting := await self.sightings.receive()):
+                pass
+        return sighting
+
+    async def reported(self, capability: str, value: PlainValue) -> None:
+        with anyio.fail_after(PATIENCE):
+            while True:
+                readings = (await self.reports.receive()).readings
+                if any(one.capability == capability and one.value.plain() == value for one in readings):
+                    return
+
+    async def tell(self, key: str, capability: str, value: PlainValue) -> SendCommandResponse:
+        client = self._node.create_client(SendCommand, self.gateway.names.send_command)
+        return await client.call(Command(key=key, part="", capability=capability, value=Value.of(value)))
+
+
+@asynccontextmanager
+async def gateway(**settings: object) -> AsyncIterator[Watcher]:
+    graph = Graph()
+    async with Node(graph, "watcher") as node, Node(graph, "coap", namespace="/gateway") as own:
+        made = CoapGateway(own, CoapGatewaySettings.model_validate(settings))
+        watcher = Watcher(node, made)
+        async with running(made):
+            yield watcher
+
+
+@asynccontextmanager
+async def device(kind: str = "lamp", directory: str = "") -> AsyncIterator[CoapDevice]:
+    def obey(command: str) -> None:
+        level = float(command) if command not in {"on", "off"} else made.state.brightness
+        made.publish(DeviceState(text=command, is_on=command != "off", brightness=level))
+
+    info = SimulatedDeviceInfo(home="house", kind=kind, device_id="Hall", service_type=kind, room="hall")
+    made = CoapDevice(info, obey, directory=directory)
+    made.begin(DeviceState(text="off", value=120.0), has_power=True)
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(made.live)
+        yield made
+        tasks.cancel_scope.cancel()
+
+
+async def test_a_lamp_at_a_fixed_address_obeys_in_all_it_can() -> None:
+    async with device() as lamp, gateway(devices=[lamp.uri]) as watcher:
+        found = await watcher.sighting(lambda one: bool(one.parts))
+        assert (found.key, found.name) == (lamp.uri, "Hall")
+        assert "id:urn:dev:homebot-house:house:Hall" in found.identifiers
+        assert (await watcher.tell(lamp.uri, "on_off", True)).success
+        await watcher.reported("on_off", True)
+        assert (await watcher.tell(lamp.uri, "level", 50.0)).success
+        await watcher.reported("level", 50.0)
+
+
+async def test_a_sensor_without_a_description_is_known_by_its_resource_type() -> None:
+    async with device("lux") as sensor, gateway(devices=[sensor.uri]) as watcher:
+        found = await watcher.sighting(lambda one: bool(one.parts))
+        assert found.parts[0].service_type == "light_sensor"
+        await watcher.reported("illuminance", 120.0)
+        sensor.publish(DeviceState(text="300", value=300.0))
+        await watcher.reported("illuminance", 300.0)
+
+
+async def test_a_device_that_loses_its_power_is_unreachable_stays_and_comes_back() -> None:
+    """A command to it fails at once; it is there again by itself."""
+    async with device() as lamp, gateway(devices=[lamp.uri], timeout=1) as watcher:
+        await watcher.sighting(lambda one: bool(one.parts))
+        await watcher.reported(REACHABLE, True)
+        lamp.power(on=False)
+        with anyio.fail_after(PATIENCE):
+            while lamp._context is not None:  # noqa: ASYNC110 - it goes without a word
+                await anyio.sleep(0.01)
+        response = await watcher.tell(lamp.uri, "on_off", True)
+        assert (response.success, response.problem) == (False, "unreachable")
+        await watcher.reported(REACHABLE, False)
+        assert watcher.gateway.devices.keys == (lamp.uri,)
+        lamp.power(on=True)
+        await watcher.reported(REACHABLE, True)
+        assert (await watcher.tell(lamp.uri, "on_off", True)).success
+
+
+async def test_a_device_that_is_not_there_yet_is_listed_and_unreachable() -> None:
+    uri = f"coap://127.0.0.1:{free_port()}"
+    async with gateway(devices=[uri], timeout=1) as watcher:
+        found = await watcher.sighting(lambda one: one.key == uri)
+        assert (found.parts, found.confirmed) == ((), False)
+        await watcher.reported(REACHABLE, False)
+        assert (await watcher.states.receive()).state == "active"
+
+
+async def test_devices_register_at_homebot_itself_and_leave_by_name_and_reason() -> None:
+    port = free_port()
+    address = f"127.0.0.1:{port}"
+    async with gateway(serve_directory=address) as watcher, device(directory=f"coap://{address}") as lamp:
+        found = await watcher.sighting(lambda one: bool(one.parts))
+        assert found.key == "Hall"
+        await watcher.reported("on_off", False)
+        await lamp.deregister()
+        gone = await watcher.sighting(lambda one: one.kind == "removed")
+        assert (gone.key, gone.why) == ("Hall", "it took back its registration")
+
+
+async def test_a_registration_that_is_not_renewed_ends_with_its_lifetime() -> None:
+    address = f"127.0.0.1:{free_port()}"
+    async with gateway(serve_directory=address, timeout=1) as watcher:
+        made = await post(f"coap://{address}/rd?ep=ghost&lt=1&base=coap://127.0.0.1:1", b"</a>")
+        assert made.code.dotted == "2.01"
+        await watcher.sighting(lambda one: one.key == "ghost" and one.kind != "removed")
+        gone = await watcher.sighting(lambda one: one.kind == "removed")
+        assert gone.why == "its registration was not renewed for 1 s"
+
+
+@pytest.mark.parametrize(
+    ("path", "payload", "code"),
+    [
+        ("rd", b"</a>", "4.00"),
+        ("rd?ep=x", b"<<", "4.00"),
+        ("rd/99", b"", "4.04"),
+        ("rd-lookup/ep?page=x", None, "4.00"),
+    ],
+)
+async def test_what_breaks_the_rules_of_the_directory_is_answered_so(
+    path: str, payload: bytes | None, code: str
+) -> None:
+    address = f"127.0.0.1:{free_port()}"
+    async with gateway(serve_directory=address):
+        method = aiocoap.GET if payload is None else aiocoap.POST
+        answer = await post(f"coap://{address}/{path}", payload or b"", method)
+        assert answer.code.dotted == code
+
+
+async def test_a_flood_of_registrations_is_bounded_and_leaves_the_others_alone() -> None:
+    address = f"127.0.0.1:{free_port()}"
+    async with device() as lamp, gateway(serve_directory=address, devices=[lamp.uri], timeout=1) as watcher:
+        await watcher.sighting(lambda one: bool(one.parts))
+        context = await aiocoap.Context.create_client_context(transports=["udp6"])
+        refused = 0
+        for number in range(10 * MAX_PER_HOST):
+            message = aiocoap.Message(
+                code=aiocoap.POST, uri=f"coap://{address}/rd?ep=fake{number}&base=coap://127.0.0.2:{number + 1}"
+            )
+            message.opt.content_format = 40
+            answer = await context.request(message, handle_blockwise=False).response
+            refused += answer.code.dotted == "5.03"
+        await context.shutdown()
+        assert refused == 9 * MAX_PER_HOST
+        assert len(watcher.gateway.devices.keys) <= MAX_PER_HOST + 1
+        assert (await watcher.tell(lamp.uri, "on_off", True)).success
+        await watcher.reported("on_off", True)
+
+
+async def post(uri: str, payload: bytes, method: aiocoap.Code = aiocoap.POST) -> aiocoap.Message:
+    context = await aiocoap.Context.create_client_context(transports=["udp6"])
+    message = aiocoap.Message(code=method, uri=uri, payload=payload)
+    if payload:
+        message.opt.content_format = 40
+    answer = await context.request(message, handle_blockwise=False).response
+    await context.shutdown()
+    return answer

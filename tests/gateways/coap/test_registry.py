@@ -1,0 +1,144 @@
+"""The registrations of a resource directory: what is taken, renewed, found and ended, and how many."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.errors import RefusedError, WireError
+from homebot.gateways.coap.link_format import WebLink, parse_links
+from homebot.gateways.coap.registry import MAX_LINKS_OF_ONE, MAX_PER_HOST, MAX_REGISTRATIONS, DirectoryRegistry
+
+LINKS = parse_links(b'</on>;rt="light";ct=50;obs,</t>;rt="temperature-c";if=sensor')
+BASE = "coap://192.168.1.5"
+
+
+def test_a_registration_is_found_until_it_ends() -> None:
+    registry = DirectoryRegistry()
+    made = registry.register({"ep": "lamp", "lt": "60", "d": "home"}, LINKS, "192.168.1.5", BASE, 100.0)
+    assert (made.path, made.endpoint.key, made.endpoint.lifetime) == ("/rd/1", "lamp@home", 60.0)
+    (link,) = registry.look_up_endpoints({})
+    assert (link.target, link.get("ep"), link.get("base"), link.get("rt")) == ("/rd/1", "lamp", BASE, "core.rd-ep")
+    assert registry.expire(159.9) == ()
+    assert [one.path for one in registry.expire(160.0)] == ["/rd/1"]
+    assert registry.look_up_endpoints({}) == ()
+
+
+def test_renewing_gives_a_new_lifetime_and_registering_again_takes_the_place_of_the_old_one() -> None:
+    registry = DirectoryRegistry()
+    path = registry.register({"ep": "lamp", "lt": "60"}, LINKS, "h", BASE, 0.0).path
+    registry.renew(path, {"lt": "100"}, "h", 50.0)
+    assert registry.expire(149.0) == ()
+    assert registry.register({"ep": "lamp"}, LINKS[:1], "h", BASE, 60.0).path == path
+    assert len(registry.look_up_resources({})) == 1
+    assert registry.expire(60.0 + 89_999) == ()
+    registry.remove(path, "h")
+    with pytest.raises(KeyError):
+        registry.renew(path, {}, "h", 0.0)
+    with pytest.raises(KeyError):
+        registry.remove(path, "h")
+
+
+@pytest.mark.parametrize(
+    ("query", "count"),
+    [
+        ({}, 2),
+        ({"rt": "light"}, 1),
+        ({"rt": "temp*"}, 1),
+        ({"if": "sensor"}, 1),
+        ({"ep": "lamp"}, 2),
+        ({"ep": "x"}, 0),
+        ({"rt": "light", "if": "sensor"}, 0),
+        ({"obs": ""}, 1),
+        ({"count": "1"}, 1),
+        ({"page": "1", "count": "1"}, 1),
+        ({"page": "2", "count": "1"}, 0),
+        ({"href": "/t"}, 1),
+    ],
+)
+def test_resources_are_looked_up_by_what_is_said_of_them_or_of_their_endpoint(
+    query: dict[str, str], count: int
+) -> None:
+    registry = DirectoryRegistry()
+    registry.register({"ep": "lamp"}, LINKS, "h", BASE, 0.0)
+    found = registry.look_up_resources(query)
+    assert len(found) == count
+    assert all(one.target.startswith(BASE) for one in found)
+
+
+def test_endpoints_are_looked_up_by_their_resources_as_well() -> None:
+    registry = DirectoryRegistry()
+    registry.register({"ep": "lamp"}, LINKS, "h", BASE, 0.0)
+    registry.register({"ep": "other"}, (), "h", "coap://h2", 0.0)
+    assert [one.get("ep") for one in registry.look_up_endpoints({"rt": "light"})] == ["lamp"]
+    with pytest.raises(WireError, match="whole numbers"):
+        registry.look_up_endpoints({"page": "x"})
+
+
+@pytest.mark.parametrize(
+    ("parameters", "problem"),
+    [
+        ({}, "ep is missing"),
+        ({"ep": "a", "lt": "0"}, "lt '0' is not a number from 1"),
+        ({"ep": "a", "lt": "x"}, "lt 'x'"),
+        ({"ep": "a", "lt": "99999999999999"}, "is not a number from 1"),
+        ({"ep": "a", "base": "http://h"}, "no usable base"),
+        ({"ep": "a" * 201}, "too long"),
+        ({"ep": "a\n"}, "control characters"),
+        ({"ep": "a", **{str(number): "" for number in range(30)}}, "more than 20 parameters"),
+    ],
+)
+def test_what_breaks_the_rules_is_refused(parameters: dict[str, str], problem: str) -> None:
+    registry = DirectoryRegistry()
+    with pytest.raises(WireError, match=problem):
+        registry.register(parameters, (), "h", BASE, 0.0)
+    path = registry.register({"ep": "lamp"}, (), "h", BASE, 0.0).path
+    with pytest.raises(WireError, match="cannot be changed"):
+        registry.renew(path, {"ep": "b"}, "h", 0.0)
+    with pytest.raises(WireError, match="links are too many"):
+        registry.register({"ep": "b"}, (WebLink("/x"),) * (MAX_LINKS_OF_ONE + 1), "h", BASE, 0.0)
+
+
+def test_a_flood_is_bounded_by_its_host_and_in_all_and_known_ones_can_renew() -> None:
+    registry = DirectoryRegistry()
+    for number in range(10_000):
+        with suppress(RefusedError):
+            registry.register({"ep": f"fake{number}"}, (), "10.0.0.66", f"coap://10.1.1.1:{number + 1}", 0.0)
+    assert len(registry.look_up_endpoints({})) == MAX_PER_HOST
+    assert registry.refused == 10_000 - MAX_PER_HOST
+    made = registry.register({"ep": "lamp"}, LINKS, "10.0.0.5", BASE, 0.0)
+    for number in range(10_000):
+        with suppress(RefusedError):
+            registry.register({"ep": f"other{number}"}, (), f"10.2.{number}", BASE, 0.0)
+    assert len(registry.look_up_endpoints({})) == MAX_REGISTRATIONS
+    assert registry.register({"ep": "lamp"}, LINKS, "10.0.0.5", BASE, 1.0).path == made.path
+    registry.expire(1e12)
+    assert registry.register({"ep": "again"}, (), "10.0.0.66", BASE, 1e12).endpoint.key == "again"
+
+
+def test_a_registration_is_changed_and_ended_by_its_host_alone_until_it_ends() -> None:
+    """Else whoever is on the network gets the commands of any device that registers."""
+    registry = DirectoryRegistry()
+    path = registry.register({"ep": "lamp", "lt": "60"}, LINKS, "10.0.0.5", BASE, 0.0).path
+    with pytest.raises(RefusedError, match="another host's"):
+        registry.register({"ep": "lamp"}, LINKS, "10.0.0.66", "coap://10.0.0.66", 1.0)
+    with pytest.raises(RefusedError, match="another host's"):
+        registry.renew(path, {"base": "coap://10.0.0.66"}, "10.0.0.66", 1.0)
+    with pytest.raises(RefusedError, match="another host's"):
+        registry.remove(path, "10.0.0.66")
+    (link,) = registry.look_up_endpoints({})
+    assert link.get("base") == BASE
+    registry.expire(60.0)
+    assert registry.register({"ep": "lamp"}, LINKS, "10.0.0.66", BASE, 60.0).source == "10.0.0.66"
+
+
+@given(st.dictionaries(st.sampled_from(["ep", "lt", "base", "d", "rt"]) | st.text(max_size=5), st.text(max_size=20)))
+def test_any_parameters_are_a_registration_or_a_clear_error(parameters: dict[str, str]) -> None:
+    registry = DirectoryRegistry()
+    with suppress(WireError):
+        assert registry.register(parameters, LINKS, "h", BASE, 0.0).endpoint.base
+    with suppress(WireError):
+        registry.look_up_endpoints(parameters)

@@ -1,0 +1,167 @@
+"""The gateway for CoAP keeps the contract: a lamp in a resource directory, both on aiocoap and loopback."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+
+import aiocoap
+import anyio
+from aiocoap import resource
+from aiocoap.cli.rd import StandaloneResourceDirectory
+from anyio.abc import TaskGroup, TaskStatus
+from tests.gateways.contract import GatewayContract, Lamp
+
+from homebot.gateways import Gateway
+from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
+from homebot.graph import Node
+from homebot.house.coap_devices import CoapDevice
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+async def serve(port: int, site: resource.Site | None, *, task_status: TaskStatus[None]) -> None:
+    """Run a CoAP server until cancelled, without a site aiocoap's resource directory."""
+    context = await aiocoap.Context.create_server_context(site, bind=("127.0.0.1", port), transports=["udp6"])
+    context.serversite = site or StandaloneResourceDirectory(context)
+    task_status.started()
+    try:
+        await anyio.sleep_forever()
+    finally:
+        with anyio.CancelScope(shield=True):
+            await context.shutdown()
+            # The directory leaves the lifetimes of its registrations behind.
+            for task in [one for one in asyncio.all_tasks() if one.get_name().startswith("RD Timeout")]:
+                task.cancel()
+                await asyncio.wait([task])
+
+
+class Background:
+    """Tasks that can be started and ended at any time inside one task group."""
+
+    def __init__(self, tasks: TaskGroup) -> None:
+        self._tasks = tasks
+        self._running: list[tuple[anyio.CancelScope, anyio.Event]] = []
+
+    async def start(self, function: Callable[..., Awaitable[object]], *arguments: object) -> None:
+        scope, ended = anyio.CancelScope(), anyio.Event()
+        self._running.append((scope, ended))
+
+        async def run(*, task_status: TaskStatus[None]) -> None:
+            with scope:
+                await function(*arguments, task_status=task_status)
+            ended.set()
+
+        await self._tasks.start(run)
+
+    async def end(self) -> None:
+        for scope, ended in self._running:
+            scope.cancel()
+            await ended.wait()
+        self._running.clear()
+
+
+class CoapLamp(Lamp):
+    """A simulated lamp that registers itself."""
+
+    def __init__(self, directory_port: int, world: Background) -> None:
+        self.world = world
+        self.directory = f"coap://127.0.0.1:{directory_port}"
+        self.directory_port = directory_port
+        self.commands: list[str] = []
+        info = SimulatedDeviceInfo(home="house", kind="lamp", device_id=self.name, service_type="light", room="hall")
+        self.device = CoapDevice(info, self._obey, directory=self.directory)
+        self.device.begin(DeviceState(text="off"), has_power=True)
+        super().__init__("Hall", address=self.device.uri)
+        self.is_there = False
+
+    def _obey(self, command: str) -> None:
+        self.commands.append(command)
+        self.device.publish(DeviceState(text=command, is_on=command == "on"))
+
+    async def announce(self) -> None:
+        self.is_there = True
+        await self._start_device()
+
+    async def _start_device(self) -> None:
+        await self.world.start(self._live)
+
+    async def _live(self, *, task_status: TaskStatus[None]) -> None:
+        task_status.started()
+        await self.device.live()
+
+    async def report(self, *, on: bool) -> None:
+        self.device.publish(DeviceState(text="on" if on else "off", is_on=on))
+
+    def raw(self, *, on: bool) -> bytes:
+        return b"true" if on else b"false"
+
+    async def misbehave(self) -> None:
+        """Let another endpoint register, and send what is no state as fast as it can."""
+
+        class Stranger(resource.ObservableResource):  # type: ignore[misc]  # the library has no types
+            rt = "oic.r.temperature"
+            ct = "50"
+
+            async def render_get(self, request: aiocoap.Message) -> aiocoap.Message:
+                del request
+                return aiocoap.Message(payload=b"{" + b"?" * 900, content_format=50)
+
+        site, stranger, port = resource.Site(), Stranger(), free_port()
+        site.add_resource([".well-known", "core"], resource.WKCResource(site.get_resources_as_linkheader))
+        site.add_resource(["t"], stranger)
+        await self.world.start(serve, port, site)
+        context = await aiocoap.Context.create_client_context(transports=["udp6"])
+        message = aiocoap.Message(
+            code=aiocoap.POST, uri=f"{self.directory}/resourcedirectory/?ep=stranger&base=coap://127.0.0.1:{port}"
+        )
+        message.opt.content_format = 40
+        await context.request(message).response
+        await context.shutdown()
+
+        async def send(*, task_status: TaskStatus[None]) -> None:
+            task_status.started()
+            while True:
+                stranger.updated_state()
+                await anyio.sleep(0.002)
+
+        await self.world.start(send)
+
+    async def withdraw(self) -> None:
+        await self.device.deregister()
+
+    async def told(self) -> bool | None:
+        return {"on": True, "off": False}[self.commands[-1]] if self.commands else None
+
+    async def lose_link(self) -> None:
+        await self.world.end()
+
+    async def mend_link(self) -> None:
+        self.device._registration = ""
+        await self.world.start(serve, self.directory_port, None)
+        if self.is_there:
+            await self._start_device()
+
+
+class TestCoapGateway(GatewayContract):
+    """One lamp."""
+
+    @asynccontextmanager
+    async def lamp(self) -> AsyncIterator[Lamp]:
+        async with anyio.create_task_group() as tasks:
+            lamp = CoapLamp(free_port(), Background(tasks))
+            await lamp.mend_link()
+            yield lamp
+            await lamp.world.end()
+
+    def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
+        assert isinstance(lamp, CoapLamp)
+        table = settings | {"resource_directory": [lamp.directory]}
+        return CoapGateway(node, CoapGatewaySettings.model_validate(table))
