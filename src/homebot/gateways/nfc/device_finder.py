@@ -1,0 +1,150 @@
+"""The device of the house that a tag or a code points to, asked of the directory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Final
+from urllib.parse import urlsplit
+
+from homebot.devices import FIND_DEVICES, Device, FindDevices
+from homebot.devices.identity import identifiers
+from homebot.devices.query.folding import fold
+from homebot.devices.services import FindDevicesRequest
+from homebot.errors import ServiceError
+from homebot.gateways.nfc.pointer import Pointer
+from homebot.graph import Node
+from homebot.wot import identifiers_of
+
+__all__ = ["DeviceFinder", "PointedAt"]
+
+_KEPT_FOR: Final = 1.0
+"""Seconds for which the list of devices is kept: many tags may be read at once."""
+
+_MAX_CANDIDATES: Final = 20
+_HOSTS: Final = ("host", "ip_address")
+
+
+@dataclass(frozen=True, slots=True)
+class PointedAt:
+    """The devices that may be meant.
+
+    Attributes:
+        devices: Each; of tags and codes that are of use, exactly one.
+    """
+
+    devices: tuple[Device, ...] = ()
+
+    @property
+    def device(self) -> Device | None:
+        """The device that is meant; None where there is none, or are several."""
+        return self.devices[0] if len(self.devices) == 1 else None
+
+    @property
+    def id(self) -> str:
+        """Its id; empty for none."""
+        return self.device.id if self.device is not None else ""
+
+    @property
+    def candidates(self) -> tuple[str, ...]:
+        """The ids of all."""
+        return tuple(one.id for one in self.devices[:_MAX_CANDIDATES])
+
+
+class DeviceFinder:
+    """Asks the directory.
+
+    Args:
+        node: The gateway's node; devices that only its own gateway knows are tags, and none that one points to.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._gateway = node.name
+        self._clock = node.graph.clock
+        self._client = node.create_client(FindDevices, FIND_DEVICES)
+        self._devices: tuple[Device, ...] = ()
+        self._asked_at = float("-inf")
+
+    async def find(self, pointer: Pointer) -> PointedAt:
+        """Return the devices that *pointer* may mean: those by the surest of what it says that any device fits."""
+        if not (pointer.text or pointer.id or pointer.words):
+            return PointedAt()
+        devices = await self._all()
+        for fits in _tests(pointer):
+            found = tuple(one for one in devices if fits(one))
+            if found:
+                return PointedAt(found)
+        return PointedAt()
+
+    async def _all(self) -> tuple[Device, ...]:
+        now = self._clock.monotonic()
+        if now - self._asked_at >= _KEPT_FOR:
+            try:
+                answer = await self._client.call(FindDevicesRequest())
+            except ServiceError:  # no directory runs, or it is too busy: nothing is known
+                return ()
+            self._devices = tuple(one for one in answer.devices if not self._is_own(one))
+            self._asked_at = now
+        return self._devices
+
+    def _is_own(self, device: Device) -> bool:
+        return all(one.gateway == self._gateway for one in device.endpoints) and "x_tag" in device.service_types
+
+
+def _tests(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
+    """Yield what a device must fit, the surest first."""
+    if pointer.id:
+        yield lambda device: device.id == pointer.id
+    if pointer.thing is not None:
+        own = frozenset(identifiers_of(pointer.thing))
+        yield lambda device: not own.isdisjoint(device.identifiers)
+    if pointer.homekit is not None:
+        yield lambda device: _has_homekit_code(device, pointer)
+    if pointer.matter is not None:
+        yield lambda device: _has_matter_code(device, pointer)
+    if pointer.address:
+        yield lambda device: any(_is_at(pointer.address, one.address) for one in device.endpoints)
+    if pointer.urls:
+        urls = frozenset(pointer.urls)
+        yield lambda device: any(one.value in urls for one in device.metadata)
+        yield lambda device: _has_host_of(device, pointer.urls)
+    if pointer.words:
+        words, declared = frozenset(pointer.words), frozenset(identifiers(pointer.words))
+        folded = frozenset(fold(one) for one in words)
+        yield lambda device: device.id in words
+        yield lambda device: not declared.isdisjoint(device.identifiers) or not words.isdisjoint(device.identifiers)
+        yield lambda device: not folded.isdisjoint(fold(one) for one in (device.name, *device.names))
+
+
+def _facts(device: Device) -> dict[str, str]:
+    return {one.key.casefold(): one.value for one in device.metadata}
+
+
+def _has_homekit_code(device: Device, pointer: Pointer) -> bool:
+    facts = _facts(device)
+    return pointer.homekit is not None and pointer.homekit.is_of(facts.get("txt_id", ""), facts.get("txt_sh", ""))
+
+
+def _has_matter_code(device: Device, pointer: Pointer) -> bool:
+    """Return whether a device says the discriminator, vendor and product (``D``, ``VP``) of a Matter code.
+
+    A code of several products leaves vendor and product at 0.
+    """
+    facts, code = _facts(device), pointer.matter
+    if code is None or facts.get("txt_d", facts.get("discriminator")) != str(code.discriminator):
+        return False
+    vendor, _, product = facts.get("txt_vp", "").partition("+")
+    vendor, product = vendor or facts.get("vendor_id", ""), product or facts.get("product_id", "")
+    return vendor in {"", str(code.vendor)} and product in {"", str(code.product)}
+
+
+def _is_at(address: str, published: str) -> bool:
+    """Return whether a device that is *published* on a topic is the one at *address*, the topic itself or above it."""
+    return published == address or published.startswith(f"{address}/")
+
+
+def _has_host_of(device: Device, urls: tuple[str, ...]) -> bool:
+    hosts = {(urlsplit(one).hostname or "").removesuffix(".") for one in urls} - {""}
+    facts = _facts(device)
+    own = {facts.get(name, "").casefold().removesuffix(".") for name in _HOSTS}
+    return not hosts.isdisjoint(own - {""})

@@ -1,0 +1,311 @@
+"""The gateway of tags and codes: a tag that is held to a reader says which device is meant, and where."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections import deque
+from functools import partial
+from random import Random
+from typing import ClassVar, Final
+
+import anyio
+import anyio.lowlevel
+from anyio.abc import TaskStatus
+from pydantic import BaseModel
+
+from homebot.conventions.payload import clean_text
+from homebot.devices.gateway_messages import Command
+from homebot.devices.identity import identifiers
+from homebot.devices.part import Part
+from homebot.devices.tags import TagTap
+from homebot.errors import LinkError, RefusedError, UsageError, WireError
+from homebot.extras import check_extra
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.base import Gateway
+from homebot.gateways.context import GatewayContext
+from homebot.gateways.nfc.device_finder import DeviceFinder, PointedAt
+from homebot.gateways.nfc.ndef_message import read_ndef
+from homebot.gateways.nfc.pointer import Pointer, pointer_of_device, pointer_of_records
+from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders, read_tags
+from homebot.gateways.nfc.settings import NfcGatewaySettings, TagSettings
+from homebot.gateways.nfc.tag import ReaderNews, ReadersFound, TagLeft, TagSeen
+from homebot.gateways.nfc.tag_services import TagServices
+from homebot.graph import Node
+from homebot.isolation import run_as
+from homebot.messages.builtin_interfaces import Time
+from homebot.mqtt.backoff import Backoff
+from homebot.wot import Thing, facts_of, identifiers_of
+
+__all__ = ["NfcGateway"]
+
+READER_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=10.0, late_cap=30.0, late_after=300.0, jitter=0.5)
+"""For a reader that is not there."""
+
+_MAX_WAITING: Final = 64
+"""News of readers that wait to be dealt with; the newest go when there are more."""
+
+_MAX_AT_READERS: Final = 64
+"""Tags that are taken to be at readers; the oldest goes."""
+
+_TAG: Final = simple_part("x_tag", readable=("scan", "connectivity"))
+_LIBRARIES: Final = {"pcsc": "smartcard", "nfcpy": "nfc"}
+_RANDOM_UID: Final = 8
+"""Hexadecimal digits of a number that begins with 08: drawn anew each time, as phones do (ISO/IEC 14443-3, 6.5.4)."""
+
+
+class NfcGateway(Gateway):
+    """Brings tags at NFC readers onto the graph, and answers which device a tag or a code points to.
+
+    Args:
+        node: Its node.
+        settings: Its table.
+        context: What its host gives it; :class:`TagReaders` are used in place of those of its settings.
+
+    Attributes:
+        devices: The tags, and the things that only tags describe.
+        finder: Finds the devices that they point to.
+        at_reader: The tags that are at a reader now, by their numbers, as they were read.
+        readers: The readers that are there, by what drives them.
+    """
+
+    Settings: ClassVar[type[BaseModel]] = NfcGatewaySettings
+
+    def __init__(
+        self, node: Node, settings: NfcGatewaySettings | None = None, context: GatewayContext | None = None
+    ) -> None:
+        settings = settings or NfcGatewaySettings()
+        super().__init__(node, settings, context)
+        self._settings = settings
+        self._random = self.context.random or Random()  # noqa: S311 - spreads attempts, protects nothing
+        self.devices = PublishedDevices(self, self._perform, settings, max_devices=2 * settings.max_tags)
+        self.finder = DeviceFinder(node)
+        self.at_reader: dict[str, TagSeen] = {}
+        self.readers: dict[int, tuple[str, ...]] = {}
+        self._problems: dict[int, str] = {}
+        self._sides: list[TagReader] = []
+        self._waiting: deque[ReaderNews] = deque()
+        self._has_news = anyio.Event()
+        self._was_tried = anyio.Event()
+        self._taps = node.create_publisher(TagTap, "~/taps")
+        self._services = TagServices(self, node)
+
+    @classmethod
+    def check(cls, settings: BaseModel) -> None:
+        """Look for the libraries.
+
+        Raises:
+            UsageError: One is missing.
+        """
+        backend = settings.backend if isinstance(settings, NfcGatewaySettings) else "auto"
+        wanted = ["ndef", _LIBRARIES[_chosen(backend)]]
+        try:
+            check_extra('the gateway "nfc"', "nfc", *wanted)
+        except UsageError as exc:
+            raise UsageError(
+                f"{exc}; pyscard is built from source on Linux, after: apt install swig libpcsclite-dev pcscd"
+            ) from exc
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Follow the readers until cancelled; ready when each was tried once."""
+        self._sides = self._make_readers()
+        async with anyio.create_task_group() as tasks:
+            for number, reader in enumerate(self._sides):
+                tasks.start_soon(run_as, self.node.full_name, partial(self._follow, number, reader))
+            tasks.start_soon(run_as, self.node.full_name, self._take_all)
+            await self._was_tried.wait()
+            task_status.started()
+
+    def _make_readers(self) -> list[TagReader]:
+        given = self.context.service(TagReaders)
+        if given is not None:
+            return list(given.readers)
+        if _chosen(self._settings.backend) == "pcsc":
+            from homebot.gateways.nfc.pcsc_reader import PcscReader  # noqa: PLC0415 - an extra
+
+            return [PcscReader(self._settings.readers)]
+        from homebot.gateways.nfc.nfcpy_reader import NfcpyReader  # noqa: PLC0415 - an extra
+
+        return [NfcpyReader(one) for one in self._settings.devices]
+
+    async def _follow(self, number: int, reader: TagReader) -> None:
+        """Run one reader for ever, again where it fails."""
+        failures, since, clock = 0, 0.0, self.node.graph.clock
+        while True:
+            desk = ReaderDesk(partial(self._hear, number))
+            self._services.open(desk)
+            try:
+                await read_tags(reader, desk)
+            except LinkError as exc:
+                self._lose(number, str(exc))
+            else:
+                self._lose(number, "its reader has stopped")
+            finally:
+                self._services.close(desk)
+            failures = failures + 1
+            since = since or clock.monotonic()
+            await anyio.sleep(READER_BACKOFF.delay(failures, clock.monotonic() - since, self._random))
+
+    def _hear(self, number: int, news: ReaderNews) -> None:
+        """Take news from a reader's thread; called in the loop."""
+        if isinstance(news, ReadersFound):
+            self.readers[number] = news.readers
+            self._problems.pop(number, None)
+            if not news.readers:
+                self._problems[number] = "no reader of tags is connected"
+            self._show_state()
+        if len(self._waiting) >= _MAX_WAITING and self._is_dropped(news):
+            return
+        self._waiting.append(news)
+        self._has_news.set()
+
+    def _is_dropped(self, news: ReaderNews) -> bool:
+        """Return whether *news* that come while too many wait are given up: tags, and that such a tag has left."""
+        if isinstance(news, TagSeen):
+            self.devices.reject(news.uid, b"", "tags come faster than they can be dealt with")
+            return True
+        return (
+            isinstance(news, TagLeft)
+            and news.uid not in self.at_reader
+            and not any(isinstance(one, TagSeen) and one.uid == news.uid for one in self._waiting)
+        )
+
+    def _lose(self, number: int, why: str) -> None:
+        self._problems[number] = why
+        for name in self.readers.pop(number, ()):
+            for uid in [uid for uid, seen in self.at_reader.items() if seen.reader == name]:
+                self._waiting.append(TagLeft(name, uid))
+        self._has_news.set()
+        self._show_state()
+
+    def _show_state(self) -> None:
+        """Publish whether any reader works, once each was tried."""
+        tried = {*self.readers, *self._problems}
+        if len(tried) < len(self._sides):
+            return
+        if any(self.readers.values()):
+            self.publish_state("active")
+        else:
+            self.publish_state("unavailable", "; ".join(dict.fromkeys(self._problems.values())))
+        self._was_tried.set()
+
+    async def _take_all(self) -> None:
+        while True:
+            await self._has_news.wait()
+            while self._waiting:
+                await self._take(self._waiting.popleft())
+                await anyio.lowlevel.checkpoint()  # a flood of tags leaves others their turn
+            self._has_news = anyio.Event()
+
+    async def _take(self, news: ReaderNews) -> None:
+        if isinstance(news, TagSeen):
+            await self._take_tag(news)
+        elif isinstance(news, TagLeft):
+            self._services.forget(news.uid)
+            if self.at_reader.pop(news.uid, None) is not None and news.uid in self.devices.keys:
+                await self.devices.report(news.uid, {"connectivity": False})
+        else:
+            gone = [uid for uid, seen in self.at_reader.items() if not self._is_there(seen.reader)]
+            for uid in gone:
+                await self._take(TagLeft("", uid))
+
+    def _is_there(self, reader: str) -> bool:
+        return any(reader in some for some in self.readers.values())
+
+    async def _take_tag(self, seen: TagSeen) -> None:
+        if not self.devices.admits(seen.uid):
+            return
+        if seen.content is None:
+            self.devices.reject(seen.uid, b"", f"{seen.uid or 'something'} at {seen.reader}: {seen.problem}")
+        pointer = self.read(seen)
+        if seen.uid:
+            self.at_reader.pop(seen.uid, None)
+            self.at_reader[seen.uid] = seen
+            if len(self.at_reader) > _MAX_AT_READERS:  # no reader holds so many: one does not say that they leave
+                del self.at_reader[next(iter(self.at_reader))]
+            pointed = await self.finder.find(pointer)
+            await self._publish(seen, pointer, pointed)
+        self._services.show(seen)
+
+    def read(self, seen: TagSeen) -> Pointer:
+        """Return what a tag says, or what the settings say of it; what breaks the rules is counted."""
+        own = self._settings.tags.get(seen.uid, TagSettings())
+        message = b"" if seen.content is None else seen.content.message
+        try:
+            pointer = pointer_of_records(read_ndef(message))
+        except WireError as exc:
+            pointer = Pointer(problems=(str(exc),))
+        if pointer.problems:
+            self.devices.reject(seen.uid, message, f"the tag {seen.uid}: {pointer.problems[0]}")
+        if own.device:
+            pointer = pointer_of_device(own.device)
+        return Pointer(area=own.area).joined(pointer) if own.area else pointer
+
+    async def _publish(self, seen: TagSeen, pointer: Pointer, pointed: PointedAt) -> None:
+        known = seen.uid in self._settings.tags
+        is_listed = known or not (len(seen.uid) == _RANDOM_UID and seen.uid.startswith("08"))
+        if is_listed and (known or not pointer.problems):
+            self.devices.put(self._described(seen, pointer, pointed), f"it was held to {clean_text(seen.reader)}")
+            await self.devices.deliver_raw(seen.uid, seen.content.message if seen.content else b"")
+            await self.devices.report(seen.uid, {"connectivity": True})
+            await self.devices.report(seen.uid, {"scan": seen.uid})
+        if pointer.thing is not None and not pointed.devices:
+            self._publish_thing(pointer.thing, seen)
+        self._taps.publish(
+            TagTap(
+                tag=seen.uid,
+                reader=seen.reader,
+                points_to=pointer.text,
+                device=pointed.id,
+                candidates=pointed.candidates,
+                area=pointer.area,
+                tapped_at=Time.from_seconds(self.node.graph.clock.now()),
+            )
+        )
+
+    def _described(self, seen: TagSeen, pointer: Pointer, pointed: PointedAt) -> GatewayDevice:
+        own = self._settings.tags.get(seen.uid, TagSettings())
+        facts = {
+            "tag": seen.uid,
+            "tag_type": seen.tag_type,
+            "points_to": pointer.text,
+            "device": pointed.id,
+        }
+        return GatewayDevice(
+            key=seen.uid,
+            name=own.name or f"Tag {seen.uid}",
+            parts=(_TAG,),
+            metadata={name: text for name, text in facts.items() if text},
+            identifiers=identifiers([f"nfc {seen.uid} tag"]),
+            area=pointer.area,
+            raw_address=f"tag/{seen.uid}",
+        )
+
+    def _publish_thing(self, thing: Thing, seen: TagSeen) -> None:
+        """Publish a device that only this tag describes: it is there, and cannot be used through a tag."""
+        own = identifiers_of(thing)
+        if not own:
+            self.devices.reject(seen.uid, b"", f"the tag {seen.uid} describes a thing without id")
+            return
+        title = clean_text(thing.title)
+        self.devices.put(
+            GatewayDevice(
+                key=f"thing {own[0]}",
+                name=title or own[0],
+                parts=(Part(id="", service_type="x_unknown"),),
+                metadata=facts_of(thing) | {"described_by": f"tag {seen.uid}"},
+                identifiers=own,
+                area=clean_text(thing.area),
+            ),
+            f"the tag {seen.uid} describes it",
+            confirmed=False,
+        )
+
+    async def _perform(self, command: Command) -> None:
+        raise RefusedError(command.key, "a tag takes no commands")
+
+
+def _chosen(backend: str) -> str:
+    if backend != "auto":
+        return backend
+    return "pcsc" if importlib.util.find_spec("smartcard") is not None else "nfcpy"

@@ -1,0 +1,107 @@
+"""NDEF messages, read and written by ndeflib. The only file that imports it.
+
+NFC Forum: NDEF 1.0; RTD URI 1.0 (identifier codes), RTD Text 1.0, Smart Poster 1.1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+from typing import Final, Literal, TypeAlias
+
+from homebot.errors import WireError
+from homebot.gateways.nfc.tag import MAX_MESSAGE
+
+__all__ = ["NdefKind", "NdefRecord", "read_ndef", "write_ndef"]
+
+NdefKind: TypeAlias = Literal["uri", "text", "media", "external"]
+
+_MAX_RECORDS: Final = 32
+_EXTERNAL: Final = "urn:nfc:ext:"
+_SMART_POSTER: Final = "urn:nfc:wkt:Sp"
+
+
+@dataclass(frozen=True, slots=True)
+class NdefRecord:
+    """A record of a message.
+
+    Attributes:
+        kind: Whether it is a URI, a text, a document of a media type, or of somebody's own type.
+        data: The URI, the text, or the document.
+        type: The media type, or the type after ``urn:nfc:ext:``, in lower case.
+    """
+
+    kind: NdefKind
+    data: bytes
+    type: str = ""
+
+    def text(self) -> str:
+        """Return its data as text.
+
+        Raises:
+            WireError: It is none.
+        """
+        try:
+            return self.data.decode()
+        except UnicodeDecodeError as exc:
+            raise WireError("a record of an NDEF message is not text in UTF-8", self.data) from exc
+
+
+def read_ndef(message: bytes) -> tuple[NdefRecord, ...]:
+    """Return the records of *message* that can point to something; those of other types are passed over.
+
+    Raises:
+        WireError: It is not an NDEF message, or too long, or one of too many records.
+    """
+    import ndef  # noqa: PLC0415 - an extra
+
+    if len(message) > MAX_MESSAGE:
+        raise WireError(f"an NDEF message has {len(message)} bytes; at most {MAX_MESSAGE} are read")
+    if not message or message in {b"\x00", b"\xd0\x00\x00"}:
+        return ()
+    records: list[NdefRecord] = []
+    try:
+        decoded = list(islice(ndef.message_decoder(message, errors="strict"), _MAX_RECORDS + 1))
+        for record in decoded:
+            records.extend(_read(record))
+    except Exception as exc:  # the library lets through what its parsing of a damaged message comes upon
+        raise WireError(f"not an NDEF message: {exc}", message) from exc
+    if len(decoded) > _MAX_RECORDS:
+        raise WireError(f"an NDEF message has more than {_MAX_RECORDS} records")
+    return tuple(records)
+
+
+def write_ndef(*records: NdefRecord) -> bytes:
+    """Return *records* as a message."""
+    import ndef  # noqa: PLC0415 - an extra
+
+    made = []
+    for one in records:
+        if one.kind == "uri":
+            made.append(ndef.UriRecord(one.text()))
+        elif one.kind == "text":
+            made.append(ndef.TextRecord(one.text()))
+        else:
+            made.append(ndef.Record(f"{_EXTERNAL if one.kind == 'external' else ''}{one.type}", "", one.data))
+    return b"".join(ndef.message_encoder(made))
+
+
+def _read(record: object) -> Iterator[NdefRecord]:
+    import ndef  # noqa: PLC0415 - an extra
+
+    if isinstance(record, ndef.UriRecord):
+        yield NdefRecord("uri", record.iri.encode())
+    elif isinstance(record, ndef.TextRecord):
+        yield NdefRecord("text", record.text.encode())
+    elif isinstance(record, ndef.Record):
+        kind = str(record.type)
+        if kind == _SMART_POSTER:
+            for uri in getattr(record, "uri_records", ()):
+                yield NdefRecord("uri", uri.iri.encode())
+            for title in getattr(record, "titles", {}).values():
+                yield NdefRecord("text", str(title).encode())
+        elif kind.startswith(_EXTERNAL):
+            yield NdefRecord("external", bytes(record.data), kind.removeprefix(_EXTERNAL).casefold())
+        elif "/" in kind:
+            yield NdefRecord("media", bytes(record.data), kind.partition(";")[0].strip().casefold())

@@ -1,0 +1,132 @@
+"""Readers that nfcpy drives by itself, over USB, a serial port or UDP. The only file that imports nfcpy."""
+
+from __future__ import annotations
+
+import logging
+import time
+from typing import TYPE_CHECKING
+
+from homebot.errors import LinkError
+from homebot.gateways.nfc.reader import ReaderDesk, TagReader
+from homebot.gateways.nfc.tag import MAX_MESSAGE, TagContent, TagError
+
+if TYPE_CHECKING:
+    import nfc
+
+__all__ = ["NfcpyReader"]
+
+_TECHNOLOGIES = ("106A", "106B", "212F")
+_POLL = 0.1
+"""Seconds between two looks for a tag, or whether one is still there."""
+
+_DENIED = 13
+
+
+class NfcpyReader(TagReader):
+    """One reader.
+
+    Args:
+        path: What nfcpy calls it: ``usb``, ``tty:USB0:pn532``, ``udp:HOST:PORT``.
+    """
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+
+    def run(self, desk: ReaderDesk) -> None:
+        """Read tags until the *desk* is stopped."""
+        import nfc  # noqa: PLC0415 - an extra
+
+        _quiet()
+        try:
+            frontend = nfc.ContactlessFrontend(self._path)
+        except Exception as exc:
+            raise LinkError(self._why(exc)) from exc
+        try:
+            desk.found(self._path)
+            while not desk.is_stopped:
+                self._look(frontend, desk)
+        finally:
+            frontend.close()
+
+    def _look(self, frontend: nfc.ContactlessFrontend, desk: ReaderDesk) -> None:
+        """Wait for a tag, read it, and stay with it until it leaves."""
+        options = {
+            "targets": list(_TECHNOLOGIES),
+            "iterations": 1,
+            "interval": _POLL,
+            "on-connect": lambda _tag: False,
+        }
+        deadline = time.monotonic() + _POLL
+        try:
+            tag = frontend.connect(rdwr=options, terminate=lambda: desk.is_stopped or time.monotonic() > deadline)
+        except Exception as exc:  # noqa: BLE001 - it reads what a tag answers without looking at its length
+            desk.unreadable(self._path, f"it answered what is none of a tag's: {type(exc).__name__}")
+            desk.wait(_POLL)
+            return
+        if tag is False:
+            raise LinkError(f"the reader {self._path} does not answer any more")
+        if tag is None:
+            return
+        present = _NfcpyTag(tag)
+        desk.arrived(self._path, present)
+        while not desk.wait(_POLL) and present.is_there():
+            desk.stayed(self._path, present)
+        desk.left(self._path, present.uid)
+
+    def _why(self, error: Exception) -> str:
+        if isinstance(error, OSError) and error.errno == _DENIED:
+            return f"the reader {self._path} may not be used by this user; nfcpy's udev rule allows it"
+        if isinstance(error, OSError):
+            return f"there is no reader {self._path} that nfcpy knows"
+        return f"the reader {self._path} cannot be used: {type(error).__name__} {error}"
+
+
+class _NfcpyTag:
+    """A tag that nfcpy found."""
+
+    def __init__(self, tag: nfc.tag.Tag) -> None:
+        self._tag = tag
+        self.uid: str = tag.identifier.hex()
+        self.tag_type: str = f"NFC Forum {tag.type.removesuffix('Tag').replace('Type', 'Type ')}"
+
+    def is_there(self) -> bool:
+        try:
+            return bool(self._tag.is_present)
+        except Exception:  # noqa: BLE001 - as in read()
+            return False
+
+    def read(self) -> TagContent:
+        ndef = self._ndef()
+        if ndef.length > MAX_MESSAGE:
+            raise TagError("unreadable", f"its message has {ndef.length} bytes; at most {MAX_MESSAGE} are read")
+        return TagContent(ndef.octets, ndef.capacity, ndef.is_writeable)
+
+    def write(self, message: bytes) -> None:
+        ndef = self._ndef()
+        if not ndef.is_writeable:
+            raise TagError("protected", "it is protected against writing")
+        if len(message) > ndef.capacity:
+            raise TagError("too_small", f"it has room for {ndef.capacity} bytes, and {len(message)} are needed")
+        try:
+            ndef.octets = message
+        except Exception as exc:
+            raise TagError("lost", f"it left, or refused, while it was written ({exc})") from exc
+
+    def _ndef(self) -> nfc.tag.Tag.NDEF:
+        """Return what is on it, read anew."""
+        try:
+            ndef = self._tag.ndef
+            changed = ndef is not None and ndef.has_changed
+            ndef = self._tag.ndef if changed else ndef
+        except Exception as exc:
+            raise TagError("unreadable", f"its memory cannot be read: {type(exc).__name__}") from exc
+        if ndef is None:
+            raise TagError("not_a_tag", "it holds no NDEF message")
+        return ndef
+
+
+def _quiet() -> None:
+    """Keep nfcpy's own log, which says of each tag that leaves early that it is an error, off the terminal."""
+    log = logging.getLogger("nfc")
+    if not log.handlers:
+        log.addHandler(logging.NullHandler())

@@ -1,0 +1,191 @@
+"""Readers of the computer's smart-card service (PC/SC), by pyscard. The only file that imports it.
+
+Of pyscard only the thin layer over the service is used: its monitors start threads of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import partial
+from types import ModuleType
+from typing import Final
+
+from homebot.errors import LinkError
+from homebot.gateways.nfc.card_tag import CardTag
+from homebot.gateways.nfc.reader import ReaderDesk, TagReader
+from homebot.gateways.nfc.tag import TagError
+
+__all__ = ["PcscReader"]
+
+_ANY_CHANGE: Final = "\\\\?PnP?\\Notification"
+"""The name under which the service says that a reader came or went."""
+
+_LONGEST_WAIT: Final = 200
+"""Milliseconds after which the thread looks whether it is to end, or to write."""
+
+_TRIES: Final = 3
+"""Times that a card is connected to: one that is still moving answers at the second."""
+
+_SETTLE: Final = 0.05
+"""Seconds between those."""
+
+
+@dataclass(slots=True, eq=False)
+class _Slot:
+    """One reader.
+
+    Attributes:
+        state: Its state as the service last said, by which it tells news.
+        card: The handle of the card that is there; None where there is none.
+        protocol: The protocol of that.
+        tag: The card as a tag; None where it is none.
+    """
+
+    state: int
+    card: object = None
+    protocol: int = 0
+    tag: CardTag | None = None
+
+
+class PcscReader(TagReader):
+    """All readers of the service, or those of certain names.
+
+    Args:
+        wanted: Parts of the names of those to use; empty for all.
+    """
+
+    def __init__(self, wanted: Collection[str]) -> None:
+        self._wanted = [one.casefold() for one in wanted]
+
+    def run(self, desk: ReaderDesk) -> None:
+        """Read tags until the *desk* is stopped."""
+        try:
+            from smartcard import scard  # noqa: PLC0415 - an extra
+        except ImportError as exc:
+            raise LinkError(f"pyscard cannot be loaded: {exc}") from exc
+        result, context = scard.SCardEstablishContext(scard.SCARD_SCOPE_USER)
+        if result != scard.SCARD_S_SUCCESS:
+            raise LinkError(
+                f"the smart-card service (pcscd) does not run ({scard.SCardGetErrorMessage(result).strip()})"
+            )
+        session = _Session(scard, context, desk, self._wanted)
+        try:
+            session.run()
+        finally:
+            session.close()
+
+
+class _Session:
+    """A connection to the service."""
+
+    def __init__(self, library: ModuleType, context: object, desk: ReaderDesk, wanted: list[str]) -> None:
+        self._scard = library
+        self._context = context
+        self._desk = desk
+        self._wanted = wanted
+        self._slots: dict[str, _Slot] = {}
+        self._any_change = 0
+
+    def run(self) -> None:
+        """Follow the readers, which may come and go."""
+        self._find_readers(is_first=True)
+        while not self._desk.is_stopped:
+            asked = [(_ANY_CHANGE, self._any_change), *((name, slot.state) for name, slot in self._slots.items())]
+            result, states = self._scard.SCardGetStatusChange(self._context, _LONGEST_WAIT, asked)
+            if result == self._scard.SCARD_E_TIMEOUT:
+                self._work()
+            elif result in {self._scard.SCARD_E_UNKNOWN_READER, self._scard.SCARD_E_READER_UNAVAILABLE}:
+                self._find_readers()
+            else:
+                self._check(result, "was lost")
+                for name, state, _ in states:
+                    self._take(name, state)
+                self._work()
+                self._find_readers()
+
+    def close(self) -> None:
+        """Let go of the cards and the service."""
+        for slot in self._slots.values():
+            self._release(slot)
+        self._scard.SCardReleaseContext(self._context)
+
+    def _find_readers(self, *, is_first: bool = False) -> None:
+        result, names = self._scard.SCardListReaders(self._context, [])
+        if result != self._scard.SCARD_E_NO_READERS_AVAILABLE:
+            self._check(result, "lists no readers")
+        found = [one for one in names or () if self._is_wanted(one)]
+        if found == list(self._slots) and not is_first:
+            return
+        for gone in [one for one in self._slots if one not in found]:
+            self._leave(gone, self._slots.pop(gone))
+        self._slots = {one: self._slots.get(one) or _Slot(self._scard.SCARD_STATE_UNAWARE) for one in found}
+        self._desk.found(*found)
+
+    def _is_wanted(self, name: str) -> bool:
+        return not self._wanted or any(one in name.casefold() for one in self._wanted)
+
+    def _take(self, name: str, state: int) -> None:
+        """Take what the service says of one reader."""
+        if name == _ANY_CHANGE:
+            self._any_change = state & ~self._scard.SCARD_STATE_CHANGED
+            return
+        slot = self._slots.get(name)
+        if slot is None:
+            return
+        is_other = slot.state >> 16 != state >> 16  # the service counts there how often cards came and went
+        slot.state = state & ~self._scard.SCARD_STATE_CHANGED
+        is_there = bool(state & self._scard.SCARD_STATE_PRESENT) and not state & self._scard.SCARD_STATE_MUTE
+        if slot.card is not None and (not is_there or is_other):
+            self._leave(name, slot)
+        if is_there and slot.card is None:
+            self._arrive(name, slot)
+
+    def _arrive(self, name: str, slot: _Slot) -> None:
+        protocols = self._scard.SCARD_PROTOCOL_T0 | self._scard.SCARD_PROTOCOL_T1
+        for _ in range(_TRIES):
+            result, card, protocol = self._scard.SCardConnect(
+                self._context, name, self._scard.SCARD_SHARE_SHARED, protocols
+            )
+            if result == self._scard.SCARD_S_SUCCESS:
+                break
+            self._desk.wait(_SETTLE)
+        else:
+            return
+        slot.card, slot.protocol = card, protocol
+        try:
+            slot.tag = CardTag(partial(self._transmit, slot))
+        except TagError as exc:
+            self._desk.unreadable(name, str(exc))
+            return
+        self._desk.arrived(name, slot.tag)
+
+    def _work(self) -> None:
+        """Write tags that were there before that was ordered."""
+        for name, slot in self._slots.items():
+            if slot.tag is not None:
+                self._desk.stayed(name, slot.tag)
+
+    def _leave(self, name: str, slot: _Slot) -> None:
+        tag = slot.tag
+        self._release(slot)
+        if tag is not None:
+            self._desk.left(name, tag.uid)
+
+    def _release(self, slot: _Slot) -> None:
+        if slot.card is not None:
+            self._scard.SCardDisconnect(slot.card, self._scard.SCARD_LEAVE_CARD)
+        slot.card, slot.tag = None, None
+
+    def _transmit(self, slot: _Slot, apdu: bytes) -> tuple[bytes, int]:
+        is_t0 = slot.protocol == self._scard.SCARD_PROTOCOL_T0
+        header = self._scard.SCARD_PCI_T0 if is_t0 else self._scard.SCARD_PCI_T1
+        result, answer = self._scard.SCardTransmit(slot.card, header, list(apdu))
+        if result != self._scard.SCARD_S_SUCCESS or len(answer) < 2:
+            raise TagError("lost", f"it left ({self._scard.SCardGetErrorMessage(result).strip()})")
+        return bytes(answer[:-2]), answer[-2] << 8 | answer[-1]
+
+    def _check(self, result: int, what: str) -> None:
+        if result != self._scard.SCARD_S_SUCCESS:
+            why = self._scard.SCardGetErrorMessage(result).strip()
+            raise LinkError(f"the smart-card service (pcscd) {what} ({why})")

@@ -1,0 +1,203 @@
+"""Pointers: what a tag or a code says of the device that it means. Pure.
+
+A tag of homebot's own has a URI ``homebot:device/ID``, a text with the name of the device, and where it was taught its
+place, a record of the external type ``homebot:device`` (``urn:nfc:ext:homebot:device``) with a JSON object of
+``device``, ``name`` and ``area``. Tags of others may have any URI, a text with the id, the name or an identifier of a
+device, whose further lines may say ``area: ROOM``, or a Thing Description.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Final
+from urllib.parse import quote, unquote, urlsplit
+
+from homebot.conventions.payload import clean_text, parse_object
+from homebot.errors import WireError
+from homebot.gateways.nfc.ndef_message import NdefRecord
+from homebot.gateways.nfc.setup_codes import HomekitCode, MatterCode, read_homekit_code, read_matter_code
+from homebot.wot import Thing, read_thing
+
+__all__ = ["Pointer", "pointer_of_code", "pointer_of_device", "pointer_of_records", "records_for"]
+
+_DEVICE: Final = "homebot:device/"
+_EXTERNAL: Final = "homebot:device"
+_THING: Final = "application/td+json"
+_MAX_CODE: Final = 4096
+_MAX_TEXT: Final = 500
+_AREA = re.compile(r"\s*(?:area|room)\s*[:=]\s*(.+)", re.IGNORECASE)
+_SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:", re.IGNORECASE)
+_URLS: Final = frozenset({"http", "https", "coap", "coaps", "coap+tcp", "coaps+tcp", "ws", "wss"})
+
+
+@dataclass(frozen=True, slots=True)
+class Pointer:
+    """The words of a tag or a code about a device: each that is there narrows it down.
+
+    Attributes:
+        kind: What said it; see :class:`homebot.devices.tags.ScanCodeResponse`.
+        text: That in words; empty for nothing said.
+        id: The id of the device in the directory.
+        words: Texts that may be its id, its name, or an identifier.
+        address: The topic on which it publishes, or below which.
+        urls: Addresses of it, or of its description.
+        thing: Its Thing Description.
+        matter: Its Matter code.
+        homekit: Its HomeKit code.
+        area: The room that is named.
+        problems: What was not understood.
+    """
+
+    kind: str = "text"
+    text: str = ""
+    id: str = ""
+    words: tuple[str, ...] = ()
+    address: str = ""
+    urls: tuple[str, ...] = ()
+    thing: Thing | None = None
+    matter: MatterCode | None = None
+    homekit: HomekitCode | None = None
+    area: str = ""
+    problems: tuple[str, ...] = field(default=(), compare=False)
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """Further facts that it says: no secrets."""
+        facts: dict[str, str] = {}
+        if self.matter is not None:
+            facts = {
+                "vendor_id": str(self.matter.vendor),
+                "product_id": str(self.matter.product),
+                "discriminator": str(self.matter.discriminator),
+            }
+        if self.homekit is not None:
+            facts = {"category": str(self.homekit.category), "setup_id": self.homekit.setup_id}
+        return facts
+
+    def joined(self, other: Pointer) -> Pointer:
+        """Return what both say; where they differ, what this one says."""
+        if not (self.text or self.area):
+            return replace(other, problems=(*self.problems, *other.problems))
+        return Pointer(
+            kind=self.kind if self.text else other.kind,
+            text=self.text or other.text,
+            id=self.id or other.id,
+            words=(*self.words, *other.words),
+            address=self.address or other.address,
+            urls=(*self.urls, *other.urls),
+            thing=self.thing or other.thing,
+            matter=self.matter or other.matter,
+            homekit=self.homekit or other.homekit,
+            area=self.area or other.area,
+            problems=(*self.problems, *other.problems),
+        )
+
+
+def pointer_of_device(device: str) -> Pointer:
+    """Return what points to the device of this id or name."""
+    return Pointer(text=device, words=(device,))
+
+
+def pointer_of_code(text: str) -> Pointer:
+    """Return what the text of a code says.
+
+    Raises:
+        WireError: It says nothing that could be understood.
+    """
+    code = text.strip()
+    if not code or len(code) > _MAX_CODE:
+        raise WireError("the code is empty" if not code else f"the code has {len(code)} characters")
+    if code.startswith("{"):
+        return _of_thing(code.encode())
+    return _of_uri(code) if _SCHEME.match(code) else _of_text(code)
+
+
+def pointer_of_records(records: Iterable[NdefRecord]) -> Pointer:
+    """Return what the records of a tag say together; what is not understood is among its problems."""
+    whole = Pointer()
+    for one in records:
+        try:
+            said = _of_record(one)
+        except WireError as exc:
+            said = Pointer(problems=(str(exc),))
+        whole = whole.joined(said)
+    return whole
+
+
+def records_for(device: str, name: str, area: str = "") -> tuple[NdefRecord, ...]:
+    """Return what a tag gets written that points to *device*."""
+    records = [NdefRecord("uri", f"{_DEVICE}{quote(device, safe='/')}".encode()), NdefRecord("text", name.encode())]
+    if area:
+        records[1] = NdefRecord("text", f"{name}\narea: {area}".encode())
+    return tuple(records)
+
+
+def _of_record(record: NdefRecord) -> Pointer:
+    if record.kind == "uri":
+        return _of_uri(record.text())
+    if record.kind == "text":
+        return _of_text(record.text())
+    if record.kind == "external" and record.type == _EXTERNAL:
+        return _of_external(record)
+    if record.kind == "media" and record.type == _THING:
+        return _of_thing(record.data)
+    return Pointer()
+
+
+def _of_uri(uri: str) -> Pointer:
+    if not uri.isprintable() or len(uri) > _MAX_CODE:
+        raise WireError("a URI has characters that do not show, or is too long", uri.encode())
+    upper = uri.upper()
+    if upper.startswith("MT:"):
+        code = read_matter_code(upper)
+        return Pointer("matter", f"Matter device {code.vendor:#06x}/{code.product:#06x}", matter=code)
+    if upper.startswith("X-HM:"):
+        return Pointer("homekit", "HomeKit device", homekit=read_homekit_code(uri))
+    if uri.lower().startswith(_DEVICE):
+        device = unquote(uri[len(_DEVICE) :])
+        if not device or not device.isprintable() or len(device) > _MAX_TEXT:
+            raise WireError("the URI homebot:device/ names no device", uri.encode())
+        return Pointer("homebot", device, id=device)
+    return _of_address(uri)
+
+
+def _of_address(uri: str) -> Pointer:
+    try:
+        parts = urlsplit(uri)
+        _ = parts.port
+    except ValueError as exc:
+        raise WireError(f"a URI is not one: {exc}", uri.encode()) from exc
+    shown = clean_text(uri, 200)
+    if parts.scheme in {"mqtt", "mqtts"}:
+        topic = unquote(parts.path).strip("/")
+        return Pointer("mqtt", shown, address=topic) if topic else Pointer("mqtt", shown)
+    if parts.scheme in _URLS and parts.hostname:
+        bare = parts._replace(netloc=parts.netloc.rpartition("@")[2])  # a login that somebody wrote into it is a secret
+        return Pointer("url", clean_text(bare.geturl(), 200), urls=(bare.geturl(),))
+    return Pointer("text", shown, words=(uri[:_MAX_TEXT],))
+
+
+def _of_text(text: str) -> Pointer:
+    lines = [line.strip() for line in text[:_MAX_CODE].splitlines() if line.strip()]
+    area = next((clean_text(found[1], 100) for line in lines if (found := _AREA.fullmatch(line))), "")
+    words = tuple(clean_text(line, _MAX_TEXT) for line in lines if not _AREA.fullmatch(line))[:4]
+    return Pointer("text", words[0] if words else "", words=words, area=area)
+
+
+def _of_external(record: NdefRecord) -> Pointer:
+    text = record.text()
+    if not text.lstrip().startswith("{"):
+        return replace(_of_text(text), kind="homebot")
+    said = parse_object(record.data)
+    texts = {key: clean_text(value, _MAX_TEXT) for key, value in said.items() if isinstance(value, str)}
+    device, name = texts.get("device", ""), texts.get("name", "")
+    return Pointer(
+        "homebot", device or name, id=device, words=(name,) if name else (), area=texts.get("area", "")[:100]
+    )
+
+
+def _of_thing(document: bytes) -> Pointer:
+    thing = read_thing(parse_object(document))
+    return Pointer("thing", clean_text(thing.title), thing=thing, area=clean_text(thing.area, 100))

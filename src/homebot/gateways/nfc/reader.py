@@ -1,0 +1,210 @@
+"""The port to readers of tags: each blocks in a thread of its own, and meets the gateway at a :class:`ReaderDesk`."""
+
+from __future__ import annotations
+
+import asyncio
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from threading import Event, Lock, Semaphore
+from typing import Final
+
+import anyio
+import anyio.lowlevel
+import anyio.to_thread
+
+from homebot.errors import LinkError
+from homebot.gateways.nfc.tag import PresentTag, ReaderNews, ReadersFound, TagContent, TagError, TagLeft, TagSeen
+
+__all__ = ["ReaderDesk", "TagReader", "TagReaders", "WriteOrder", "read_tags"]
+
+_MAX_POSTED: Final = 64
+"""News of a reader that wait for the loop."""
+
+_LOOK: Final = 0.1
+"""Seconds after which a reader that waits for the loop looks whether it is to end."""
+
+
+@dataclass(slots=True, eq=False)
+class WriteOrder:
+    """An order to write the tag that is at a reader, or comes next.
+
+    Attributes:
+        message: The NDEF message.
+        reader: A part of the reader's name; empty for any.
+        done: Set when it was tried.
+        tag: The number of the tag that it was tried on.
+        used_reader: The reader of that.
+        error: Why that failed; None where it was written.
+    """
+
+    message: bytes
+    reader: str = ""
+    done: asyncio.Event = field(default_factory=asyncio.Event)
+    tag: str = ""
+    used_reader: str = ""
+    error: TagError | None = None
+    _claim: Lock = field(default_factory=Lock)
+
+    def claim(self) -> bool:
+        """Return whether it is still to be carried out, in which case nobody else does: several readers may have it."""
+        return self._claim.acquire(blocking=False)
+
+
+class ReaderDesk:
+    """The place where threads of readers and the gateway meet.
+
+    Args:
+        tell: Takes the news of the readers, in the loop.
+    """
+
+    def __init__(self, tell: Callable[[ReaderNews], None]) -> None:
+        self._tell = tell
+        self._loop = asyncio.get_running_loop()
+        self._stopped = Event()
+        self._lock = Lock()
+        self._order: WriteOrder | None = None
+        self._room = Semaphore(_MAX_POSTED)
+
+    @property
+    def is_stopped(self) -> bool:
+        """True when the readers are to end."""
+        return self._stopped.is_set()
+
+    def stop(self) -> None:
+        """Let the readers end."""
+        self._stopped.set()
+
+    def wait(self, seconds: float) -> bool:
+        """Wait in a reader's thread; return whether it is to end."""
+        return self._stopped.wait(seconds)
+
+    def place(self, order: WriteOrder) -> bool:
+        """Take an order; return False while there is another."""
+        with self._lock:
+            if self._order is not None:
+                return False
+            self._order = order
+            return True
+
+    def withdraw(self, order: WriteOrder) -> None:
+        """Forget an order that nobody waits for any more."""
+        with self._lock:
+            if self._order is order:
+                self._order = None
+
+    def found(self, *readers: str) -> None:
+        """Report in a reader's thread which readers are there."""
+        self._post(self._tell, ReadersFound(readers))
+
+    def arrived(self, reader: str, tag: PresentTag) -> None:
+        """Read a tag that was held to *reader*, and write it where that was ordered."""
+        if not self.stayed(reader, tag):
+            self._post(self._tell, _seen(reader, tag))
+
+    def unreadable(self, reader: str, problem: str) -> None:
+        """Report that there is something at *reader* that not even told its number."""
+        self._post(self._tell, TagSeen(reader, "", "", None, problem))
+
+    def stayed(self, reader: str, tag: PresentTag) -> bool:
+        """Write a tag that is at *reader* still, where that was ordered; return whether it was."""
+        order = self._take(reader)
+        if order is None:
+            return False
+        error: TagError | None = None
+        try:
+            tag.write(order.message)
+            if tag.read().message != order.message:
+                error = TagError("lost", "it says something else than was written")
+        except TagError as exc:
+            error = exc
+        self._post(self._tell, _seen(reader, tag))
+        self._post(_finish, order, reader, tag.uid, error)
+        return True
+
+    def left(self, reader: str, uid: str) -> None:
+        """Report that a tag is not at *reader* any more."""
+        self._post(self._tell, TagLeft(reader, uid))
+
+    def _take(self, reader: str) -> WriteOrder | None:
+        with self._lock:
+            order = self._order
+            if order is None or order.reader.casefold() not in reader.casefold():
+                return None
+            self._order = None
+            return order if order.claim() else None
+
+    def _post(self, function: Callable[..., None], *args: object) -> None:
+        """Have *function* called in the loop; while that is behind, the reader waits."""
+        while not self.is_stopped:
+            if self._room.acquire(timeout=_LOOK):
+                self._loop.call_soon_threadsafe(self._run, function, args)
+                return
+
+    def _run(self, function: Callable[..., None], args: tuple[object, ...]) -> None:
+        self._room.release()
+        function(*args)
+
+
+class TagReader(ABC):
+    """One or several readers that a library drives by blocking calls."""
+
+    @abstractmethod
+    def run(self, desk: ReaderDesk) -> None:
+        """Read tags until the *desk* is stopped, in a thread of its own.
+
+        Raises:
+            LinkError: The reader is not there, or not any more.
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class TagReaders:
+    """Readers that a host gives the gateway in place of those that its settings name.
+
+    Attributes:
+        readers: Each.
+    """
+
+    readers: tuple[TagReader, ...]
+
+
+async def read_tags(reader: TagReader, desk: ReaderDesk) -> None:
+    """Run *reader* until it fails or this is cancelled; its thread has ended then.
+
+    Raises:
+        LinkError: The reader is not there, or not any more.
+    """
+
+    async def stop_when_cancelled() -> None:
+        try:
+            await anyio.sleep_forever()
+        finally:
+            desk.stop()
+
+    failure: LinkError | None = None
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(stop_when_cancelled)
+        try:
+            await anyio.to_thread.run_sync(reader.run, desk, limiter=anyio.CapacityLimiter(1))
+        except LinkError as exc:  # the group would wrap it
+            failure = exc
+        tasks.cancel_scope.cancel()
+    await anyio.lowlevel.checkpoint_if_cancelled()  # then the reader has ended because of that
+    if failure is not None:
+        raise failure
+
+
+def _seen(reader: str, tag: PresentTag) -> TagSeen:
+    content: TagContent | None = None
+    problem = ""
+    try:
+        content = tag.read()
+    except TagError as exc:
+        problem = str(exc)
+    return TagSeen(reader, tag.uid, tag.tag_type, content, problem)
+
+
+def _finish(order: WriteOrder, reader: str, uid: str, error: TagError | None) -> None:
+    order.used_reader, order.tag, order.error = reader, uid, error
+    order.done.set()

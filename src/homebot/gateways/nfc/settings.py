@@ -1,0 +1,77 @@
+"""The table ``[gateways.NAME]`` of a gateway of tags."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from homebot.gateways.base import GatewaySettings
+from homebot.units import Seconds
+
+__all__ = ["NfcGatewaySettings", "TagSettings"]
+
+_PATH = re.compile(r"(usb|tty|com|udp)(:.*)?")
+_UID = re.compile(r"(?:[0-9a-f]{2}){4,10}")
+_YEAR = 365 * 24 * 3600.0
+
+
+class TagSettings(BaseModel):
+    """The facts that the house knows of one tag: ``[gateways.NAME.tags.UID]``.
+
+    Attributes:
+        name: What people call it.
+        area: The room that it is in; what the tag says of that does not count then.
+        device: The id or the name of the device that it points to; what the tag says does not count then.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: Annotated[str, Field(max_length=100)] = ""
+    area: Annotated[str, Field(max_length=100)] = ""
+    device: Annotated[str, Field(max_length=500)] = ""
+
+
+class NfcGatewaySettings(GatewaySettings):
+    """The settings of a gateway of tags.
+
+    Attributes:
+        backend: ``pcsc`` for readers of the computer's smart-card service, ``nfcpy`` for those that nfcpy drives by
+            itself; ``auto`` takes PC/SC where pyscard is installed.
+        readers: With PC/SC, the readers to use, each by a part of its name; by default all.
+        devices: With nfcpy, the readers as it calls them: ``usb``, ``usb:072f:2200``, ``tty:USB0:pn532`` or
+            ``udp:HOST:PORT``.
+        tags: What the house knows of single tags, by their numbers in hexadecimal digits.
+        max_tags: Tags that may be known at once.
+        stale_after: Seconds after which a tag that nobody held to a reader counts as stale.
+    """
+
+    backend: Literal["auto", "pcsc", "nfcpy"] = "auto"
+    readers: tuple[str, ...] = ()
+    devices: Annotated[tuple[str, ...], Field(min_length=1, max_length=8)] = ("usb",)
+    tags: Mapping[str, TagSettings] = Field(default_factory=dict)
+    max_tags: Annotated[int, Field(ge=1, le=10_000)] = 1000
+    stale_after: Seconds = _YEAR
+
+    @field_validator("devices")
+    @classmethod
+    def _check_devices(cls, devices: tuple[str, ...]) -> tuple[str, ...]:
+        for one in devices:
+            if not _PATH.fullmatch(one):
+                raise ValueError(f"{one!r} is not a reader; write usb, tty:PORT:DRIVER or udp:HOST:PORT")
+        return devices
+
+    @field_validator("tags")
+    @classmethod
+    def _check_tags(cls, tags: Mapping[str, TagSettings]) -> Mapping[str, TagSettings]:
+        known: dict[str, TagSettings] = {}
+        for given, one in tags.items():
+            uid = re.sub(r"[:\s-]", "", given).casefold()
+            if not _UID.fullmatch(uid):
+                raise ValueError(f"{given!r} is not the number of a tag; write it like 04a1b2c3d4e5f6")
+            if uid in known:
+                raise ValueError(f"{given!r} is there twice")
+            known[uid] = one
+        return known

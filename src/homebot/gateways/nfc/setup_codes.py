@@ -1,0 +1,109 @@
+"""Setup codes of Matter and HomeKit, as far as they tell devices apart; what is secret in them is left out. Pure.
+
+Matter core specification 1.4, section 5.1.3 (QR code: ``MT:`` and base 38) and table 38 (its bits); HomeKit: the
+``X-HM://`` URI of the HomeKit Accessory Protocol specification (R2), section 4.2.2.1 (setup payload) and 6.4 (``sh``).
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from dataclasses import dataclass
+from typing import Final
+
+from homebot.errors import WireError
+
+__all__ = ["HomekitCode", "MatterCode", "read_homekit_code", "read_matter_code"]
+
+_BASE38: Final = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-."
+_BASE36: Final = _BASE38[:36]
+_CHARACTERS: Final = {1: 2, 2: 4, 3: 5}
+"""Characters by the bytes that they spell, in each group."""
+
+_PAYLOAD: Final = 11
+"""Bytes of the part that every Matter code has."""
+
+_HOMEKIT: Final = "X-HM://"
+_HOMEKIT_DIGITS: Final = 9
+_SETUP_ID: Final = 4
+
+
+@dataclass(frozen=True, slots=True)
+class MatterCode:
+    """The words of a Matter code about the device, but for its passcode.
+
+    Attributes:
+        vendor: The number of its maker.
+        product: The number of the product.
+        discriminator: By which it tells itself from others, while it can be commissioned.
+    """
+
+    vendor: int
+    product: int
+    discriminator: int
+
+
+@dataclass(frozen=True, slots=True)
+class HomekitCode:
+    """The words of a HomeKit code about the device, but for its setup code.
+
+    Attributes:
+        category: The number of its category.
+        setup_id: Four characters that tell it from others; empty where the code has none.
+    """
+
+    category: int
+    setup_id: str
+
+    def is_of(self, device_id: str, setup_hash: str) -> bool:
+        """Return whether it is the code of the device that announces *device_id* (``id``) and *setup_hash* (``sh``)."""
+        spelled = hashlib.sha512(f"{self.setup_id}{device_id.upper()}".encode()).digest()[:4]
+        return bool(self.setup_id) and base64.b64encode(spelled).decode() == setup_hash
+
+
+def read_matter_code(text: str) -> MatterCode:
+    """Return what the Matter code *text* says; of several joined by ``*``, the first.
+
+    Raises:
+        WireError: It is none.
+    """
+    code = text.removeprefix("MT:").partition("*")[0]
+    payload = _base38(code)
+    if len(payload) < _PAYLOAD:
+        raise WireError(f"a Matter code has {len(payload)} bytes where {_PAYLOAD} belong")
+    bits = int.from_bytes(payload[:_PAYLOAD], "little")
+    if bits & 0b111:
+        raise WireError(f"a Matter code is of version {bits & 0b111}; only version 0 is known")
+    return MatterCode(bits >> 3 & 0xFFFF, bits >> 19 & 0xFFFF, bits >> 45 & 0xFFF)
+
+
+def read_homekit_code(text: str) -> HomekitCode:
+    """Return what the HomeKit code *text* says.
+
+    Raises:
+        WireError: It is none.
+    """
+    code = text.upper().removeprefix(_HOMEKIT)
+    digits, setup_id = code[:_HOMEKIT_DIGITS], code[_HOMEKIT_DIGITS:]
+    whole = (*digits, *setup_id)
+    if len(digits) < _HOMEKIT_DIGITS or len(setup_id) not in {0, _SETUP_ID} or any(one not in _BASE36 for one in whole):
+        raise WireError("a HomeKit code is not 9 digits of base 36, and perhaps a setup id of 4")
+    return HomekitCode(int(digits, 36) >> 31 & 0xFF, setup_id)
+
+
+def _base38(code: str) -> bytes:
+    """Return what base 38 spells: groups of five characters for three bytes, the least significant first."""
+    spelled = bytearray()
+    for start in range(0, len(code), 5):
+        group = code[start : start + 5]
+        size = next((size for size, characters in _CHARACTERS.items() if characters == len(group)), 0)
+        value = 0
+        for character in reversed(group):
+            digit = _BASE38.find(character)
+            if digit < 0:
+                raise WireError(f"a Matter code has the character {character!r}, which base 38 does not have")
+            value = value * 38 + digit
+        if not size or value >> 8 * size:
+            raise WireError(f"a Matter code has the group {group!r}, which spells no bytes")
+        spelled += value.to_bytes(size, "little")
+    return bytes(spelled)

@@ -1,0 +1,221 @@
+"""The services of a gateway of tags: finding the device that a code means, reading a tag, and writing one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import anyio
+
+from homebot.devices.device import KeyValue
+from homebot.devices.names import TagNames
+from homebot.devices.tags import (
+    ReadTag,
+    ReadTagRequest,
+    ReadTagResponse,
+    ScanCode,
+    ScanCodeRequest,
+    ScanCodeResponse,
+    TagProblem,
+    WriteTag,
+    WriteTagRequest,
+    WriteTagResponse,
+)
+from homebot.errors import WireError
+from homebot.gateways.nfc.ndef_message import read_ndef, write_ndef
+from homebot.gateways.nfc.pointer import Pointer, pointer_of_code, pointer_of_device, pointer_of_records, records_for
+from homebot.gateways.nfc.reader import ReaderDesk, WriteOrder
+from homebot.gateways.nfc.tag import TagSeen
+
+if TYPE_CHECKING:
+    from homebot.gateways.nfc.gateway import NfcGateway
+    from homebot.graph import Node
+
+__all__ = ["TagServices"]
+
+_MAX_READING: Final = 16
+"""Calls that may wait for a tag at the same time."""
+
+_MAX_WRITING: Final = 5.0
+"""Seconds that a reader may take to write a tag that came at the last moment."""
+
+
+class TagServices:
+    """Serves :class:`homebot.devices.tags.TagNames`.
+
+    Args:
+        gateway: The gateway.
+        node: Its node.
+    """
+
+    def __init__(self, gateway: NfcGateway, node: Node) -> None:
+        self._gateway = gateway
+        self._desks: list[ReaderDesk] = []
+        self._next: anyio.Event = anyio.Event()
+        self._shown: TagSeen | None = None
+        self._reading = 0
+        self._is_writing = False
+        names = TagNames(node.name)
+        node.create_service(ScanCode, names.scan, self._scan, concurrent=True)
+        node.create_service(ReadTag, names.read_tag, self._read, concurrent=True)
+        node.create_service(WriteTag, names.write_tag, self._write, concurrent=True)
+
+    def open(self, desk: ReaderDesk) -> None:
+        """Use the readers that meet at *desk*."""
+        self._desks.append(desk)
+
+    def close(self, desk: ReaderDesk) -> None:
+        """Use them no more."""
+        self._desks.remove(desk)
+
+    def show(self, seen: TagSeen) -> None:
+        """Give a tag to who waits for one."""
+        self._shown = seen
+        self._next.set()
+        self._next = anyio.Event()
+
+    def forget(self, uid: str) -> None:
+        """Give it to nobody any more."""
+        if self._shown is not None and self._shown.uid == uid:
+            self._shown = None
+
+    async def _scan(self, request: ScanCodeRequest) -> ScanCodeResponse:
+        try:
+            pointer = pointer_of_records(read_ndef(request.ndef)) if request.ndef else pointer_of_code(request.text)
+        except WireError as exc:
+            return ScanCodeResponse(success=False, message=str(exc))
+        if pointer.problems and not pointer.text:
+            return ScanCodeResponse(success=False, message=pointer.problems[0])
+        pointed = await self._gateway.finder.find(pointer)
+        device = pointed.device
+        return ScanCodeResponse(
+            success=True,
+            message=_in_words(pointer, device.name if device else "", pointed.candidates),
+            kind=pointer.kind,
+            device=pointed.id,
+            candidates=pointed.candidates,
+            area=pointer.area,
+            facts=tuple(KeyValue(key=key, value=value) for key, value in pointer.facts.items()),
+        )
+
+    async def _read(self, request: ReadTagRequest) -> ReadTagResponse:
+        problem = self._why_no_reader(request.reader)
+        if problem:
+            return ReadTagResponse(success=False, message=problem, problem="no_reader")
+        if self._reading >= _MAX_READING:
+            return ReadTagResponse(success=False, message="too many wait for a tag already", problem="busy")
+        self._reading += 1
+        try:
+            seen = await self._next_tag(request.reader, request.wait)
+        finally:
+            self._reading -= 1
+        if seen is None:
+            return ReadTagResponse(success=False, message=_no_tag(request.wait), problem="no_tag")
+        if seen.content is None:
+            return ReadTagResponse(
+                success=False,
+                message=f"the tag {seen.uid} cannot be read: {seen.problem}",
+                problem="unreadable",
+                tag=seen.uid,
+                reader=seen.reader,
+                tag_type=seen.tag_type,
+            )
+        pointer = self._gateway.read(seen)
+        pointed = await self._gateway.finder.find(pointer)
+        return ReadTagResponse(
+            success=True,
+            message=_in_words(pointer, pointed.device.name if pointed.device else "", pointed.candidates),
+            tag=seen.uid,
+            reader=seen.reader,
+            tag_type=seen.tag_type,
+            ndef=seen.content.message,
+            device=pointed.id,
+            candidates=pointed.candidates,
+            area=pointer.area,
+        )
+
+    async def _write(self, request: WriteTagRequest) -> WriteTagResponse:
+        def failed(problem: TagProblem, message: str) -> WriteTagResponse:
+            return WriteTagResponse(success=False, message=message, problem=problem)
+
+        if not self._gateway.acts:
+            return failed("refused", self._gateway.observes_because)
+        no_reader = self._why_no_reader(request.reader)
+        if no_reader:
+            return failed("no_reader", no_reader)
+        pointed = await self._gateway.finder.find(pointer_of_device(request.device))
+        if pointed.device is None:
+            many = (
+                f"several devices: {', '.join(pointed.candidates)}"
+                if pointed.devices
+                else "no device that a tag can point to"
+            )
+            return failed("no_device", f"{request.device!r} is {many}")
+        if self._is_writing:
+            return failed("busy", "another tag is to be written first")
+        self._is_writing = True
+        try:
+            order = await self._carry_out(
+                write_ndef(*records_for(pointed.device.id, pointed.device.name, request.area)), request
+            )
+        finally:
+            self._is_writing = False
+        if order is None:
+            return failed("no_tag", _no_tag(request.wait))
+        return WriteTagResponse(
+            success=order.error is None,
+            message="" if order.error is None else f"the tag {order.tag} was not written: {order.error}",
+            problem="" if order.error is None else order.error.problem,
+            tag=order.tag,
+            reader=order.used_reader,
+            device=pointed.device.id,
+        )
+
+    async def _carry_out(self, message: bytes, request: WriteTagRequest) -> WriteOrder | None:
+        """Have the next tag written at whichever reader it comes to; None where none came in time."""
+        order = WriteOrder(message, request.reader)
+        desks = tuple(self._desks)
+        for desk in desks:
+            desk.place(order)
+        try:
+            with anyio.move_on_after(request.wait):
+                await order.done.wait()
+            if not order.claim():  # it is being written at this moment
+                with anyio.move_on_after(_MAX_WRITING):
+                    await order.done.wait()
+        finally:
+            for desk in desks:
+                desk.withdraw(order)
+        return order if order.done.is_set() else None
+
+    async def _next_tag(self, reader: str, wait: float) -> TagSeen | None:
+        """Return the tag that is at a reader, or comes next."""
+        wanted = reader.casefold()
+        for seen in self._gateway.at_reader.values():
+            if wanted in seen.reader.casefold():
+                return seen
+        with anyio.move_on_after(wait):
+            while True:
+                await self._next.wait()
+                if self._shown is not None and wanted in self._shown.reader.casefold():
+                    return self._shown
+        return None
+
+    def _why_no_reader(self, wanted: str) -> str:
+        names = [name for some in self._gateway.readers.values() for name in some]
+        if not names:
+            return "no reader of tags is connected"
+        if not any(wanted.casefold() in name.casefold() for name in names):
+            return f"there is no reader {wanted!r}, only {', '.join(names)}"
+        return ""
+
+
+def _no_tag(wait: float) -> str:
+    return f"no tag was held to a reader within {wait:g} s"
+
+
+def _in_words(pointer: Pointer, device: str, candidates: tuple[str, ...]) -> str:
+    if device:
+        return f"it points to {device}"
+    if candidates:
+        return f"it may point to {', '.join(candidates)}"
+    return f"it points to {pointer.text}, which is no device here" if pointer.text else "it points to nothing"

@@ -1,0 +1,86 @@
+"""Damaged NDEF messages, codes and tags: refused in our words, or understood."""
+
+from __future__ import annotations
+
+import json
+import random
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from tests.fuzz.conftest import Mutator
+
+from homebot.errors import WireError
+from homebot.gateways.nfc.card_tag import CardTag
+from homebot.gateways.nfc.ndef_message import NdefRecord, read_ndef, write_ndef
+from homebot.gateways.nfc.pointer import pointer_of_code, pointer_of_records
+from homebot.gateways.nfc.tag import TagError
+from homebot.house.nfc import Type4Card
+
+if TYPE_CHECKING:
+    from tests.fuzz.conftest import Fuzz
+
+THING = json.dumps(
+    {
+        "@context": "https://www.w3.org/2022/wot/td/v1.1",
+        "id": "urn:dev:lamp:1",
+        "title": "Lamp",
+        "securityDefinitions": {"nosec": {"scheme": "nosec"}},
+        "security": ["nosec"],
+    }
+)
+MESSAGES = [
+    write_ndef(NdefRecord("uri", b"homebot:device/lights/a"), NdefRecord("text", "Küche\narea: Bad".encode())),
+    write_ndef(NdefRecord("uri", b"http://10.0.0.7:80/.well-known/wot")),
+    write_ndef(NdefRecord("media", THING.encode(), "application/td+json")),
+    write_ndef(NdefRecord("external", b'{"device": "lights/a", "area": "Bad"}', "homebot:device")),
+]
+CODES = [
+    "homebot:device/a%20b",
+    "MT:Y.K90AFN00KA0648G00",
+    "X-HM://0023ISYWYABCD",
+    "mqtt://b/home/a",
+    "http://[::1]/",
+    THING,
+]
+MOST_STEPS = 3 * 8192
+"""APDUs that a tag may cost: it may give one byte each, and is read, written and found."""
+
+
+def test_damaged_messages_are_refused_or_understood(fuzz: Fuzz) -> None:
+    def case(rng: random.Random) -> None:
+        message = Mutator(rng).damaged_bytes(rng.choice(MESSAGES))
+        with suppress(WireError):
+            pointer_of_records(read_ndef(message))
+
+    fuzz.run("nfc messages", case)
+
+
+def test_damaged_codes_are_refused_or_understood(fuzz: Fuzz) -> None:
+    def case(rng: random.Random) -> None:
+        code = Mutator(rng).damaged_bytes(rng.choice(CODES).encode()).decode(errors="replace")
+        with suppress(WireError):
+            pointer_of_code(code)
+
+    fuzz.run("nfc codes", case)
+
+
+def test_tags_that_answer_what_they_like_cost_a_bounded_number_of_steps(fuzz: Fuzz) -> None:
+    def case(rng: random.Random) -> None:
+        mutator, asked = Mutator(rng), 0
+        card = Type4Card(bytes.fromhex("04a1b2c3d4e5f6"), rng.choice(MESSAGES))
+
+        def transmit(apdu: bytes) -> tuple[bytes, int]:
+            nonlocal asked
+            asked += 1
+            answer = card.answer(apdu)
+            if rng.random() < 0.1:
+                answer = mutator.damaged_bytes(answer[:-2]) + answer[-2:]
+            return answer[:-2], int.from_bytes(answer[-2:], "big")
+
+        with suppress(TagError):
+            tag = CardTag(transmit)
+            tag.read()
+            tag.write(b"\xd0\x00\x00")
+        assert asked < MOST_STEPS
+
+    fuzz.run("nfc tags", case)
