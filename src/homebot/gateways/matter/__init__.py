@@ -1,0 +1,6 @@
+"""The gateway to Matter, through the WebSocket of a Matter server; experimental."""
+
+from homebot.gateways.matter.gateway import MatterGateway
+from homebot.gateways.matter.settings import MatterGatewaySettings
+
+__all__ = ["MatterGateway", "MatterGatewaySettings"]

@@ -1,0 +1,155 @@
+"""An endpoint of a Matter node: its attributes, and what can be done to it. Pure.
+
+Source: Matter 1.4 Core Specification, 7.8 (endpoints), 7.13 (global attributes), 9.5 (Descriptor cluster).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Final, TypeAlias
+
+from homebot.conventions.payload import clean_text
+
+__all__ = ["AttributeWrite", "ClusterInvocation", "MatterEndpoint", "MatterOrder"]
+
+DESCRIPTOR: Final = 29
+_DEVICE_TYPE_LIST, _PARTS_LIST = 0, 3
+_FEATURE_MAP: Final = 0xFFFC
+
+
+class MatterEndpoint:
+    """An endpoint, with the attributes that the server knows of it.
+
+    Args:
+        id: Its number; 0 is the root of the node.
+
+    Attributes:
+        id: The same.
+        clusters: Values by cluster and attribute, as JSON has them.
+    """
+
+    def __init__(self, id: int) -> None:  # noqa: A002 - what Matter calls it
+        self.id = id
+        self.clusters: dict[int, dict[int, object]] = {}
+
+    def has(self, cluster: int, attribute: int | None = None) -> bool:
+        """Return whether it has a cluster, or one attribute of it."""
+        known = self.clusters.get(cluster)
+        return known is not None and (attribute is None or attribute in known)
+
+    def value(self, cluster: int, attribute: int) -> object:
+        """Return a value; None where it is null, or not there."""
+        return self.clusters.get(cluster, _NOTHING).get(attribute)
+
+    def number(self, cluster: int, attribute: int) -> float | None:
+        """Return a value that is a number; None where it is none."""
+        return number_of(self.value(cluster, attribute))
+
+    def whole(self, cluster: int, attribute: int) -> int | None:
+        """Return a value that is a whole number, such as one of an enumeration; None where it is none."""
+        value = self.value(cluster, attribute)
+        return value if isinstance(value, int) and not isinstance(value, bool) else None
+
+    def flag(self, cluster: int, attribute: int) -> bool | None:
+        """Return a value that is true or false; None where it is neither."""
+        value = self.value(cluster, attribute)
+        return value if isinstance(value, bool) else None
+
+    def text(self, cluster: int, attribute: int) -> str:
+        """Return a value that is a text, on one line; empty where it is none."""
+        value = self.value(cluster, attribute)
+        return clean_text(value) if isinstance(value, str) else ""
+
+    def structs(self, cluster: int, attribute: int) -> Iterator[Mapping[object, object]]:
+        """Yield the structs in a value that is a list of them; their fields are named by their numbers as text."""
+        value = self.value(cluster, attribute)
+        for one in value if isinstance(value, list) else ():
+            if isinstance(one, dict):
+                yield one
+
+    def features(self, cluster: int) -> int:
+        """Return the feature map of a cluster; 0 where it says none."""
+        return self.whole(cluster, _FEATURE_MAP) or 0
+
+    @property
+    def device_types(self) -> tuple[int, ...]:
+        """The numbers of its device types."""
+        found = (one.get("0", one.get("deviceType")) for one in self.structs(DESCRIPTOR, _DEVICE_TYPE_LIST))
+        return tuple(one for one in found if isinstance(one, int) and not isinstance(one, bool))
+
+    @property
+    def children(self) -> tuple[int, ...]:
+        """The numbers of the endpoints that it is composed of; of the root, all others."""
+        value = self.value(DESCRIPTOR, _PARTS_LIST)
+        return tuple(one for one in value if type(one) is int) if isinstance(value, list) else ()
+
+
+@dataclass(frozen=True, slots=True)
+class ClusterInvocation:
+    """A command of a cluster.
+
+    Attributes:
+        cluster: The number of the cluster.
+        command: The name of the command: ``MoveToLevel``.
+        payload: Its fields.
+        is_timed: Whether it has to be sent as a timed interaction, as the specification says of some.
+        is_secret: Whether a code is in it.
+    """
+
+    cluster: int
+    command: str
+    payload: Mapping[str, object] = field(default_factory=dict, repr=False)
+    is_timed: bool = False
+    is_secret: bool = False
+
+    def server_call(self, node: int, endpoint: int) -> tuple[str, dict[str, object]]:
+        """Return the command for the server, and its arguments."""
+        args: dict[str, object] = {
+            "node_id": node,
+            "endpoint_id": endpoint,
+            "cluster_id": self.cluster,
+            "command_name": self.command,
+            "payload": dict(self.payload),
+        }
+        if self.is_timed:
+            args["timed_request_timeout_ms"] = _TIMED_MS
+        return "device_command", args
+
+
+@dataclass(frozen=True, slots=True)
+class AttributeWrite:
+    """A new value for an attribute.
+
+    Attributes:
+        cluster: The number of the cluster.
+        attribute: The number of the attribute.
+        value: The value.
+        is_secret: False: no attribute is.
+    """
+
+    cluster: int
+    attribute: int
+    value: object
+    is_secret: bool = False
+
+    def server_call(self, node: int, endpoint: int) -> tuple[str, dict[str, object]]:
+        """Return the command for the server, and its arguments."""
+        path = f"{endpoint}/{self.cluster}/{self.attribute}"
+        return "write_attribute", {"node_id": node, "attribute_path": path, "value": self.value}
+
+
+MatterOrder: TypeAlias = ClusterInvocation | AttributeWrite
+"""One thing that an endpoint is told."""
+
+_NOTHING: Final[Mapping[int, object]] = {}
+_TIMED_MS: Final = 1_000
+_HUGE: Final = 1e15
+
+
+def number_of(value: object) -> float | None:
+    """Return the number that *value* is; None where it is none."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return None
+    return float(value) if -_HUGE < value < _HUGE and math.isfinite(value) else None

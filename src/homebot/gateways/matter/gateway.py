@@ -1,0 +1,333 @@
+"""The Matter gateway: the nodes of a Matter server, over its WebSocket."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from random import Random
+from typing import ClassVar, Final
+
+import anyio
+import anyio.lowlevel
+from anyio.abc import TaskStatus
+from pydantic import BaseModel
+
+from homebot.conventions.payload import as_fields, shown
+from homebot.devices.gateway_messages import Command
+from homebot.devices.value import PlainValue
+from homebot.errors import LinkError, PeerError, WireError
+from homebot.extras import check_extra
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.base import Gateway
+from homebot.gateways.context import GatewayContext
+from homebot.gateways.matter.endpoint import DESCRIPTOR, MatterEndpoint
+from homebot.gateways.matter.node import (
+    BASIC,
+    BRIDGED,
+    MatterNode,
+    NodeDevice,
+    find_writer,
+    node_id_of,
+    parse_path,
+    parts_of,
+)
+from homebot.gateways.matter.other_clusters import SWITCH, press_of
+from homebot.gateways.matter.server_link import MatterServerLink
+from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent, check_result
+from homebot.gateways.matter.settings import MatterGatewaySettings
+from homebot.graph import Node
+from homebot.isolation import error_text, run_as
+from homebot.mqtt.backoff import LINK_BACKOFF, REFUSED_BACKOFF
+
+__all__ = ["MatterGateway"]
+
+VOUCH_EVERY: Final = 60.0
+"""Seconds between two rounds in which the devices are seen again that the server reaches: it is subscribed to them,
+and notices when one does not answer any more."""
+
+STEADY_AFTER: Final = 60.0
+"""Seconds after which a connection that ends counts as a new failure: each one brings all attributes of all nodes."""
+
+SERVER: Final = "the Matter server"
+
+
+class MatterGateway(Gateway):
+    """Brings the nodes of a Matter server onto the graph.
+
+    Args:
+        node: Its node.
+        settings: Its table.
+        context: What its host gives it.
+
+    Attributes:
+        devices: Its devices.
+    """
+
+    Settings: ClassVar[type[BaseModel]] = MatterGatewaySettings
+
+    def __init__(self, node: Node, settings: MatterGatewaySettings, context: GatewayContext | None = None) -> None:
+        super().__init__(node, settings, context)
+        self._settings = settings
+        self._clock = node.graph.clock
+        self._random = self.context.random or Random()  # noqa: S311 - spreads retries
+        self._nodes: dict[int, MatterNode] = {}
+        self._described: dict[int, tuple[NodeDevice, ...]] = {}
+        self._node_of: dict[str, int] = {}
+        self._missed: set[int] = set()
+        self._link: MatterServerLink | None = None
+        self._connecting: MatterServerLink | None = None
+        self._reason = "it is not connected yet"
+        self._listed_at = 0.0
+        self._tried = anyio.Event()
+        self.devices = PublishedDevices(self, self._perform, settings)
+
+    @classmethod
+    def check(cls, settings: BaseModel) -> None:
+        """Look for the library.
+
+        Raises:
+            UsageError: It is missing.
+        """
+        del settings
+        check_extra('the gateway "matter"', "matter", "aiohttp")
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Keep a connection to the server until cancelled; ready when the first try has ended."""
+        self._tried = anyio.Event()
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(run_as, self.node.full_name, self._connect_again_and_again)
+            tasks.start_soon(run_as, self.node.full_name, self._vouch)
+            await self._tried.wait()
+            task_status.started()
+
+    async def _connect_again_and_again(self) -> None:
+        failures, failing_since = 0, 0.0
+        while True:
+            backoff = LINK_BACKOFF
+            try:
+                await self._converse()
+            except (LinkError, PeerError) as exc:
+                backoff = LINK_BACKOFF if isinstance(exc, LinkError) else REFUSED_BACKOFF
+                self._reason = error_text(exc)
+            now = self._clock.monotonic()
+            if self._link is not None and now - self._listed_at > STEADY_AFTER:
+                failures = 0
+            self._link = None
+            self.publish_state("unavailable", self._reason)
+            self._tried.set()
+            failing_since = now if failures == 0 else failing_since
+            failures += 1
+            await anyio.sleep(backoff.delay(failures, now - failing_since, self._random))
+
+    async def _converse(self) -> None:
+        """Connect, and follow the server until the link is lost.
+
+        Raises:
+            LinkError: There is no server, or the link was lost.
+            PeerError: It is no Matter server that homebot knows.
+        """
+        from homebot.gateways.http_client import HttpClient  # noqa: PLC0415 - only where it runs
+
+        async with HttpClient() as client, client.websocket(self._settings.url, max_bytes=MAX_FRAME_BYTES) as socket:
+            link = MatterServerLink(socket, self._take_nodes, self._take_event, self._take_invalid)
+            self._connecting = link
+            await link.run()
+
+    async def _take_nodes(self, listed: object) -> None:
+        if not isinstance(listed, list):
+            raise WireError(f"the list of nodes is {shown(listed)}")
+        present: set[int] = set()
+        for one in listed:
+            try:
+                present.add(node_id_of(as_fields(one).get("node_id")))
+                await self._take_node(one, "the server listed it")
+            except WireError as exc:
+                self.devices.reject(SERVER, b"", str(exc))
+            await anyio.lowlevel.checkpoint()
+        for node_id in self._nodes.keys() - present:
+            self._remove_node(node_id, "the server does not have it any more")
+        self._link, self._reason = self._connecting, ""
+        self._listed_at = self._clock.monotonic()
+        self.publish_state("active")
+        self._tried.set()
+
+    def _take_invalid(self, payload: bytes, why: str) -> None:
+        self.devices.reject(SERVER, payload, why)
+
+    async def _take_event(self, event: MatterEvent, payload: bytes) -> None:
+        await anyio.lowlevel.checkpoint()
+        source = self._source_of(event)
+        try:
+            match event.event:
+                case "node_added" | "node_updated":
+                    await self._take_node(event.data, "the server reported it")
+                case "node_removed":
+                    self._remove_node(node_id_of(event.data), "it was removed from the Matter server")
+                case "attribute_updated":
+                    if self.devices.admits(source):
+                        await self._take_attribute(event.data, payload)
+                    elif source in self._node_of:
+                        self._missed.add(self._node_of[source])
+                case "node_event":
+                    if self.devices.admits(source):
+                        await self._take_node_event(event.data, payload)
+                case "endpoint_removed":
+                    self._remove_endpoint(event.data)
+                case "server_shutdown":
+                    raise LinkError("the Matter server was shut down")
+                case _:
+                    pass  # endpoint_added comes with node_updated; others are about the server
+        except WireError as exc:
+            self.devices.reject(source, payload, str(exc))
+
+    def _source_of(self, event: MatterEvent) -> str:
+        """Return whose message an event is: the key of a node's device, where it is known."""
+        data = event.data
+        node_id: object = data
+        if isinstance(data, list):
+            node_id = data[0] if data else None
+        elif isinstance(data, dict):
+            node_id = data.get("node_id")
+        known = self._described.get(node_id) if isinstance(node_id, int) else None
+        return known[0].device.key if known else shown(node_id)
+
+    async def _take_node(self, data: object, why: str) -> None:
+        node = MatterNode.parse(data)
+        if node.id not in self._nodes and len(self._nodes) >= self._settings.max_nodes:
+            self.devices.counters.devices_refused += 1
+            return
+        self._nodes[node.id] = node
+        self._describe(node, why)
+        for one in self._described[node.id]:
+            for part, abilities in one.abilities.items():
+                for endpoint in {id(endpoint): endpoint for endpoint, _ in abilities}.values():
+                    await self._report(one, part, endpoint, None, is_old=not node.is_available)
+
+    def _describe(self, node: MatterNode, why: str) -> None:
+        """Publish the devices that a node is, and take away those that it was."""
+        before = self._described.get(node.id, ())
+        self._described[node.id] = now = node.devices()
+        for gone in {one.device.key for one in before} - {one.device.key for one in now}:
+            self._node_of.pop(gone, None)
+            self.devices.remove(gone, "its bridge does not have it any more")
+        for one in now:
+            self._node_of[one.device.key] = node.id
+            self.devices.put(one.device, why, confirmed=node.is_available)
+            self.devices.report_reachable(one.device.key, reachable=node.is_reachable(one))
+
+    def _remove_node(self, node_id: int, why: str) -> None:
+        self._nodes.pop(node_id, None)
+        for one in self._described.pop(node_id, ()):
+            self._node_of.pop(one.device.key, None)
+            self.devices.remove(one.device.key, why)
+
+    def _remove_endpoint(self, data: object) -> None:
+        fields = as_fields(data)
+        node, number = self._nodes.get(node_id_of(fields.get("node_id"))), fields.get("endpoint_id")
+        if node is not None and isinstance(number, int) and node.endpoints.pop(number, None) is not None:
+            self._describe(node, "an endpoint was removed")
+
+    async def _take_attribute(self, data: object, payload: bytes) -> None:
+        if not isinstance(data, list) or len(data) != 3:
+            raise WireError(f"a new value of an attribute is {shown(data)}, which is no list of three")
+        node = self._node(data[0])
+        path = parse_path(data[1])
+        endpoint = node.set(path, data[2])
+        if path[1] in {DESCRIPTOR, BASIC, BRIDGED} or self._has_other_parts(node, endpoint):
+            self._describe(node, "it changed")
+        await self._report_cluster(node, endpoint, path[1], payload)
+
+    def _has_other_parts(self, node: MatterNode, endpoint: MatterEndpoint) -> bool:
+        """Return whether an endpoint is no longer what was published of it: a limit may have changed."""
+        published = [
+            part
+            for one in self._described[node.id]
+            for part in one.device.parts
+            if one.abilities[part.id][0][0] is endpoint
+        ]
+        return published != [part for part, _ in parts_of(endpoint)]
+
+    async def _report_cluster(self, node: MatterNode, endpoint: MatterEndpoint, cluster: int, payload: bytes) -> None:
+        for one in self._described[node.id]:
+            parts = [part for part, found in one.abilities.items() if any(of is endpoint for of, _ in found)]
+            if not parts and one.root is not endpoint:
+                continue
+            self.devices.put(one.device, "it reported")
+            await self.devices.deliver_raw(one.device.key, payload)
+            for part in parts:
+                await self._report(one, part, endpoint, cluster)
+
+    async def _report(
+        self, device: NodeDevice, part: str, endpoint: MatterEndpoint, cluster: int | None, *, is_old: bool = False
+    ) -> None:
+        """Report what a part reads from one cluster of its endpoint, or from each; always all of a cluster at once."""
+        values: dict[int, dict[str, PlainValue]] = {}
+        for _, ability in device.abilities[part]:
+            if ability.read is not None and (cluster is None or ability.cluster == cluster):
+                values.setdefault(ability.cluster, {})[ability.capability.name] = ability.read(endpoint)
+        for of_cluster in values.values():
+            await self.devices.report(device.device.key, of_cluster, part, retained=is_old)
+
+    async def _take_node_event(self, data: object, payload: bytes) -> None:
+        fields = as_fields(data)
+        node = self._node(fields.get("node_id"))
+        number = fields.get("endpoint_id")
+        endpoint = node.endpoints.get(number) if isinstance(number, int) else None
+        if endpoint is None:
+            raise WireError(f"an event is of the endpoint {shown(number)}, which the node does not have")
+        event = fields.get("event_id")
+        if fields.get("cluster_id") != SWITCH or not isinstance(event, int):
+            return
+        press = press_of(endpoint, event, fields.get("data"))
+        for one in self._described[node.id]:
+            if str(endpoint.id) in one.abilities:
+                self.devices.put(one.device, "it reported")
+                await self.devices.deliver_raw(one.device.key, payload)
+                if press is not None:
+                    await self.devices.report(one.device.key, {"press": press}, str(endpoint.id))
+
+    def _node(self, value: object) -> MatterNode:
+        node_id = node_id_of(value)
+        node = self._nodes.get(node_id)
+        if node is None:
+            raise WireError(f"the node {node_id} is unknown")
+        return node
+
+    async def _vouch(self) -> None:
+        """See the devices again that the server reaches, and ask for what was missed, every minute."""
+        while True:
+            await anyio.sleep(min(VOUCH_EVERY, self._settings.stale_after / 3))
+            if self._link is not None:
+                await self._ask_for_missed(self._link)
+                for one in self._reachable():
+                    self.devices.put(one.device, "the server reaches it")
+                    await anyio.lowlevel.checkpoint()
+
+    async def _ask_for_missed(self, link: MatterServerLink) -> None:
+        """Ask for nodes of which changes were dropped, as they sent too much that breaks the rules."""
+        missed, self._missed = self._missed, set()
+        for node_id in missed & self._nodes.keys():
+            try:
+                await self._take_node(await link.call("a node", "get_node", {"node_id": node_id}), "it was asked for")
+            except LinkError:
+                return  # all nodes are listed when there is a link again
+            except PeerError as exc:
+                self.devices.reject(SERVER, b"", f"node {node_id} was asked for: {exc}")
+
+    def _reachable(self) -> Iterable[NodeDevice]:
+        return [
+            one for node in self._nodes.values() for one in self._described.get(node.id, ()) if node.is_reachable(one)
+        ]
+
+    async def _perform(self, command: Command) -> None:
+        link = self._link
+        if link is None:
+            raise LinkError(f"the Matter server cannot be reached: {self._reason}")
+        node = self._nodes[self._node_of[command.key]]
+        device = next(one for one in self._described[node.id] if one.device.key == command.key)
+        if not node.is_reachable(device):
+            raise LinkError(f"{device.device.name} does not answer the Matter server")
+        endpoint, write = find_writer(device, command.part, command.capability)
+        what = f"{command.capability} for {device.device.name}"
+        for order in write(endpoint, command.value.plain(), command.transition, command.code):
+            name, args = order.server_call(node.id, endpoint.id)
+            check_result(what, await link.call(what, name, args, is_secret=order.is_secret))

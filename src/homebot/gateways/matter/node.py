@@ -1,0 +1,281 @@
+"""A node of a Matter server, and the devices that it is. Pure.
+
+A node is one device, whose endpoints are its parts; each bridged endpoint, with those that it is composed of, is a
+device of its own.
+
+Source: Matter 1.4 Core Specification, 9.2 (composition), 9.5 (Descriptor), 9.12 (Bridge), 9.13 (Bridged Device Basic
+Information), 11.1 (Basic Information), 11.12 (General Diagnostics); the tables of types are the vocabulary's.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final, Self
+
+from homebot.conventions.payload import shown
+from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.identity import identifiers
+from homebot.devices.part import Part
+from homebot.errors import UnableError, WireError
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.matter.ability import MatterAbility, WriteValue
+from homebot.gateways.matter.climate_clusters import climate_abilities
+from homebot.gateways.matter.endpoint import MatterEndpoint
+from homebot.gateways.matter.light_clusters import light_abilities
+from homebot.gateways.matter.opening_clusters import opening_abilities
+from homebot.gateways.matter.other_clusters import other_abilities
+from homebot.gateways.matter.sensor_clusters import sensor_abilities
+
+__all__ = ["MatterNode", "NodeDevice", "find_abilities", "find_writer", "node_id_of", "parse_path", "parts_of"]
+
+MAX_ATTRIBUTES: Final = 20_000
+MAX_PARTS: Final = 200
+"""Of one node."""
+
+BASIC, BRIDGED, DIAGNOSTICS = 40, 57, 51
+_VENDOR, _PRODUCT, _LABEL, _HARDWARE, _SOFTWARE, _SERIAL, _REACHABLE, _UNIQUE = 1, 3, 5, 8, 10, 15, 17, 18
+_FACTS: Final = {"manufacturer": _VENDOR, "model": _PRODUCT, "hw_version": _HARDWARE, "sw_version": _SOFTWARE}
+_DEFAULT_SERIALS: Final = frozenset({"", "TEST_SN", "0", "00000000", "**REDACTED**"})
+"""Of example programs and test devices, of which several may be in one house."""
+
+_BRIDGED_NODE: Final = 0x0013
+_PATH: Final = re.compile(r"([0-9]{1,5})/([0-9]{1,10})/([0-9]{1,10})")
+_SERVICE_TYPES: Final[Mapping[int, str]] = {number: one.name for one in DEVICE_TYPES.values() for number in one.matter}
+_METERS: Final = frozenset({"electrical_meter"})
+_CLUSTER_TYPES: Final = {"occupancy": "occupancy_sensor", "on_off": "switch", "press": "generic_switch"}
+
+
+def find_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
+    """Yield everything that an endpoint can do and report, each capability once."""
+    seen: set[str] = set()
+    for find in (light_abilities, opening_abilities, climate_abilities, sensor_abilities, other_abilities):
+        for ability in find(endpoint):
+            if ability.capability.name not in seen:
+                seen.add(ability.capability.name)
+                yield ability
+
+
+@dataclass(frozen=True, slots=True)
+class NodeDevice:
+    """A node as a device, or a bridged device of one.
+
+    Attributes:
+        device: The device.
+        abilities: What its parts can do, each with its endpoint, by the id of the part.
+        root: The endpoint that says what it is.
+    """
+
+    device: GatewayDevice
+    abilities: Mapping[str, tuple[tuple[MatterEndpoint, MatterAbility], ...]]
+    root: MatterEndpoint
+
+
+class MatterNode:
+    """A node that was commissioned.
+
+    Args:
+        id: Its number in the fabric.
+
+    Attributes:
+        id: The same.
+        is_available: Whether the server reaches it.
+        endpoints: By their numbers.
+    """
+
+    def __init__(self, id: int) -> None:  # noqa: A002 - what Matter calls it
+        self.id = id
+        self.is_available = False
+        self.endpoints: dict[int, MatterEndpoint] = {}
+        self._attribute_count = 0
+
+    @classmethod
+    def parse(cls, data: object) -> Self:
+        """Return the node that the server describes.
+
+        Raises:
+            WireError: It is none; single attributes that cannot be read are left out.
+        """
+        if not isinstance(data, dict):
+            raise WireError(f"a node is {shown(data)}")
+        node = cls(node_id_of(data.get("node_id")))
+        attributes = data.get("attributes")
+        if not isinstance(attributes, dict):
+            raise WireError(f"the attributes of node {node.id} are {shown(attributes)}")
+        if len(attributes) > MAX_ATTRIBUTES:
+            raise WireError(f"node {node.id} has {len(attributes)} attributes, more than {MAX_ATTRIBUTES}")
+        node.is_available = data.get("available") is True
+        for path, value in attributes.items():
+            try:
+                node.set(parse_path(path), value)
+            except WireError:
+                continue
+        return node
+
+    def set(self, path: tuple[int, int, int], value: object) -> MatterEndpoint:
+        """Set an attribute, and return the endpoint that has it.
+
+        Raises:
+            WireError: The node would have too many.
+        """
+        endpoint_id, cluster, attribute = path
+        endpoint = self.endpoints.get(endpoint_id) or MatterEndpoint(endpoint_id)
+        if not endpoint.has(cluster, attribute):
+            if self._attribute_count >= MAX_ATTRIBUTES:
+                raise WireError(f"node {self.id} has more than {MAX_ATTRIBUTES} attributes")
+            self._attribute_count += 1
+        self.endpoints[endpoint_id] = endpoint
+        endpoint.clusters.setdefault(cluster, {})[attribute] = value
+        return endpoint
+
+    def devices(self) -> tuple[NodeDevice, ...]:
+        """Return the devices that it is, itself first."""
+        owners = self._owners()
+        key = f"node-{self.id}"
+        root = self.endpoints.get(0) or MatterEndpoint(0)
+        found = [self._device(key, root, (one for one in self._sorted() if owners.get(one.id, 0) == 0), "")]
+        for endpoint in self._sorted():
+            if owners.get(endpoint.id) == endpoint.id:
+                members = (one for one in self._sorted() if owners.get(one.id) == endpoint.id)
+                found.append(self._device(f"{key}-{endpoint.id}", endpoint, members, key))
+        return tuple(found)
+
+    def is_reachable(self, device: NodeDevice) -> bool:
+        """Return whether one of its devices can be reached."""
+        return self.is_available and device.root.flag(BRIDGED, _REACHABLE) is not False
+
+    def _sorted(self) -> list[MatterEndpoint]:
+        return [self.endpoints[number] for number in sorted(self.endpoints)]
+
+    def _owners(self) -> dict[int, int]:
+        """Return the bridged endpoint that each endpoint of a bridged device belongs to."""
+        bridged = [one for one in self._sorted() if one.id and _is_bridged(one)]
+        owners = {one.id: one.id for one in bridged}
+        for one in bridged:
+            pending = list(one.children)
+            while pending:
+                child = pending.pop()
+                if child in self.endpoints and child not in owners and child:
+                    owners[child] = one.id
+                    pending += self.endpoints[child].children
+        return owners
+
+    def _device(self, key: str, root: MatterEndpoint, members: Iterable[MatterEndpoint], bridge: str) -> NodeDevice:
+        cluster = BRIDGED if bridge else BASIC
+        parts: list[Part] = []
+        abilities: dict[str, tuple[tuple[MatterEndpoint, MatterAbility], ...]] = {}
+        for endpoint in members:
+            for part, found in parts_of(endpoint):
+                if len(parts) < MAX_PARTS:
+                    parts.append(part)
+                    abilities[part.id] = tuple((endpoint, one) for one in found)
+        facts = {name: root.text(cluster, attribute) for name, attribute in _FACTS.items()}
+        if bridge:
+            facts["via_device"] = bridge
+        name = root.text(cluster, _LABEL) or facts["model"] or f"Matter {key.replace('-', ' ')}"
+        metadata = {name: text for name, text in facts.items() if text}
+        device = GatewayDevice(
+            key, name, tuple(parts), metadata, _identifiers(root, cluster), raw_address=f"matter/{key}"
+        )
+        return NodeDevice(device, abilities, root)
+
+
+def find_writer(device: NodeDevice, part: str, capability: str) -> tuple[MatterEndpoint, WriteValue]:
+    """Return the endpoint that a capability is of, and what encodes its values.
+
+    Raises:
+        UnableError: It cannot be set.
+    """
+    for endpoint, ability in device.abilities.get(part, ()):
+        if ability.capability.name == capability and ability.write is not None:
+            return endpoint, ability.write
+    raise UnableError(f"{capability[:40]} cannot be set")
+
+
+def parse_path(path: object) -> tuple[int, int, int]:
+    """Return endpoint, cluster and attribute of a path such as ``1/6/0``.
+
+    Raises:
+        WireError: It is none.
+    """
+    match = _PATH.fullmatch(path) if isinstance(path, str) else None
+    if match is None:
+        raise WireError(f"{shown(path)} is no path of an attribute")
+    endpoint, cluster, attribute = (int(one) for one in match.groups())
+    if endpoint > 0xFFFF or cluster > 0xFFFFFFFF or attribute > 0xFFFFFFFF:
+        raise WireError(f"{shown(path)} is no path of an attribute")
+    return endpoint, cluster, attribute
+
+
+def node_id_of(value: object) -> int:
+    """Return the number of a node.
+
+    Raises:
+        WireError: *value* is none.
+    """
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 < value < 1 << 64:
+        raise WireError(f"{shown(value)} is no number of a node")
+    return value
+
+
+def _is_bridged(endpoint: MatterEndpoint) -> bool:
+    return endpoint.has(BRIDGED) or _BRIDGED_NODE in endpoint.device_types
+
+
+def parts_of(endpoint: MatterEndpoint) -> Iterator[tuple[Part, tuple[MatterAbility, ...]]]:
+    """Yield the parts that an endpoint is: what it is for, and its battery."""
+    abilities = tuple(find_abilities(endpoint))
+    main = tuple(one for one in abilities if not one.is_battery)
+    if any(one.read is not None or one.capability.name == "press" for one in main):
+        service_type, is_guessed = _service_type(endpoint, main)
+        capabilities = tuple(one.capability for one in main)
+        yield (
+            Part(
+                id=str(endpoint.id),
+                service_type=service_type,
+                advertised=", ".join(f"0x{one:04X}" for one in endpoint.device_types[:5]),
+                guessed=is_guessed,
+                capabilities=capabilities,
+            ),
+            main,
+        )
+    if battery := tuple(one for one in abilities if one.is_battery):
+        part = Part(
+            id=f"{endpoint.id}-battery",
+            service_type="x_battery",
+            category="diagnostic",
+            capabilities=tuple(one.capability for one in battery),
+        )
+        yield part, battery
+
+
+def _service_type(endpoint: MatterEndpoint, abilities: tuple[MatterAbility, ...]) -> tuple[str, bool]:
+    """Return the type of a part, and whether it is guessed; a meter only where it is nothing else."""
+    found = [_SERVICE_TYPES[one] for one in endpoint.device_types if one in _SERVICE_TYPES]
+    for one in (*(one for one in found if one not in _METERS), *found):
+        return one, False
+    names = [one.capability.name for one in abilities]
+    return next((kind for name, kind in _CLUSTER_TYPES.items() if name in names), "x_sensor"), True
+
+
+def _identifiers(root: MatterEndpoint, cluster: int) -> tuple[str, ...]:
+    serial = root.text(cluster, _SERIAL)
+    declared = [] if serial in _DEFAULT_SERIALS else [serial]
+    declared += list(_hardware_addresses(root))
+    return identifiers(declared)
+
+
+def _hardware_addresses(root: MatterEndpoint) -> Iterator[str]:
+    for interface in root.structs(DIAGNOSTICS, 0):
+        encoded = interface.get("4", interface.get("hardwareAddress"))
+        if not isinstance(encoded, str) or len(encoded) > 16:
+            continue
+        try:
+            address = base64.b64decode(encoded, validate=True)
+        except (binascii.Error, ValueError):
+            continue
+        if len(address) in {6, 8} and any(address):
+            yield ":".join(f"{one:02x}" for one in address)

@@ -1,0 +1,177 @@
+"""The clusters that only report: measurements, conditions, alarms and batteries. Pure.
+
+Source: Matter 1.4 Application Clusters, chapter 2 (measurement and sensing); Core Specification, 11.7 (Power Source).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from typing import Final, TypeAlias
+
+from homebot.devices.part import Capability
+from homebot.devices.value import PlainValue
+from homebot.gateways.matter.ability import MatterAbility
+from homebot.gateways.matter.endpoint import MatterEndpoint, number_of
+
+__all__ = ["sensor_abilities"]
+
+_Convert: TypeAlias = Callable[[float], float | None]
+
+BOOLEAN_STATE, POWER_SOURCE, PRESSURE, ENERGY = 69, 47, 1027, 145
+_EVE: Final = 0x130AFC01
+"""The cluster of Eve's plugs, older than that of the specification; the server reads it in turns."""
+
+_CONTACT, _FREEZE, _LEAK, _RAIN = 0x0015, 0x0041, 0x0043, 0x0044
+
+
+def _scaled(factor: float, least: float = -1e12, most: float = 1e12) -> _Convert:
+    return lambda raw: round(raw / factor, 6) if least <= raw <= most else None
+
+
+def _lux(raw: float) -> float | None:
+    if raw == 0:
+        return 0.0  # too dark to be measured
+    return round(10 ** ((raw - 1) / 10_000), 2) if 0 < raw <= 65_534 else None
+
+
+_MEASURED: Final[Mapping[tuple[int, int], tuple[str, _Convert]]] = {
+    (1024, 0): ("illuminance", _lux),
+    (1026, 0): ("temperature", _scaled(100, -27_315, 32_767)),
+    (1028, 0): ("flow", _scaled(10, 0, 65_534)),
+    (1029, 0): ("humidity", _scaled(100, 0, 10_000)),
+    (1072, 1): ("soil_moisture", _scaled(1, 0, 100)),
+    (144, 4): ("voltage", _scaled(1000)),
+    (144, 5): ("current", _scaled(1000)),
+    (144, 8): ("power", _scaled(1000)),
+    (144, 14): ("frequency", _scaled(1000)),
+    (_EVE, 0x130A0008): ("voltage", _scaled(1)),
+    (_EVE, 0x130A0009): ("current", _scaled(1)),
+    (_EVE, 0x130A000A): ("power", _scaled(1)),
+    (_EVE, 0x130A000B): ("energy", _scaled(1)),
+    (91, 0): ("air_quality_index", lambda raw: raw if 1 <= raw <= 6 else None),
+}
+"""Numbers by cluster and attribute."""
+
+_PER_MILLION: Final = {0: 1.0, 1: 1e-3, 2: 1e-6}
+_MICROGRAMS: Final = {3: 1000.0, 4: 1.0, 5: 1e-3}
+_CONCENTRATIONS: Final[Mapping[int, tuple[str, Mapping[int, float]]]] = {
+    1036: ("carbon_monoxide", _PER_MILLION),
+    1037: ("carbon_dioxide", _PER_MILLION),
+    1066: ("pm25", _MICROGRAMS),
+    1068: ("pm1", _MICROGRAMS),
+    1069: ("pm10", _MICROGRAMS),
+    1070: ("volatile_organic_compounds", _MICROGRAMS),
+}
+"""By cluster: what is measured, and the factors of the units that can be converted."""
+
+_CONCENTRATION, _UNIT = 0, 8
+
+_ALARMS: Final[Mapping[tuple[int, int], str]] = {(92, 1): "smoke", (92, 2): "carbon_monoxide_alarm"}
+_FLAGS: Final[Mapping[tuple[int, int], str]] = {(92, 6): "problem"}
+_BATTERY_PERCENT, _BATTERY_LEVEL, _BATTERY_CHARGE = 12, 14, 26
+_HAS_BATTERY: Final = 1 << 1
+_IMPORTED, _EXPORTED = 1, 2
+_SCALED_PRESSURE, _SCALE = 16, 20
+
+
+def sensor_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
+    """Yield what the endpoint measures and watches."""
+    for (cluster, attribute), (name, convert) in _MEASURED.items():
+        if endpoint.has(cluster, attribute):
+            yield MatterAbility(cluster, Capability(name=name), partial(_read_number, cluster, attribute, convert))
+    if endpoint.has(PRESSURE, 0):
+        yield MatterAbility(PRESSURE, Capability(name="pressure"), _read_pressure)
+    for cluster, (name, factors) in _CONCENTRATIONS.items():
+        unit = endpoint.whole(cluster, _UNIT)
+        if endpoint.has(cluster, _CONCENTRATION) and unit is not None and unit in factors:
+            read = partial(_read_number, cluster, _CONCENTRATION, _scaled(1 / factors[unit], 0))
+            yield MatterAbility(cluster, Capability(name=name), read)
+    for name, attribute in (("energy", _IMPORTED), ("energy_returned", _EXPORTED)):
+        if endpoint.has(ENERGY, attribute):
+            yield MatterAbility(ENERGY, Capability(name=name), partial(_read_energy, attribute))
+    yield from _conditions(endpoint)
+    yield from _battery_abilities(endpoint)
+
+
+def _conditions(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
+    if endpoint.has(BOOLEAN_STATE, 0):
+        name, means = _boolean_state(endpoint)
+        read = partial(_read_flag, BOOLEAN_STATE, 0, means=means)
+        yield MatterAbility(BOOLEAN_STATE, Capability(name=name), read)
+    if endpoint.has(1030, 0):
+        yield MatterAbility(1030, Capability(name="occupancy"), _read_occupancy)
+    for (cluster, attribute), name in _ALARMS.items():
+        if endpoint.has(cluster, attribute):
+            yield MatterAbility(cluster, Capability(name=name), partial(_read_alarm, cluster, attribute))
+    for (cluster, attribute), name in _FLAGS.items():
+        if endpoint.has(cluster, attribute):
+            yield MatterAbility(cluster, Capability(name=name), partial(_read_flag, cluster, attribute))
+
+
+def _battery_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
+    if not endpoint.features(POWER_SOURCE) & _HAS_BATTERY:
+        return
+    readers: dict[int, tuple[str, Callable[[MatterEndpoint], PlainValue]]] = {
+        _BATTERY_PERCENT: ("battery", partial(_read_number, POWER_SOURCE, _BATTERY_PERCENT, _scaled(2, 0, 200))),
+        _BATTERY_LEVEL: ("battery_low", _read_battery_low),
+        _BATTERY_CHARGE: ("battery_charging", _read_charging),
+    }
+    for attribute, (name, read) in readers.items():
+        if endpoint.has(POWER_SOURCE, attribute):
+            yield MatterAbility(POWER_SOURCE, Capability(name=name), read, is_battery=True)
+
+
+def _boolean_state(endpoint: MatterEndpoint) -> tuple[str, bool]:
+    """Return what the state of an endpoint is about, and which value of it means yes."""
+    types = endpoint.device_types
+    for number, found in ((_LEAK, "water_leak"), (_RAIN, "rain"), (_FREEZE, "freeze")):
+        if number in types:
+            return found, True
+    return ("contact", False) if _CONTACT in types else ("state", True)  # a contact is true while it is closed
+
+
+def _read_number(cluster: int, attribute: int, convert: _Convert, endpoint: MatterEndpoint) -> PlainValue:
+    raw = endpoint.number(cluster, attribute)
+    return None if raw is None else convert(raw)
+
+
+def _read_flag(cluster: int, attribute: int, endpoint: MatterEndpoint, *, means: bool = True) -> PlainValue:
+    value = endpoint.flag(cluster, attribute)
+    return None if value is None else value is means
+
+
+def _read_alarm(cluster: int, attribute: int, endpoint: MatterEndpoint) -> PlainValue:
+    state = endpoint.whole(cluster, attribute)
+    return None if state is None else state in {1, 2}
+
+
+def _read_occupancy(endpoint: MatterEndpoint) -> PlainValue:
+    bits = endpoint.whole(1030, 0)
+    return None if bits is None else bool(bits & 1)
+
+
+def _read_pressure(endpoint: MatterEndpoint) -> PlainValue:
+    scaled, scale = endpoint.number(PRESSURE, _SCALED_PRESSURE), endpoint.number(PRESSURE, _SCALE)
+    if scaled is not None and scale is not None and abs(scaled) <= 32_767 and abs(scale) <= 127:
+        return round(scaled / 10**scale / 100, 4) if scale >= -20 else None
+    kilopascal = endpoint.number(PRESSURE, 0)
+    return kilopascal if kilopascal is not None and abs(kilopascal) <= 32_767 else None  # in tenths: hectopascal
+
+
+def _read_energy(attribute: int, endpoint: MatterEndpoint) -> PlainValue:
+    measured = endpoint.value(ENERGY, attribute)
+    if not isinstance(measured, dict):
+        return None
+    milliwatt_hours = number_of(measured.get("0", measured.get("energy")))
+    return None if milliwatt_hours is None else round(milliwatt_hours / 1e6, 6)
+
+
+def _read_battery_low(endpoint: MatterEndpoint) -> PlainValue:
+    level = endpoint.whole(POWER_SOURCE, _BATTERY_LEVEL)
+    return None if level is None else level in {1, 2}
+
+
+def _read_charging(endpoint: MatterEndpoint) -> PlainValue:
+    charge = endpoint.whole(POWER_SOURCE, _BATTERY_CHARGE)
+    return None if charge is None or charge == 0 else charge == 1

@@ -1,0 +1,184 @@
+"""Commands and events over the WebSocket of a Matter server.
+
+Frames are taken in the order in which they come, so that no event overtakes the list of nodes that it changes.
+
+Source: as :mod:`homebot.gateways.matter.server_messages`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Final, Protocol
+
+import anyio
+import anyio.lowlevel
+
+from homebot.errors import LinkError, WireError
+from homebot.gateways.matter.server_messages import (
+    MatterEvent,
+    ServerAnswer,
+    ServerFrame,
+    ServerInfo,
+    command_frame,
+    error_of,
+    parse_frame,
+)
+
+__all__ = ["MatterServerLink", "ServerSocket"]
+
+GREETS_WITHIN: Final = 10.0
+LISTS_WITHIN: Final = 120.0
+ANSWERS_WITHIN: Final = 30.0
+"""All in seconds; a sleepy device on a battery is asked several times."""
+
+MOST_INVALID: Final = 100
+"""Invalid frames in a row after which the server is not listened to any longer."""
+
+MOST_CALLS: Final = 100
+"""Commands that wait for their answers at once; a further one is told to come back later."""
+
+
+class ServerSocket(Protocol):
+    """An open WebSocket."""
+
+    async def send(self, message: str | bytes) -> None:
+        """Send a message."""
+
+    async def receive(self) -> str | bytes:
+        """Wait for a message."""
+
+
+@dataclass(slots=True)
+class _WaitingCall:
+    answered: anyio.Event = field(default_factory=anyio.Event)
+    answer: ServerAnswer | None = None
+
+
+class MatterServerLink:
+    """A connection to a Matter server.
+
+    Args:
+        socket: Its WebSocket.
+        on_nodes: Takes the list of all nodes, before any later event.
+        on_event: Takes an event, and the frame that it came in.
+        on_invalid: Is told of each frame that breaks the rules, and why.
+    """
+
+    def __init__(
+        self,
+        socket: ServerSocket,
+        on_nodes: Callable[[object], Awaitable[None]],
+        on_event: Callable[[MatterEvent, bytes], Awaitable[None]],
+        on_invalid: Callable[[bytes, str], None],
+    ) -> None:
+        self._socket = socket
+        self._on_nodes = on_nodes
+        self._on_event = on_event
+        self._on_invalid = on_invalid
+        self._waiting: dict[str, _WaitingCall] = {}
+        self._last_id = 0
+        self._listening_id = ""
+        self._is_lost = False
+
+    async def run(self) -> None:
+        """Follow the server until the link is lost.
+
+        Raises:
+            LinkError: It is lost, or the server does not answer.
+            RefusedError: The server does not list its nodes.
+            WireError: It is no Matter server of a known version, or breaks the rules again and again.
+        """
+        try:
+            await self._greet()
+            with _limit(LISTS_WITHIN, "it did not list its nodes"):
+                while not await self._take_next():
+                    pass
+            while True:
+                await self._take_next()
+        finally:
+            self._is_lost = True
+            for call in self._waiting.values():
+                call.answered.set()
+
+    async def call(self, what: str, command: str, args: Mapping[str, object], *, is_secret: bool = False) -> object:
+        """Send the server a command, and return the result.
+
+        Args:
+            what: What it is for, as errors show it.
+            command: The command.
+            args: Its arguments.
+            is_secret: Whether there is a code in them, so that no detail of an error is shown.
+
+        Raises:
+            LinkError: The link is lost, there was no answer in time, or a device cannot be reached.
+            RefusedError: The server or the device refuses.
+        """
+        if self._is_lost:
+            raise LinkError("the connection to the Matter server was lost")
+        if len(self._waiting) >= MOST_CALLS:
+            raise LinkError(f"{what}: {MOST_CALLS} commands wait for the Matter server already")
+        message_id = self._next_id()
+        call = self._waiting[message_id] = _WaitingCall()
+        try:
+            with _limit(ANSWERS_WITHIN, f"it did not answer ({what})"):
+                await self._socket.send(command_frame(message_id, command, args))
+                await call.answered.wait()
+        finally:
+            del self._waiting[message_id]
+        if call.answer is None:
+            await anyio.lowlevel.checkpoint()  # where the caller is cancelled together with the link, it was not lost
+            raise LinkError("the connection to the Matter server was lost")
+        if call.answer.error_code is not None:
+            raise error_of(what, call.answer, is_secret=is_secret)
+        return call.answer.result
+
+    def _next_id(self) -> str:
+        self._last_id += 1
+        return str(self._last_id)
+
+    async def _greet(self) -> None:
+        with _limit(GREETS_WITHIN, "it does not say what it is"):
+            frame = parse_frame(await self._socket.receive())
+        if not isinstance(frame, ServerInfo):
+            raise WireError("what answers is no Matter server")
+        frame.check()
+        self._listening_id = self._next_id()
+        await self._socket.send(command_frame(self._listening_id, "start_listening", {}))
+
+    async def _take_next(self) -> bool:
+        """Take the next frame; return whether it was the list of nodes."""
+        for _ in range(MOST_INVALID):
+            message = await self._socket.receive()
+            payload = message.encode(errors="replace") if isinstance(message, str) else message
+            try:
+                return await self._take(parse_frame(payload), payload)
+            except WireError as exc:
+                self._on_invalid(payload, str(exc))
+        raise WireError(f"the Matter server sent {MOST_INVALID} invalid frames in a row")
+
+    async def _take(self, frame: ServerFrame, payload: bytes) -> bool:
+        if isinstance(frame, MatterEvent):
+            await self._on_event(frame, payload)
+        elif isinstance(frame, ServerAnswer):
+            if frame.message_id == self._listening_id:
+                if frame.error_code is not None:
+                    raise error_of("the list of nodes", frame)
+                await self._on_nodes(frame.result)
+                return True
+            call = self._waiting.get(frame.message_id)
+            if call is not None:  # else it came too late
+                call.answer = frame
+                call.answered.set()
+        return False
+
+
+@contextmanager
+def _limit(seconds: float, problem: str) -> Iterator[None]:
+    """Limit the time that something may take, after which the Matter server counts as unreachable."""
+    try:
+        with anyio.fail_after(seconds):
+            yield
+    except TimeoutError:
+        raise LinkError(f"the Matter server is too slow: {problem} within {seconds:g} s") from None

@@ -1,0 +1,178 @@
+"""Messages of a Matter server, read and written. Pure.
+
+A server greets with what it is, answers each command with its ``message_id``, and sends events of its own.
+
+Source: python-matter-server 8.1, ``docs/websockets_api.md`` and ``common/models.py`` (schema version 11); the server of
+matter.js follows the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+from homebot.conventions.payload import clean_text, compact_json, parse_object, shown
+from homebot.errors import LinkError, RefusedError, WireError
+
+__all__ = [
+    "MAX_FRAME_BYTES",
+    "MatterEvent",
+    "ServerAnswer",
+    "ServerFrame",
+    "ServerInfo",
+    "check_result",
+    "command_frame",
+    "error_of",
+    "parse_frame",
+]
+
+MAX_FRAME_BYTES: Final = 32 * 1024 * 1024
+"""Longest frame: the answer to ``start_listening`` has every attribute of every node, some 50 kB for each node."""
+
+SCHEMA: Final = 11
+"""The newest version that this module follows."""
+
+OLDEST_SCHEMA: Final = 5
+
+_NODE_NOT_READY, _NODE_NOT_RESOLVING, _SDK_STACK = 3, 4, 7
+_TIMEOUTS = ("0x00000032", "timeout", "timed out")
+"""What the details of an error without a code of its own contain where the device did not answer."""
+
+
+@dataclass(frozen=True, slots=True)
+class ServerInfo:
+    """The greeting of a server, about itself.
+
+    Attributes:
+        schema_version: The version of its messages.
+        oldest_schema_version: The oldest that it still follows.
+        sdk_version: The stack behind it, as text.
+    """
+
+    schema_version: int
+    oldest_schema_version: int
+    sdk_version: str
+
+    def check(self) -> None:
+        """Check that its messages are understood.
+
+        Raises:
+            WireError: They are too old, or too new.
+        """
+        if self.schema_version < OLDEST_SCHEMA:
+            raise WireError(f"the server speaks version {self.schema_version}, at least {OLDEST_SCHEMA} is needed")
+        if self.oldest_schema_version > SCHEMA:
+            raise WireError(
+                f"the server speaks no version older than {self.oldest_schema_version}; homebot knows {SCHEMA}"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class ServerAnswer:
+    """The answer to a command.
+
+    Attributes:
+        message_id: That of the command.
+        result: The result; None for none.
+        error_code: What went wrong; None where nothing did.
+        details: The same as text.
+    """
+
+    message_id: str
+    result: object = None
+    error_code: int | None = None
+    details: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class MatterEvent:
+    """Something that happened.
+
+    Attributes:
+        event: What: ``attribute_updated``.
+        data: What belongs to it.
+    """
+
+    event: str
+    data: object
+
+
+ServerFrame: TypeAlias = ServerInfo | ServerAnswer | MatterEvent
+
+
+def parse_frame(payload: bytes | str) -> ServerFrame:
+    """Return the message that a server sent.
+
+    Raises:
+        WireError: It is none.
+    """
+    fields = parse_object(payload, MAX_FRAME_BYTES)
+    if "event" in fields:
+        if not isinstance(fields["event"], str):
+            raise WireError(f"event is {shown(fields['event'])}, which is no text")
+        return MatterEvent(fields["event"], fields.get("data"))
+    if "message_id" in fields:
+        return _answer(fields)
+    if "schema_version" in fields:
+        oldest = fields.get("min_supported_schema_version", 0)
+        sdk = fields.get("sdk_version")
+        return ServerInfo(
+            _whole("schema_version", fields["schema_version"]),
+            _whole("min_supported_schema_version", oldest),
+            clean_text(sdk, 40) if isinstance(sdk, str) else "",
+        )
+    raise WireError("a message is neither an event, nor an answer, nor about the server")
+
+
+def command_frame(message_id: str, command: str, args: Mapping[str, object]) -> str:
+    """Return the message that tells a server to do something."""
+    return compact_json({"message_id": message_id, "command": command, "args": dict(args)})
+
+
+def error_of(what: str, answer: ServerAnswer, *, is_secret: bool = False) -> LinkError | RefusedError:
+    """Return the error that an *answer* with an error code stands for.
+
+    Args:
+        what: What was asked for, as text.
+        answer: The answer.
+        is_secret: Whether its details must not be shown, as what was asked for had a code in it.
+    """
+    details = "" if is_secret else clean_text(answer.details)
+    reason = details or f"the Matter server answered with error {answer.error_code}"
+    is_timeout = any(one in answer.details.casefold() for one in _TIMEOUTS)
+    if answer.error_code in {_NODE_NOT_READY, _NODE_NOT_RESOLVING, _SDK_STACK} or is_timeout:
+        return LinkError(f"{what}: {reason}")
+    return RefusedError(what, reason, answer.error_code)
+
+
+def check_result(what: str, result: object) -> None:
+    """Check the *result* of a command: a written attribute has a status of its own.
+
+    Raises:
+        RefusedError: The device refuses the value.
+    """
+    for one in result if isinstance(result, list) else ():
+        status = one.get("Status") if isinstance(one, dict) else None
+        if isinstance(status, int) and status != 0:
+            raise RefusedError(what, f"the device answered with the status 0x{status:02x}", status)
+
+
+def _answer(fields: Mapping[str, object]) -> ServerAnswer:
+    message_id = fields["message_id"]
+    if not isinstance(message_id, str):
+        raise WireError(f"message_id is {shown(message_id)}, which is no text")
+    if "error_code" not in fields:
+        return ServerAnswer(message_id, fields.get("result"))
+    details = fields.get("details")
+    return ServerAnswer(
+        message_id,
+        error_code=_whole("error_code", fields["error_code"]),
+        details=details[:2_000] if isinstance(details, str) else "",
+    )
+
+
+def _whole(name: str, value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 1 << 32:
+        raise WireError(f"{name} is {shown(value)}, which is no number from 0")
+    return value

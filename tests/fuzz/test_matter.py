@@ -1,0 +1,93 @@
+"""Damaged messages of a Matter server: refused in our words, or understood."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+from typing import TYPE_CHECKING
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+from homebot.gateways.announced.value_check import can_report
+from homebot.gateways.matter.node import MatterNode, NodeDevice, parse_path
+from homebot.gateways.matter.other_clusters import press_of
+from homebot.gateways.matter.server_messages import MatterEvent, parse_frame
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.matter.clusters import DEVICE_TYPES, attributes_of
+
+if TYPE_CHECKING:
+    from tests.fuzz.conftest import Fuzz, Mutator
+
+STATE = DeviceState(text="on", is_on=True, value=5.0)
+NODES = tuple(attributes_of(SimulatedDeviceInfo("home", kind, "x", "x", "hall"), STATE) for kind in DEVICE_TYPES)
+CLUSTERS = (3, 6, 8, 29, 40, 47, 51, 57, 59, 69, 80, 91, 92, 129, 144, 145, 257, 258, 513, 514, 768)
+CLUSTERS_MEASURED = (1024, 1026, 1027, 1028, 1029, 1030, 1036, 1037, 1066, 1068, 1069, 1070, 1072)
+ATTRIBUTES = (*range(32), 41, 51, 16384, 16385, 16394, 16395, 16396, 65532)
+WANTED: tuple[PlainValue, ...] = (True, False, 0.0, 50.0, 4000.0, 20.0, (120.0, 50.0))
+FEATURES = (0, 1, 2, 5, 31, 4096, 0xFFFF)
+
+
+def test_damaged_nodes_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+    def case(rng: random.Random) -> None:
+        damage = mutator(rng)
+        attributes = dict(rng.choice(NODES))
+        for _ in range(rng.randrange(12)):
+            cluster = rng.choice((*CLUSTERS, *CLUSTERS_MEASURED))
+            attribute = rng.choice(ATTRIBUTES)
+            known = rng.choice((*FEATURES, None, True, -1, 1e9, [], [{"0": "a", "1": 1}], {"0": 5}, "x"))
+            attributes[f"{rng.choice((0, 1, 2))}/{cluster}/{attribute}"] = known
+        data: object = {"node_id": 1, "available": True, "attributes": attributes}
+        if rng.random() < 0.5:
+            data = damage.damaged(data)
+        try:
+            node = MatterNode.parse(data)
+        except WireError:
+            return
+        for device in node.devices():
+            check_device(rng, device)
+        for endpoint in node.endpoints.values():
+            press_of(endpoint, rng.randrange(8), rng.choice((None, 5, {"newPosition": rng.choice((1, "x", None))})))
+
+    fuzz.run("matter nodes", case)
+
+
+def check_device(rng: random.Random, device: NodeDevice) -> None:
+    for part in device.device.parts:
+        for endpoint, ability in device.abilities[part.id]:
+            capability = ability.capability
+            assert capability.name in CAPABILITIES
+            if ability.read is not None:
+                value = ability.read(endpoint)
+                assert can_report(part, capability.name, value), (capability.name, value)
+                assert not isinstance(value, float) or math.isfinite(value)
+            if ability.write is not None:
+                wanted: PlainValue = rng.choice((*WANTED, *capability.options))
+                try:
+                    orders = ability.write(endpoint, wanted, rng.choice((0.0, 1.5, 1e5)), "")
+                except RefusedError:
+                    continue
+                for order in orders:
+                    json.dumps(order.server_call(1, endpoint.id), allow_nan=False)
+
+
+def test_damaged_frames_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+    frames = (
+        {"event": "attribute_updated", "data": [1, "1/6/0", True]},
+        {"message_id": "1", "result": []},
+        {"message_id": "1", "error_code": 3, "details": "x"},
+        {"schema_version": 11, "min_supported_schema_version": 9, "sdk_version": "2025"},
+    )
+
+    def case(rng: random.Random) -> None:
+        damage = mutator(rng)
+        frame = damage.damaged_bytes(json.dumps(rng.choice(frames)).encode())
+        try:
+            found = parse_frame(frame)
+            if isinstance(found, MatterEvent) and isinstance(found.data, list) and len(found.data) > 1:
+                parse_path(found.data[1])
+        except WireError:
+            return
+
+    fuzz.run("matter frames", case)

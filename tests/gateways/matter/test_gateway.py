@@ -1,0 +1,219 @@
+"""The Matter gateway with a simulated server: kinds of devices, absence, what goes wrong, and floods."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+
+import anyio
+import anyio.lowlevel
+import pytest
+from aiohttp import web
+from anyio.abc import TaskGroup
+from tests.gateways.contract import KEPT, running
+from tests.gateways.http_servers import serving
+
+from homebot.devices import GatewayState, Sighting
+from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
+from homebot.devices.value import PlainValue, Value
+from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
+from homebot.graph import Graph, Node, Subscription
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.matter import ServedMatterNode, SimulatedMatterServer
+
+PATIENCE = 10.0
+
+
+@dataclass
+class House:
+    """A gateway, the server that it is connected to, and another node that watches."""
+
+    gateway: MatterGateway
+    server: SimulatedMatterServer
+    watcher: Node
+    tasks: TaskGroup
+    orders: list[str] = field(default_factory=list)
+
+    async def commission(self, kind: str, state: DeviceState) -> ServedMatterNode:
+        device = SimulatedDeviceInfo("home", kind, f"The {kind}", "x", "hall")
+        node = ServedMatterNode(device, self.orders.append, self.server)
+        node.begin(state, has_power=True)
+        await self.tasks.start(node.serve)
+        return node
+
+    def reports(self) -> Subscription[Report]:
+        return self.watcher.create_subscription(Report, self.gateway.names.readings, qos_profile=KEPT)
+
+    def sightings(self) -> Subscription[Sighting]:
+        return self.watcher.create_subscription(Sighting, self.gateway.names.received_topics, qos_profile=KEPT)
+
+    async def send(self, key: str, capability: str, value: PlainValue, code: str = "") -> SendCommandResponse:
+        client = self.watcher.create_client(SendCommand, self.gateway.names.send_command)
+        return await client.call(Command(key=key, part="1", capability=capability, value=Value.of(value), code=code))
+
+
+@asynccontextmanager
+async def house(**settings: object) -> AsyncIterator[House]:
+    graph, server = Graph(), SimulatedMatterServer()
+    async with (
+        anyio.create_task_group() as tasks,
+        Node(graph, "matter", namespace="/gateway") as node,
+        Node(graph, "watcher") as watcher,
+    ):
+        await tasks.start(server.serve)
+        gateway = MatterGateway(node, MatterGatewaySettings.model_validate({"url": server.url, **settings}))
+        async with running(gateway):
+            yield House(gateway, server, watcher, tasks)
+        tasks.cancel_scope.cancel()
+
+
+async def reading(reports: Subscription[Report], capability: str, until: Callable[[PlainValue], bool]) -> PlainValue:
+    with anyio.fail_after(PATIENCE):
+        while True:
+            for one in (await reports.receive()).readings:
+                if one.capability == capability and until(one.value.plain()):
+                    return one.value.plain()
+
+
+async def test_a_cover_is_moved_and_reports_how_far_it_is_open() -> None:
+    async with house() as home:
+        reports = home.reports()
+        cover = await home.commission("cover", DeviceState(text="closed", position=0.0))
+        assert await reading(reports, "movement", lambda one: one is not None) == "closed"
+        assert (await home.send("node-1", "position", 75.0)).success
+        assert home.orders == ["0.75"]
+        cover.publish(DeviceState(text="opening", position=0.5, way=1))
+        await reading(reports, "movement", lambda one: one == "opening")
+
+
+async def test_a_thermostat_is_set_by_writing_its_setpoint() -> None:
+    async with house() as home:
+        reports = home.reports()
+        await home.commission("thermostat", DeviceState(text="20.0", celsius=19.5, target=20.0))
+        assert await reading(reports, "local_temperature", lambda one: one is not None) == 19.5
+        assert (await home.send("node-1", "heating_setpoint", 21.5)).success
+        assert home.orders == ["21.5"]
+        assert await reading(reports, "heating_setpoint", lambda one: one != 20.0) == 21.5
+
+
+async def test_the_code_of_a_lock_reaches_it_and_no_log(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.DEBUG)
+    async with house() as home:
+        reports = home.reports()
+        lock = await home.commission("lock", DeviceState(text="locked"))
+        await reading(reports, "lock", lambda one: one == "locked")
+        lock.change("1/257/51", True)
+        with anyio.fail_after(PATIENCE):
+            while (await home.send("node-1", "lock", "unlocked")).success:  # noqa: ASYNC110 - until the change is known
+                await anyio.sleep(0.01)
+        assert (await home.send("node-1", "lock", "unlocked", "4711")).success
+        assert home.orders[-1] == "unlock"
+        _, args = home.server.calls[-1]
+        assert args["payload"] == {"PINCode": "NDcxMQ=="}
+    assert "4711" not in caplog.text
+    assert "NDcxMQ" not in caplog.text
+
+
+async def test_a_node_that_loses_power_is_unreachable_and_stays() -> None:
+    async with house() as home:
+        reports, sightings = home.reports(), home.sightings()
+        lamp = await home.commission("lamp", DeviceState(text="off"))
+        await reading(reports, "reachable", lambda one: one is True)
+        lamp.is_available = False
+        home.server.miss(lamp)
+        await reading(reports, "reachable", lambda one: one is False)
+        response = await home.send("node-1", "on_off", True)
+        assert (response.success, response.problem) == (False, "unreachable")
+        lamp.is_available = True
+        home.server.meet(lamp)
+        await reading(reports, "reachable", lambda one: one is True)
+        assert (await home.send("node-1", "on_off", True)).success
+        kinds = [one.kind for one in iter(sightings.take, None)]
+        assert "removed" not in kinds
+
+
+async def test_a_press_of_a_button_is_one_event() -> None:
+    async with house() as home:
+        reports = home.reports()
+        button = await home.commission("contact", DeviceState(text="open"))
+        button.attributes = {"1/29/0": [{"0": 15, "1": 3}], "1/59/0": 2, "1/59/2": 2, "1/59/65532": 0b11110}
+        home.server.meet(button)
+        event = {"node_id": 1, "endpoint_id": 1, "cluster_id": 59, "event_id": 6, "event_number": 1, "priority": 1}
+        data = {"previousPosition": 1, "totalNumberOfPressesCounted": 2}
+        home.server.tell("node_event", {**event, "timestamp": 1, "timestamp_type": 1, "data": data})
+        assert await reading(reports, "press", lambda one: one is not None) == "double"
+
+
+async def test_a_value_that_the_device_does_not_take_is_refused() -> None:
+    async with house() as home:
+        reports = home.reports()
+        node = await home.commission("contact", DeviceState(text="open"))
+        node.attributes = {"1/29/0": [{"0": 43, "1": 3}], "1/514/0": 1, "1/514/2": 10, "1/514/3": 10}
+        home.server.meet(node)
+        await reading(reports, "fan_speed", lambda one: one == 10.0)
+        response = await home.send("node-1", "fan_speed", 50.0)
+        assert (response.success, response.problem) == (False, "refused")
+        assert "0x88" in response.message
+
+
+async def test_what_was_missed_of_a_node_in_quarantine_is_asked_for() -> None:
+    async with house(stale_after=0.3) as home:
+        reports = home.reports()
+        lamp = await home.commission("lamp", DeviceState(text="off"))
+        await reading(reports, "on_off", lambda one: one is False)
+        while not home.gateway.devices.engine.quarantine.quarantined():
+            home.server.tell("attribute_updated", [1, "1/6", True])
+            await anyio.lowlevel.checkpoint()
+        lamp.change("1/6/0", True)
+        await reading(reports, "on_off", lambda one: one is True)
+
+
+async def test_ten_thousand_nodes_that_are_announced_at_once_stay_within_the_limit() -> None:
+    async with house(max_nodes=20) as home:
+        reports = home.reports()
+        lamp = await home.commission("lamp", DeviceState(text="off"))
+        await reading(reports, "on_off", lambda one: one is False)
+        for number in range(10_000):
+            home.server.tell("node_added", {"node_id": 100 + number, "available": True, "attributes": {}})
+            if number % 50 == 0:
+                await anyio.lowlevel.checkpoint()
+        await anyio.sleep(0.05)
+        lamp.change("1/6/0", True)
+        await reading(reports, "on_off", lambda one: one is True)
+        assert len(home.gateway.devices.keys) == 20
+        assert home.gateway.devices.counters.devices_refused > 0
+
+
+@pytest.mark.parametrize(
+    ("greeting", "reason"),
+    [
+        ('{"schema_version": 2}', "version 2"),
+        ('{"schema_version": 30, "min_supported_schema_version": 20}', "20"),
+        ('{"event": "x"}', "no Matter server"),
+        ("hello", "JSON"),
+    ],
+)
+async def test_a_server_that_is_not_understood_makes_it_unavailable_with_the_reason(greeting: str, reason: str) -> None:
+    async def greet(request: web.Request) -> web.StreamResponse:
+        socket = web.WebSocketResponse()
+        await socket.prepare(request)
+        await socket.send_str(greeting)
+        async for _ in socket:
+            pass
+        return socket
+
+    graph = Graph()
+    async with (
+        serving(greet) as url,
+        Node(graph, "matter", namespace="/gateway") as node,
+        Node(graph, "watcher") as watcher,
+    ):
+        gateway = MatterGateway(node, MatterGatewaySettings(url=f"{url}/ws"))
+        states = watcher.create_subscription(GatewayState, gateway.names.state, qos_profile=KEPT)
+        async with running(gateway):
+            with anyio.fail_after(PATIENCE):
+                state = await states.receive()
+        assert state.state == "unavailable"
+        assert reason in state.reason

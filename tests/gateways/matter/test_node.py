@@ -1,0 +1,235 @@
+"""What nodes of a Matter server become: devices with parts, and readings in the units of the vocabulary."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pytest
+
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError, WrongCodeError
+from homebot.gateways.announced.value_check import can_report
+from homebot.gateways.matter.ability import MatterAbility
+from homebot.gateways.matter.endpoint import MatterEndpoint
+from homebot.gateways.matter.node import MatterNode, NodeDevice
+
+LAMP = {
+    "1/29/0": [{"0": 0x010D, "1": 1}],
+    "1/6/0": True,
+    "1/8/0": 127,
+    "1/8/2": 1,
+    "1/8/3": 254,
+    "1/768/0": 127,
+    "1/768/1": 254,
+    "1/768/3": 24939,
+    "1/768/4": 24701,
+    "1/768/7": 250,
+    "1/768/8": 2,
+    "1/768/16385": 2,
+    "1/768/16395": 153,
+    "1/768/16396": 500,
+    "1/768/65532": 25,
+}
+LOCK = {"1/29/0": [{"0": 0x000A, "1": 1}], "1/257/0": 1, "1/257/51": False, "1/257/65532": 0}
+COVER = {"1/29/0": [{"0": 0x0202, "1": 1}], "1/258/10": 0, "1/258/14": 2500, "1/258/65532": 5}
+THERMOSTAT = {
+    "1/29/0": [{"0": 0x0301, "1": 1}],
+    "1/513/0": 2150,
+    "1/513/18": 2000,
+    "1/513/21": 700,
+    "1/513/22": 3000,
+    "1/513/28": 4,
+    "1/513/41": 0,
+    "1/513/65532": 1,
+}
+
+
+def node(attributes: Mapping[str, object], **more: object) -> MatterNode:
+    root = {"0/29/0": [{"0": 22, "1": 1}], "0/40/1": "Acme", "0/40/3": "Thing 3000", "0/40/15": "SN-77"}
+    return MatterNode.parse(
+        {"node_id": 5, "available": True, "is_bridge": False, "attributes": {**root, **attributes}, **more}
+    )
+
+
+def only_device(attributes: Mapping[str, object]) -> NodeDevice:
+    (device,) = node(attributes).devices()
+    return device
+
+
+def readings(device: NodeDevice, part: str = "1") -> dict[str, PlainValue]:
+    described = next(one for one in device.device.parts if one.id == part)
+    found = {one.capability.name: one.read(of) for of, one in device.abilities[part] if one.read is not None}
+    assert all(can_report(described, name, value) for name, value in found.items())
+    return found
+
+
+def ability(device: NodeDevice, name: str) -> tuple[MatterEndpoint, MatterAbility]:
+    return next((of, one) for of, one in device.abilities["1"] if one.capability.name == name)
+
+
+def orders(attributes: Mapping[str, object], name: str, value: PlainValue, code: str = "") -> list[dict[str, object]]:
+    endpoint, found = ability(only_device(attributes), name)
+    assert found.write is not None
+    return [dict(one.server_call(5, 1)[1]) for one in found.write(endpoint, value, 0.0, code)]
+
+
+@pytest.mark.parametrize(
+    ("attributes", "service_type", "values"),
+    [
+        (LAMP, "light", {"on_off": True, "level": 50.0, "color_temperature": 4000.0, "color": None}),
+        ({**LAMP, "1/768/8": 0, "1/768/16385": 0}, "light", {"color": (180.0, 100.0), "color_temperature": None}),
+        ({**LAMP, "1/8/0": None}, "light", {"level": None}),
+        (LOCK, "door_lock", {"lock": "locked"}),
+        ({**LOCK, "1/257/0": None}, "door_lock", {"lock": None}),
+        (COVER, "window_covering", {"position": 75.0, "movement": "open"}),
+        ({**COVER, "1/258/14": 10_000}, "window_covering", {"position": 0.0, "movement": "closed"}),
+        ({**COVER, "1/258/10": 10}, "window_covering", {"movement": "closing"}),
+        (
+            THERMOSTAT,
+            "thermostat",
+            {
+                "local_temperature": 21.5,
+                "heating_setpoint": 20.0,
+                "thermostat_mode": "heat",
+                "thermostat_action": "idle",
+            },
+        ),
+        ({"1/29/0": [{"0": 0x0302, "1": 1}], "1/1026/0": -1250}, "temperature_sensor", {"temperature": -12.5}),
+        ({"1/29/0": [{"0": 0x0307, "1": 1}], "1/1029/0": 4650}, "humidity_sensor", {"humidity": 46.5}),
+        ({"1/29/0": [{"0": 0x0106, "1": 1}], "1/1024/0": 20_001}, "light_sensor", {"illuminance": 100.0}),
+        ({"1/29/0": [{"0": 0x0305, "1": 1}], "1/1027/0": 1013}, "pressure_sensor", {"pressure": 1013.0}),
+        ({"1/29/0": [{"0": 0x0015, "1": 1}], "1/69/0": True}, "contact_sensor", {"contact": False}),
+        ({"1/29/0": [{"0": 0x0043, "1": 1}], "1/69/0": True}, "water_leak_detector", {"water_leak": True}),
+        ({"1/29/0": [{"0": 0x0107, "1": 1}], "1/1030/0": 1}, "occupancy_sensor", {"occupancy": True}),
+        ({"1/29/0": [{"0": 0x0076, "1": 1}], "1/92/1": 2, "1/92/2": 0}, "smoke_co_alarm", {"smoke": True}),
+        (
+            {"1/29/0": [{"0": 0x0510, "1": 1}, {"0": 0x010A, "1": 1}], "1/6/0": False, "1/144/8": 70_500},
+            "plug",
+            {"on_off": False, "power": 70.5},
+        ),
+        (
+            {"1/29/0": [{"0": 0x010A, "1": 1}], "1/6/0": True, "1/319486977/319422474": 12.5},
+            "plug",
+            {"power": 12.5},
+        ),
+        ({"1/29/0": [{"0": 0x0510, "1": 1}], "1/145/1": {"0": 2_500_000}}, "electrical_meter", {"energy": 2.5}),
+        ({"1/29/0": [{"0": 0x002C, "1": 1}], "1/1066/0": 7.5, "1/1066/8": 4}, "air_quality_sensor", {"pm25": 7.5}),
+        (
+            {"1/29/0": [{"0": 0x002B, "1": 1}], "1/514/0": 2, "1/514/1": 2, "1/514/2": 50, "1/514/3": 50},
+            "fan",
+            {"on_off": True, "fan_speed": 50.0, "fan_mode": "medium"},
+        ),
+        ({"1/29/0": [{"0": 0x0042, "1": 1}], "1/129/4": 1, "1/129/65532": 0}, "water_valve", {"valve": "open"}),
+    ],
+)
+def test_attributes_become_readings(
+    attributes: dict[str, object], service_type: str, values: dict[str, PlainValue]
+) -> None:
+    device = only_device(attributes)
+    (part,) = device.device.parts
+    assert (part.id, part.service_type) == ("1", service_type)
+    assert readings(device).items() >= values.items()
+
+
+@pytest.mark.parametrize(
+    ("attributes", "capability", "value", "command", "payload"),
+    [
+        (LAMP, "on_off", False, "Off", {}),
+        (LAMP, "level", 50.0, "MoveToLevelWithOnOff", {"level": 127}),
+        (LAMP, "level", 0.1, "MoveToLevelWithOnOff", {"level": 1}),
+        (LAMP, "color_temperature", 4000.0, "MoveToColorTemperature", {"colorTemperatureMireds": 250}),
+        (LAMP, "color", (180.0, 100.0), "MoveToHueAndSaturation", {"hue": 127, "saturation": 254}),
+        (COVER, "position", 75.0, "GoToLiftPercentage", {"liftPercent100thsValue": 2500}),
+        (COVER, "movement", "stopped", "StopMotion", {}),
+        (LOCK, "lock", "unlocked", "UnlockDoor", {}),
+        ({**LOCK, "1/257/65532": 4096}, "lock", "unlocked", "UnboltDoor", {}),
+        ({**LOCK, "1/257/65532": 4096}, "lock", "open", "UnlockDoor", {}),
+    ],
+)
+def test_commands_become_those_of_the_cluster(
+    attributes: dict[str, object], capability: str, value: PlainValue, command: str, payload: dict[str, object]
+) -> None:
+    (args,) = orders(attributes, capability, value)
+    assert (args["node_id"], args["endpoint_id"], args["command_name"]) == (5, 1, command)
+    sent = args["payload"]
+    assert isinstance(sent, dict)
+    assert sent.items() >= payload.items()
+
+
+def test_a_setpoint_is_written_in_hundredths_and_within_its_limits() -> None:
+    assert orders(THERMOSTAT, "heating_setpoint", 21.5) == [{"node_id": 5, "attribute_path": "1/513/18", "value": 2150}]
+    with pytest.raises(RefusedError, match="7"):
+        orders(THERMOSTAT, "heating_setpoint", 5.0)
+
+
+def test_a_lock_that_requires_a_code_gets_it_in_a_timed_command_and_no_text_shows_it() -> None:
+    coded = {**LOCK, "1/257/51": True}
+    with pytest.raises(WrongCodeError, match="requires"):
+        orders(coded, "lock", "unlocked")
+    (args,) = orders(coded, "lock", "unlocked", "1234")
+    assert args["payload"] == {"PINCode": "MTIzNA=="}
+    assert args["timed_request_timeout_ms"] == 1000
+    endpoint, found = ability(only_device(coded), "lock")
+    assert found.write is not None
+    (order,) = found.write(endpoint, "unlocked", 0.0, "1234")
+    assert order.is_secret
+    assert "MTIzNA" not in repr(order)
+
+
+def test_a_device_is_known_by_its_serial_number_and_hardware_addresses() -> None:
+    interfaces = [{"0": "eth0", "4": "/mQDt/2Q", "7": 2}, {"0": "lo", "4": "AAAAAAAA"}, {"4": "?"}, 7]
+    device = only_device({**LAMP, "0/51/0": interfaces}).device
+    assert device.identifiers == ("mac:fe6403b7fd90", "id:SN-77")
+    assert dict(device.metadata) == {"manufacturer": "Acme", "model": "Thing 3000"}
+    assert device.name == "Thing 3000"
+
+
+def test_the_serial_number_of_example_programs_identifies_nothing() -> None:
+    assert only_device({**LAMP, "0/40/15": "TEST_SN"}).device.identifiers == ()
+
+
+def test_bridged_endpoints_are_devices_of_their_own_with_the_endpoints_they_are_composed_of() -> None:
+    bridge = node(
+        {
+            "0/29/3": [40, 41, 42, 43],
+            "42/29/0": [{"0": 19, "1": 2}],
+            "42/29/3": [40, 41],
+            "42/57/5": "Heater plug",
+            "42/57/17": False,
+            "40/29/0": [{"0": 266, "1": 2}],
+            "40/6/0": False,
+            "41/29/0": [{"0": 770, "1": 2}],
+            "41/1026/0": 2000,
+            "43/29/0": [{"0": 19, "1": 2}, {"0": 256, "1": 2}],
+            "43/57/15": "L1",
+            "43/6/0": True,
+        }
+    )
+    itself, plug, lamp = bridge.devices()
+    assert (itself.device.key, itself.device.parts) == ("node-5", ())
+    assert (plug.device.key, plug.device.name) == ("node-5-42", "Heater plug")
+    assert [(one.id, one.service_type) for one in plug.device.parts] == [
+        ("40", "plug"),
+        ("41", "temperature_sensor"),
+    ]
+    assert plug.device.metadata["via_device"] == "node-5"
+    assert lamp.device.identifiers == ("id:L1",)
+    assert [bridge.is_reachable(one) for one in (itself, plug, lamp)] == [True, False, True]
+
+
+def test_the_battery_is_a_part_of_its_own() -> None:
+    device = only_device({**LOCK, "0/47/12": 150, "0/47/14": 1, "0/47/26": 0, "0/47/65532": 2})
+    (battery,) = (one for one in device.device.parts if one.category == "diagnostic")
+    assert (battery.id, battery.service_type) == ("0-battery", "x_battery")
+    assert readings(device, "0-battery") == {"battery": 75.0, "battery_low": True, "battery_charging": None}
+
+
+@pytest.mark.parametrize("data", [7, {}, {"node_id": 0}, {"node_id": True}, {"node_id": 3, "attributes": []}])
+def test_what_is_no_node_is_refused(data: object) -> None:
+    with pytest.raises(WireError):
+        MatterNode.parse(data)
+
+
+def test_attributes_whose_path_cannot_be_read_are_left_out() -> None:
+    found = node({"1/6": True, "x/y/z": 1, "70000/6/0": True, **LOCK})
+    assert set(found.endpoints) == {0, 1}
