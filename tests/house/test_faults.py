@@ -31,7 +31,7 @@ def dice(seed: int = 1) -> random.Random:
 
 
 def said(device: SimulatedDevice, command: str, now: float) -> list[str]:
-    return list(device.obey(command, now))
+    return list(device.handle_command(command, now))
 
 
 def test_a_lossy_device_loses_commands_and_words() -> None:
@@ -61,7 +61,7 @@ def test_a_deaf_device_hears_nothing_but_hands() -> None:
     deaf = Deaf(SimulatedLamp("lamp"), dice())
     assert said(deaf, "on", 0.0) == []
     assert deaf.state() == "off"
-    assert deaf.by_hand("on", 1.0) == ("on",)
+    assert deaf.operate_manually("on", 1.0) == ("on",)
 
 
 def test_a_liar_says_what_it_was_told_and_does_nothing() -> None:
@@ -71,7 +71,7 @@ def test_a_liar_says_what_it_was_told_and_does_nothing() -> None:
     assert liar.state() == "closed"
     assert said(liar, "open", 0.0) == ["open"]
     assert (liar.state(), motor.state(), unwrap(liar)) == ("open", "closed", motor)
-    assert liar.by_hand("close", 1.0) == ("closed",)
+    assert liar.operate_manually("close", 1.0) == ("closed",)
     assert liar.state() == "closed"
     assert said(Liar(SimulatedDoorLock("lock"), dice()), "unlock", 0.0) == ["unlocked"]
 
@@ -82,9 +82,9 @@ def test_a_stuck_device_answers_with_its_old_state() -> None:
     assert said(stuck, "on", 0.0) == []
     assert said(stuck, "on", 1.0) == []
     assert (stuck.advance(1.9), stuck.advance(2.0), stuck.advance(60.0)) == ((), ("off",), ())
-    assert stuck.by_hand("on", 60.0) == ()
+    assert stuck.operate_manually("on", 60.0) == ()
     contact = Stuck(SimulatedContactSensor("door"), dice())
-    assert (contact.sense(1.0, 1.0), contact.state()) == ((), "closed")
+    assert (contact.apply_input(1.0, 1.0), contact.state()) == ((), "closed")
 
 
 def test_a_reverter_goes_back_after_a_while() -> None:
@@ -138,14 +138,14 @@ def test_an_unplugged_device_hears_does_and_says_nothing() -> None:
     lamp = Unplugged(SimulatedLamp("lamp", is_on=True), dice(), since=10.0, until=20.0)
     assert said(lamp, "on", 5.0) == ["on"]
     lamp.advance(12.0)
-    assert (said(lamp, "off", 12.0), lamp.by_hand("off", 12.0), lamp.watts()) == ([], (), 0.0)
+    assert (said(lamp, "off", 12.0), lamp.operate_manually("off", 12.0), lamp.watts()) == ([], (), 0.0)
     assert said(lamp, "off", 20.0) == ["on", "off"]
 
 
 def test_a_sensor_without_power_feels_when_it_is_back_what_is_still_so() -> None:
     """And says only that."""
     contact = Unplugged(SimulatedContactSensor("door"), dice(), since=0.0, until=9.0)
-    assert (contact.sense(1.0, 1.0), contact.state(), contact.has_power) == ((), "closed", False)
+    assert (contact.apply_input(1.0, 1.0), contact.state(), contact.has_power) == ((), "closed", False)
     assert contact.advance(10.0) == ("open",)
     assert contact.has_power
 

@@ -18,7 +18,7 @@ PLAN = Rooms(
 def test_a_robot_says_each_room_on_its_way() -> None:
     """Its pose is between them at its speed."""
     robot = Robot("robot", PLAN, "hall", speed=0.5)
-    assert robot.obey("go kitchen", 0.0) == ("moving",)
+    assert robot.handle_command("go kitchen", 0.0) == ("moving",)
     assert robot.advance(4.0) == ()
     assert robot.pose() == Pose(2.0, 0.0, 0.0)
     assert robot.advance(8.0) == ("living",)
@@ -30,21 +30,21 @@ def test_a_robot_says_each_room_on_its_way() -> None:
 def test_a_stopped_robot_stays_and_drives_on_from_there() -> None:
     """First back to the middle of the room it left."""
     robot = Robot("robot", PLAN, "hall", speed=0.5)
-    robot.obey("go living", 0.0)
-    assert robot.obey("stop", 4.0) == ("hall",)
+    robot.handle_command("go living", 0.0)
+    assert robot.handle_command("stop", 4.0) == ("hall",)
     assert robot.advance(100.0) == ()
     assert robot.pose() == Pose(2.0, 0.0, 0.0)
-    robot.obey("go hall", 100.0)
+    robot.handle_command("go hall", 100.0)
     assert robot.advance(104.0) == ("hall",)
     assert (robot.pose().x, robot.pose().y) == (0.0, 0.0)
 
 
 def test_a_robot_that_is_there_says_so() -> None:
     """It does not move."""
-    assert Robot("robot", PLAN, "hall").obey("go hall", 0.0) == ("hall",)
+    assert Robot("robot", PLAN, "hall").handle_command("go hall", 0.0) == ("hall",)
 
 
 @pytest.mark.parametrize("command", ["go loft", "go moon", "dance"])
 def test_what_a_robot_cannot_do_it_ignores(command: str) -> None:
     """No way, no room, no such command."""
-    assert Robot("robot", PLAN, "hall").obey(command, 0.0) == ()
+    assert Robot("robot", PLAN, "hall").handle_command(command, 0.0) == ()

@@ -28,8 +28,8 @@ def test_time_never_goes_back() -> None:
 def test_what_was_due_is_said_before_the_answer_to_a_command() -> None:
     """A motor that arrived meanwhile says so first."""
     motor = WindowMotor("motor", travel_time=3.0)
-    motor.obey("open", 0.0)
-    assert motor.obey("close", 10.0) == ("open", "closing")
+    motor.handle_command("open", 0.0)
+    assert motor.handle_command("close", 10.0) == ("open", "closing")
 
 
 @pytest.mark.parametrize("text", ["", "bright", "nan", "inf", "-0.1", "1.1"])
@@ -60,7 +60,7 @@ def test_a_device_without_words_for_a_number_rounds_to_whole_ones() -> None:
 def test_most_devices_feel_nothing_and_draw_nothing() -> None:
     """A lamp is not moved by the world, and a contact lives on its battery."""
     lamp, contact = SimulatedLamp("lamp"), SimulatedContactSensor("door")
-    assert (lamp.sense(1.0, 5.0), lamp.now, lamp.state()) == ((), 5.0, "off")
+    assert (lamp.apply_input(1.0, 5.0), lamp.now, lamp.state()) == ((), 5.0, "off")
     assert (contact.watts(), contact.restore()) == (0.0, "")
 
 
@@ -99,6 +99,6 @@ COMMANDS = st.sampled_from(
 def test_a_device_answers_what_it_knows_and_ignores_what_it_does_not(device: SimulatedDevice, command: str) -> None:
     fresh = copy.deepcopy(device)
     before = fresh.state()
-    answer = fresh.obey(command, 1.0)
+    answer = fresh.handle_command(command, 1.0)
     assert bool(answer) == device.knows(command) == Deaf(device, DICE).knows(command)
     assert answer or fresh.state() == before

@@ -30,6 +30,6 @@ def test_a_heated_room_stays_near_its_target() -> None:
 def test_a_thermostat_takes_a_target_and_says_it() -> None:
     """A number of degrees from 5 to 30."""
     room = SimulatedThermostat("room")
-    assert room.obey("22.5", 1.0) == ("22.5",)
+    assert room.handle_command("22.5", 1.0) == ("22.5",)
     assert room.restore() == "22.5"
-    assert room.obey("50", 2.0) == ()
+    assert room.handle_command("50", 2.0) == ()

@@ -119,7 +119,7 @@ def test_a_day_is_played_the_same_each_time(day: Day) -> None:
         ('"2h"', '"0s"', "day.length", "must be above 0"),
         ('"2h"', '"7d"', "day.length", "less than a week"),
         ('"2h"', '"soon"', "day", "'soon' is not a duration"),
-        ("length", "lenght", "day.lenght", "is unknown; known are start, length"),
+        ("length", "lenght", "day.lenght", "unknown key; did you mean length?"),
         ('"tell"', '"shout"', "happenings.0.what", "'press'"),
         ('"07:00"', '"7"', "happenings.0.at", "'7' is not a time of day"),
         ('"07:00"', '"09:00"', "happenings.0.at", "09:00 is not in the day, 06:30 to 08:30"),
@@ -149,7 +149,7 @@ def test_what_is_wrong_is_told_with_file_key_and_reason(
 
 def test_a_file_that_cannot_be_read_or_written_is_told_so(tmp_path: Path) -> None:
     """With its name."""
-    with pytest.raises(ConfigError, match=r"none\.toml: cannot be read"):
+    with pytest.raises(ConfigError, match=r"none\.toml does not exist"):
         Day.load(tmp_path / "none.toml")
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xff")
     with pytest.raises(ConfigError, match="not UTF-8"):

@@ -4,7 +4,7 @@
 
     [house]
     seed = 1
-    dialect = "thesis"                      # the family that devices are of on MQTT; a device may have one of its own
+    dialect = "thesis"                      # how devices speak; a device may have a dialect of its own
 
     [rooms.hall]
     doors = ["outside", "kitchen"]          # each door once, on either side
@@ -43,9 +43,11 @@ from homebot.errors import ConfigError, UsageError
 from homebot.house.dialects import DIALECTS
 from homebot.house.household import Habit, Person
 from homebot.house.kinds import FAULTS, KINDS, Surroundings
+from homebot.house.network import FAMILIES, kinds_of
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.world import Placed, ScheduledCommand, World
+from homebot.similar import unknown_key
 from homebot.toml_file import read_toml
 
 __all__ = ["load_world", "parse_world"]
@@ -180,8 +182,9 @@ def _placed(name: str, table: Table, rooms: Rooms, seed: int, dialect: str, sour
     _known(place.door or place.room, rooms.rooms, source, f"{key}.door")
     dialect = dialect if place.dialect is None else place.dialect
     _known_dialect(dialect, source, f"{key}.dialect")
-    if kind not in DIALECTS[dialect].kinds:
-        kinds = ", ".join(sorted(DIALECTS[dialect].kinds))
+    kinds_there = kinds_of(dialect) or frozenset()
+    if kind not in kinds_there:
+        kinds = ", ".join(sorted(kinds_there))
         raise ConfigError(source, f"{key}.dialect", f"{dialect!r} has no {kind}, only {kinds}")
     own = {k: v for k, v in table.items() if k not in {*where, "kind"}}
     rng = random.Random(f"{seed}/{name}")  # noqa: S311  # numbers of a game, no secrets
@@ -195,7 +198,7 @@ def _faulty(
     device: SimulatedDevice, fault: str, table: Table, rng: random.Random, source: str, key: str
 ) -> SimulatedDevice:
     if fault not in FAULTS:
-        raise ConfigError(source, key, f"is unknown; known are {', '.join(FAULTS)}")
+        raise ConfigError(source, key, unknown_key(fault, FAULTS))
     return parse_settings(FAULTS[fault], table, source, key).apply(device, rng)
 
 
@@ -215,8 +218,8 @@ def _person(name: str, table: Table, rooms: Rooms, source: str) -> Person:
 
 
 def _known_dialect(dialect: str, source: str, key: str) -> None:
-    if dialect not in DIALECTS:
-        raise ConfigError(source, key, f"must be one of {', '.join(DIALECTS)}, got {dialect!r}")
+    if kinds_of(dialect) is None:
+        raise ConfigError(source, key, f"must be one of {', '.join((*DIALECTS, *FAMILIES))}, got {dialect!r}")
 
 
 def _known(room: str, rooms: Mapping[str, Room], source: str, key: str) -> None:

@@ -290,7 +290,7 @@ class SimulatedThermostat(SimulatedDevice):
         """Return the target as text."""
         return number_text(self.target)
 
-    def sense(self, value: float, now: float) -> tuple[str, ...]:
+    def apply_input(self, value: float, now: float) -> tuple[str, ...]:
         """Let the weather be *value* degrees Celsius."""
         reports = self.advance(now)
         self.outside = value

@@ -83,13 +83,13 @@ class DeviceFault(SimulatedDevice):
         self.device.advance(now)  # to the same time; whatever was due has been reported
         return reports
 
-    def by_hand(self, command: str, now: float) -> tuple[str, ...]:
+    def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
         """Let hands reach the device: most faults are of its radio."""
-        return (*self.advance(now), *self._deliver_all(self.device.by_hand(command, now)))
+        return (*self.advance(now), *self._deliver_all(self.device.operate_manually(command, now)))
 
-    def sense(self, value: float, now: float) -> tuple[str, ...]:
+    def apply_input(self, value: float, now: float) -> tuple[str, ...]:
         """Let the device feel the world."""
-        return (*self.advance(now), *self._deliver_all(self.device.sense(value, now)))
+        return (*self.advance(now), *self._deliver_all(self.device.apply_input(value, now)))
 
     def next_event(self) -> float | None:
         """Return when the device or the fault does something by itself."""
@@ -108,7 +108,7 @@ class DeviceFault(SimulatedDevice):
 
     def _pass(self, command: str) -> tuple[str, ...]:
         """Let the device obey."""
-        return self._deliver_all(self.device.obey(command, self.now))
+        return self._deliver_all(self.device.handle_command(command, self.now))
 
     def _deliver_all(self, reports: Iterable[str]) -> tuple[str, ...]:
         return tuple(report_text for report in reports for report_text in self._delivered(report))
@@ -178,10 +178,10 @@ class Liar(DeviceFault):
         """Return the last lie, or how it is where it told none."""
         return self.device.state() if self._lie is None else self._lie
 
-    def by_hand(self, command: str, now: float) -> tuple[str, ...]:
+    def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
         """Obey hands, and report the real state again."""
         self._lie = None
-        return super().by_hand(command, now)
+        return super().operate_manually(command, now)
 
     def _take(self, command: str) -> tuple[str, ...]:
         self._lie = DONE.get(command, command)
@@ -195,12 +195,12 @@ class Stuck(DeviceFault):
         super().__init__(device, rng)
         self.after = after
 
-    def sense(self, value: float, now: float) -> tuple[str, ...]:
+    def apply_input(self, value: float, now: float) -> tuple[str, ...]:
         """Feel nothing."""
         del value
         return self.advance(now)
 
-    def by_hand(self, command: str, now: float) -> tuple[str, ...]:
+    def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
         """Resist."""
         del command
         return self.advance(now)
@@ -288,18 +288,18 @@ class Unplugged(DeviceFault):
         """Return 0 without power."""
         return self.device.watts() if self.has_power else 0.0
 
-    def by_hand(self, command: str, now: float) -> tuple[str, ...]:
+    def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
         """Do nothing without power."""
         reports = self.advance(now)
-        return reports + (super().by_hand(command, now) if self.has_power else ())
+        return reports + (super().operate_manually(command, now) if self.has_power else ())
 
-    def sense(self, value: float, now: float) -> tuple[str, ...]:
+    def apply_input(self, value: float, now: float) -> tuple[str, ...]:
         """Feel nothing without power; what is still so when it returns is felt then."""
         reports = self.advance(now)
         if not self.has_power:
             self._missed = value
             return reports
-        return reports + self._deliver_all(self.device.sense(value, now))
+        return reports + self._deliver_all(self.device.apply_input(value, now))
 
     def next_event(self) -> float | None:
         """Return the next time, also that at which the power goes or returns."""
@@ -317,7 +317,7 @@ class Unplugged(DeviceFault):
         if self._changes.pop(0) != self.until:
             return reports
         if self._missed is not None:
-            self.device.sense(self._missed, self.now)
+            self.device.apply_input(self._missed, self.now)
             self._missed = None
         return (self.state(),)  # its only report when it starts
 

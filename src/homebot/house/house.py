@@ -1,4 +1,4 @@
-"""A world on MQTT: one loop moves the world, and each of its devices is a client of the broker by itself."""
+"""A world on its networks: one loop moves the world, and each of its devices is a client or a server by itself."""
 
 from __future__ import annotations
 
@@ -15,11 +15,13 @@ from anyio.lowlevel import checkpoint
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
+from homebot.house.connected_device import ConnectedDevice
 from homebot.house.dialect import BridgeDialect, DeviceState, Dialect, SimulatedDeviceInfo, state_of
 from homebot.house.dialects import DIALECTS
 from homebot.house.event_log import Event
 from homebot.house.faults import unwrap
 from homebot.house.mqtt_device import HouseCounters, MqttDevice
+from homebot.house.network import FAMILIES, HouseNetwork, kinds_of
 from homebot.house.rooms import DAY
 from homebot.house.world import Placed, World
 from homebot.isolation import run_as
@@ -61,7 +63,8 @@ class SimulatedHouse:
         make_client: Makes the devices' MQTT clients.
         random: Source of their reconnects' jitter; a seeded one makes every run the same.
         heartbeat: Seconds after which devices publish their last state again, as real ones do.
-        dialects: Families of devices, by the names that the world's devices have for them.
+        dialects: Families of devices on MQTT, by the names that the world's devices have for them.
+        network: Where the devices of served families are; by default networks of its own.
 
     Attributes:
         Host: The class of the service that can host one.
@@ -90,6 +93,7 @@ class SimulatedHouse:
         random: Random | None = None,
         heartbeat: float = HEARTBEAT,
         dialects: Mapping[str, Dialect] = DIALECTS,
+        network: HouseNetwork | None = None,
     ) -> None:
         if not heartbeat > 0:
             raise UsageError(f"a heartbeat of {heartbeat:g} s is not above 0")
@@ -107,27 +111,34 @@ class SimulatedHouse:
         self._stirred = anyio.Event()
         self._is_served = False
         infos = {name: self._device_info(placed) for name, placed in world.devices.items()}
-        self._mqtt_devices = {
-            name: self._mqtt_device(infos[name], dialects[placed.dialect]) for name, placed in world.devices.items()
-        }
+        self._network = network or HouseNetwork(world.families())
+        self._devices = {name: self._connected(infos[name], placed.dialect) for name, placed in world.devices.items()}
         self._bridges = self._bound(world, infos)
 
     @classmethod
     def hosted_by(
-        cls, host: HostedBroker, home: str, world: World, clock: Clock, *, random: Random | None = None
+        cls,
+        host: HostedBroker,
+        home: str,
+        world: World,
+        clock: Clock,
+        *,
+        random: Random | None = None,
+        network: HouseNetwork | None = None,
     ) -> SimulatedHouse:
         """Return a house whose devices connect to a broker in this process; the arguments are those of the class."""
-        return cls(host.url, home, world, clock, make_client=host.make_client or NativeClient, random=random)
+        make_client = host.make_client or NativeClient
+        return cls(host.url, home, world, clock, make_client=make_client, random=random, network=network)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Let the house live until cancelled."""
         self.world.run_until(self._now())
-        for name, mqtt_device in self._mqtt_devices.items():
+        for name, connected in self._devices.items():
             device = self.world.device(name)
-            mqtt_device.begin(self._state_of(name, device.state()), has_power=device.has_power)
+            connected.begin(self._state_of(name, device.state()), has_power=device.has_power)
         self._is_served = True
         async with anyio.create_task_group() as tasks:
-            for client in (*self._bridges, *self._mqtt_devices.values()):
+            for client in (*self._bridges, *self._devices.values()):
                 tasks.start_soon(run_as, "a simulated device", client.live)
             tasks.start_soon(run_as, "the simulated house", self._beat)
             task_status.started()
@@ -173,7 +184,7 @@ class SimulatedHouse:
     async def _beat(self) -> None:
         while True:
             await anyio.sleep(self._heartbeat)
-            for device in self._mqtt_devices.values():
+            for device in self._devices.values():
                 device.repeat()
 
     def _now(self) -> float:
@@ -186,31 +197,41 @@ class SimulatedHouse:
     def _show(self, events: Iterable[Event]) -> None:
         for event in events:
             if event.verb == "says":
-                self._mqtt_devices[event.who].publish(self._state_of(event.who, event.what))
+                self._devices[event.who].publish(self._state_of(event.who, event.what))
             elif event.verb == "power":
-                self._mqtt_devices[event.who].power(on=event.what == "on")
+                self._devices[event.who].power(on=event.what == "on")
 
     def _state_of(self, name: str, text: str) -> DeviceState:
         return state_of(unwrap(self.world.device(name)), text)
 
     def _device_info(self, placed: Placed) -> SimulatedDeviceInfo:
         device = placed.device
-        if placed.dialect not in self._dialects:
-            raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}; known are {', '.join(self._dialects)}")
+        dialect = self._dialects.get(placed.dialect)
+        kinds = kinds_of(placed.dialect) if dialect is None else dialect.kinds
+        if kinds is None:
+            known = ", ".join((*self._dialects, *FAMILIES))
+            raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}; known are {known}")
         kind = unwrap(device).kind
-        if kind not in self._dialects[placed.dialect].kinds:
+        if kind not in kinds:
             raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}, which has no {kind}")
         return SimulatedDeviceInfo(self._home, kind, device.device_id, device.service_type, placed.room)
 
     def _bound(self, world: World, infos: Mapping[str, SimulatedDeviceInfo]) -> list[MqttDevice]:
         """Return the bridges of the families that have one here."""
         bridges = []
-        for name in dict.fromkeys(placed.dialect for placed in world.devices.values()):
+        for name in world.families():
+            if name not in self._dialects:
+                continue
             bound = [infos[one] for one, placed in world.devices.items() if placed.dialect == name]
             if (bridge := self._dialects[name].bridge(bound)) is not None:
                 info = SimulatedDeviceInfo(self._home, "bridge", f"{name} bridge", "bridge", "")
                 bridges.append(self._mqtt_device(info, BridgeDialect(bridge)))
         return bridges
+
+    def _connected(self, info: SimulatedDeviceInfo, family: str) -> ConnectedDevice:
+        if family in self._dialects:
+            return self._mqtt_device(info, self._dialects[family])
+        return self._network.connect(family, info, partial(self.command, info.device_id))
 
     def _mqtt_device(self, info: SimulatedDeviceInfo, dialect: Dialect) -> MqttDevice:
         for topic in (*dialect.filters(info), *(message.topic for message in dialect.birth(info))):

@@ -15,6 +15,7 @@ from typing import final
 import anyio
 
 from homebot.errors import LinkError, RefusedError
+from homebot.house.connected_device import ConnectedDevice
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.isolation import run_as
 from homebot.log import LogLimit
@@ -52,7 +53,7 @@ class HouseCounters:
 
 
 @final
-class MqttDevice:
+class MqttDevice(ConnectedDevice):
     """A device on the wire.
 
     Args:

@@ -26,7 +26,7 @@ class SimulatedContactSensor(SimulatedDevice):
         """Return ``open`` or ``closed``."""
         return "open" if self.is_open else "closed"
 
-    def sense(self, value: float, now: float) -> tuple[str, ...]:
+    def apply_input(self, value: float, now: float) -> tuple[str, ...]:
         """Report what changed."""
         self.advance(now)
         if (value > 0) == self.is_open:
@@ -55,7 +55,7 @@ class MotionSensor(SimulatedDevice):
         """Return ``motion`` or ``clear``."""
         return "motion" if self._sees_motion else "clear"
 
-    def sense(self, value: float, now: float) -> tuple[str, ...]:
+    def apply_input(self, value: float, now: float) -> tuple[str, ...]:
         """Report ``motion`` when it begins."""
         reports = self.advance(now)
         if value > 0:
@@ -93,7 +93,7 @@ class LuxSensor(SimulatedDevice):
         """Return lux as text."""
         return number_text(self.lux, 1)
 
-    def sense(self, value: float, now: float) -> tuple[str, ...]:
+    def apply_input(self, value: float, now: float) -> tuple[str, ...]:
         """Report the new level if it differs enough."""
         self.advance(now)
         if abs(value - self.lux) < max(1.0, self.share * self.lux):
@@ -120,7 +120,7 @@ class PowerMeter(SimulatedDevice):
         """Return watts as text."""
         return number_text(self.total, 1)
 
-    def sense(self, value: float, now: float) -> tuple[str, ...]:
+    def apply_input(self, value: float, now: float) -> tuple[str, ...]:
         """Report the new power if it differs enough."""
         self.advance(now)
         if abs(value - self.total) < self.step:

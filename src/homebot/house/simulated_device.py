@@ -38,7 +38,7 @@ class SimulatedDevice(ABC):
     def state(self) -> str:
         """Return the state that it reports."""
 
-    def obey(self, command: str, now: float) -> tuple[str, ...]:
+    def handle_command(self, command: str, now: float) -> tuple[str, ...]:
         """Take *command* at *now*.
 
         Args:
@@ -63,7 +63,7 @@ class SimulatedDevice(ABC):
         """Return when it will next do something by itself, or None while it rests."""
         return None
 
-    def sense(self, value: float, now: float) -> tuple[str, ...]:
+    def apply_input(self, value: float, now: float) -> tuple[str, ...]:
         """Let the world act on it with *value*, whose meaning is the device's own; return its reports.
 
         Most devices feel nothing.
@@ -71,9 +71,9 @@ class SimulatedDevice(ABC):
         del value
         return self.advance(now)
 
-    def by_hand(self, command: str, now: float) -> tuple[str, ...]:
+    def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
         """Let somebody work it with their hands, as *command* would; return its reports at once."""
-        return self.obey(command, now)
+        return self.handle_command(command, now)
 
     def commands(self) -> tuple[str, ...]:
         """Return the commands that it knows, for people: each one, or a text for many, such as ``0 to 1``."""

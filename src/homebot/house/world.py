@@ -200,6 +200,10 @@ class World:
         self._switch(entry, command)
         return self.event_log.since(mark)
 
+    def families(self) -> tuple[str, ...]:
+        """Return the families of its devices, each once."""
+        return tuple(dict.fromkeys(placed.dialect for placed in self.devices.values()))
+
     def device(self, device_id: str) -> SimulatedDevice:
         """Return a device, with its faults, at :attr:`now`.
 
@@ -305,15 +309,15 @@ class World:
     def _command(self, entry: _PlacedDevice, command: str) -> None:
         command = command[:LONGEST_COMMAND]
         self._note(entry.placed.device.device_id, "told", command)
-        self._act(entry, lambda device: device.obey(command, self.now))
+        self._act(entry, lambda device: device.handle_command(command, self.now))
 
     def _switch(self, entry: _PlacedDevice, command: str) -> None:
         command = command[:LONGEST_COMMAND]
         self._note(entry.placed.device.device_id, "switch", command)
-        self._act(entry, lambda device: device.by_hand(command, self.now))
+        self._act(entry, lambda device: device.operate_manually(command, self.now))
 
     def _feel(self, entry: _PlacedDevice, value: float) -> None:
-        self._act(entry, lambda device: device.sense(value, self.now))
+        self._act(entry, lambda device: device.apply_input(value, self.now))
 
     def _act(self, entry: _PlacedDevice, act: Callable[[SimulatedDevice], tuple[str, ...]]) -> None:
         device = entry.placed.device

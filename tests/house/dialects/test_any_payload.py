@@ -44,7 +44,7 @@ def test_no_message_and_no_word_is_too_odd(name: str, payload: bytes, level: str
         for topic_filter in dialect.filters(plate):
             topic = topic_filter.replace("+", level)
             for command in dialect.parse_command(plate, topic, payload):
-                machine.obey(command, 1.0)
+                machine.handle_command(command, 1.0)
             for message in (
                 *dialect.state_messages(plate, condition),
                 *dialect.replies(plate, condition, topic, payload),

@@ -76,7 +76,7 @@ class Bench:
         for publication in self.written(capability, value):
             assert any(topic_matches(one, publication.topic) for one in self.dialect.filters(self.plate))
             for word in self.dialect.parse_command(self.plate, publication.topic, publication.payload):
-                self.device.obey(word, self.device.now)
+                self.device.handle_command(word, self.device.now)
         self.device.advance(self.device.now + 60.0)
 
     def written(self, capability: str, value: PlainValue) -> tuple[Publication, ...]:
@@ -183,7 +183,7 @@ def test_a_motor_goes_where_it_is_told(name: str, kind: str) -> None:
     assert motor.hear()["position"] == 30.0
     for publication in motor.written("movement", "closed"):
         for word in motor.dialect.parse_command(motor.plate, publication.topic, publication.payload):
-            motor.device.obey(word, motor.device.now)
+            motor.device.handle_command(word, motor.device.now)
     assert motor.device.state() == "closing"
     motor.device.advance(motor.device.now + 60.0)
     assert motor.hear()["position"] == 0.0
@@ -222,7 +222,7 @@ def test_what_a_sensor_feels_is_known(name: str, kind: str, felt: float, names: 
         assert name in {"tasmota", "shelly", "shelly_rpc"}
         return
     sensor = bench(name, kind)
-    sensor.device.sense(felt, 1.0)
+    sensor.device.apply_input(felt, 1.0)
     assert [told for one, told in sensor.hear().items() if one in names] == [value]
 
 

@@ -15,7 +15,7 @@ from homebot.house.dialects.wire import as_json, as_object, cover_order, hardwar
 from homebot.house.simulated_device import number_text
 from homebot.numbers import to_number
 
-__all__ = ["ShellyRpcDialect"]
+__all__ = ["ShellyRpcDialect", "describe_shelly"]
 
 NOT_FOUND = 404
 MODELS = {"lamp": "shellydimmerg3", "window": "shellyplus2pm", "cover": "shellyplus2pm"}
@@ -84,8 +84,9 @@ class ShellyRpcDialect(Dialect):
         method = str(call.get("method"))
         own = COMPONENTS[device.kind]
         results: Mapping[str, object] = {
-            "Shelly.GetDeviceInfo": _info(device),
+            "Shelly.GetDeviceInfo": describe_shelly(device),
             "Shelly.GetStatus": {own: _status(device.kind, state), "sys": {"mac": _mac(device)}},
+            "Shelly.GetComponents": {"components": [], "cfg_rev": 1, "offset": 0, "total": 0},
             "Shelly.GetConfig": {own: {"id": 0, "name": None}, "sys": {"device": {"name": device.device_id}}},
         }
         answer: dict[str, object] = {"id": call.get("id"), "src": _id(device), "dst": caller}
@@ -106,7 +107,8 @@ def _mac(device: SimulatedDeviceInfo) -> str:
     return hardware_address(device).upper()
 
 
-def _info(device: SimulatedDeviceInfo) -> dict[str, object]:
+def describe_shelly(device: SimulatedDeviceInfo) -> dict[str, object]:
+    """Return what *device* says when it is asked who it is."""
     model = MODELS[device.kind]
     return {
         "name": device.device_id,
@@ -114,9 +116,11 @@ def _info(device: SimulatedDeviceInfo) -> dict[str, object]:
         "mac": _mac(device),
         "model": model,
         "gen": 3 if device.kind == "lamp" else 2,
+        "fw_id": "20241011-114449/1.4.4-g6d2a586",
         "ver": "1.4.4",
         "app": model,
         "auth_en": False,
+        "auth_domain": None,
         **({} if device.kind == "lamp" else {"profile": "cover"}),
     }
 

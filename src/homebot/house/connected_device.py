@@ -1,0 +1,97 @@
+"""One device of a simulated house on its network, whatever the protocol."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+
+import anyio
+
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.isolation import run_as
+
+__all__ = ["ConnectedDevice", "ServedDevice"]
+
+
+class ConnectedDevice(ABC):
+    """A simulated device on the wire; it does not know homebot."""
+
+    @abstractmethod
+    def begin(self, state: DeviceState, *, has_power: bool) -> None:
+        """Begin in *state*; before :meth:`live`."""
+
+    @abstractmethod
+    def publish(self, state: DeviceState) -> None:
+        """Report *state* as the device does in its protocol; never waits."""
+
+    @abstractmethod
+    def repeat(self) -> None:
+        """Report the last state again, where devices of the protocol do that."""
+
+    @abstractmethod
+    def power(self, *, on: bool) -> None:
+        """Give or take the power: without it the device vanishes from the network without a word."""
+
+    @abstractmethod
+    async def live(self) -> None:
+        """Be there whenever there is power, until cancelled."""
+
+
+class ServedDevice(ConnectedDevice):
+    """A device that is a server by itself, or a radio: it is asked, or it broadcasts.
+
+    Args:
+        device: Its name and kind.
+        on_command: Gets each command for it, as text such as ``on``.
+
+    Attributes:
+        device: The same.
+        on_command: The same.
+        state: Its last state.
+    """
+
+    def __init__(self, device: SimulatedDeviceInfo, on_command: Callable[[str], None]) -> None:
+        self.device = device
+        self.on_command = on_command
+        self.state = DeviceState(text="")
+        self._has_power = True
+        self._switched = anyio.Event()
+
+    @abstractmethod
+    async def serve(self) -> None:
+        """Be on the network until cancelled, which is a power failure: nobody is told good-bye."""
+
+    @abstractmethod
+    def show(self) -> None:
+        """Report :attr:`state`, which is new, to whom it concerns; never waits. Called also while there is no power."""
+
+    def begin(self, state: DeviceState, *, has_power: bool) -> None:
+        """Begin in *state*."""
+        self.state = state
+        self._has_power = has_power
+
+    def publish(self, state: DeviceState) -> None:
+        """Keep *state*, and show it."""
+        self.state = state
+        self.show()
+
+    def repeat(self) -> None:
+        """Do nothing: a server is asked."""
+
+    def power(self, *, on: bool) -> None:
+        """Give or take the power."""
+        if on is not self._has_power:
+            self._has_power = on
+            self._switched.set()
+            self._switched = anyio.Event()
+
+    async def live(self) -> None:
+        """Serve while there is power, until cancelled."""
+        while True:
+            while not self._has_power:
+                await self._switched.wait()
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(run_as, "a simulated device", self.serve)
+                while self._has_power:
+                    await self._switched.wait()
+                tasks.cancel_scope.cancel()

@@ -1,0 +1,66 @@
+"""Announcements of simulated devices by DNS-SD over multicast DNS; the one file of the house that knows zeroconf.
+
+Source: RFC 6762 and 6763.
+"""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import anyio
+from anyio.abc import TaskStatus
+from zeroconf import IPVersion, ServiceInfo
+from zeroconf.asyncio import AsyncZeroconf
+
+__all__ = ["DnsSdService", "announce_service"]
+
+
+@dataclass(frozen=True, slots=True)
+class DnsSdService:
+    """A service that a device announces.
+
+    Attributes:
+        service_type: ``_wled._tcp.local.``
+        name: The instance name.
+        host: The name of its host, without ``.local.``
+        port: Its port.
+        properties: The TXT record.
+        ttl: Seconds for which others believe the SRV record; 120 by the standard.
+    """
+
+    service_type: str
+    name: str
+    host: str
+    port: int
+    properties: Mapping[str, str] = field(default_factory=dict)
+    ttl: int = 120
+
+
+async def announce_service(
+    service: DnsSdService, address: str, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED
+) -> None:
+    """Announce *service* on the interface that has the IPv4 *address*, until cancelled; nobody is told good-bye.
+
+    A device whose power fails says nothing, and that is how simulated devices end; others forget it when its records
+    expire.
+    """
+    info = ServiceInfo(
+        service.service_type,
+        f"{service.name}.{service.service_type}",
+        addresses=[socket.inet_aton(address)],
+        port=service.port,
+        properties=dict(service.properties),
+        server=f"{service.host}.local.",
+        host_ttl=service.ttl,
+    )
+    responder = AsyncZeroconf(interfaces=[address], ip_version=IPVersion.V4Only)
+    try:
+        await (await responder.async_register_service(info, cooperating_responders=True))
+        task_status.started()
+        await anyio.sleep_forever()
+    finally:
+        with anyio.CancelScope(shield=True):
+            responder.zeroconf.registry.async_remove(info)
+            await responder.async_close()

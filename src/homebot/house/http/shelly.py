@@ -1,0 +1,210 @@
+"""Shelly devices of the second generation and later, on the network by themselves.
+
+A device answers calls on a WebSocket at ``/rpc`` and by HTTP at ``/rpc`` and ``/rpc/METHOD``, tells at ``/shelly`` what
+it is, and sends what changed to every WebSocket that has called it. What it says is what it says over MQTT.
+
+Source: Shelly Gen2+ API, General: RPC Protocol, RPC Channels, Authentication; Overview, Common Device Traits.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+
+import anyio
+from anyio.abc import TaskStatus
+
+from homebot.house.connected_device import ServedDevice
+from homebot.house.dialect import SimulatedDeviceInfo
+from homebot.house.dialects.shelly_rpc import ShellyRpcDialect, describe_shelly
+from homebot.house.dialects.wire import as_json, as_object
+from homebot.house.dns_sd import DnsSdService, announce_service
+from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
+
+__all__ = ["ServedShelly"]
+
+UNAUTHORIZED = 401
+ALGORITHM = "SHA-256"
+OPEN_METHODS = frozenset({"Shelly.GetDeviceInfo"})
+
+
+class ServedShelly(ServedDevice):
+    """A dimmer or a cover.
+
+    Args:
+        device: Its name and kind.
+        on_command: Gets each command for it.
+        address: Its own address; announced on the interface that has it.
+        port: Its port; 0 for a free one.
+        announced: Whether it announces itself by DNS-SD.
+        password: Its password; empty for none.
+        nonce: Makes its challenges.
+
+    Attributes:
+        server: Its server.
+        refused_calls: Calls that had no valid password.
+    """
+
+    def __init__(
+        self,
+        device: SimulatedDeviceInfo,
+        on_command: Callable[[str], None],
+        *,
+        address: str = "127.0.0.1",
+        port: int = 0,
+        announced: bool = False,
+        password: str = "",
+        nonce: Callable[[], int] = lambda: 1625038762,
+    ) -> None:
+        super().__init__(device, on_command)
+        self.server = WebServer(self, address, port)
+        self.refused_calls = 0
+        self._dialect = ShellyRpcDialect()
+        self._is_announced = announced
+        self._password = password
+        self._make_nonce = nonce
+        self._nonces: dict[int, int] = {}
+
+    @property
+    def id(self) -> str:
+        """Its id: ``shellydimmerg3-02aabbccddee``."""
+        return str(describe_shelly(self.device)["id"])
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Be on the network until cancelled."""
+        async with anyio.create_task_group() as tasks:
+            await tasks.start(self.server.serve)
+            if self._is_announced:
+                about = describe_shelly(self.device)
+                service = DnsSdService(
+                    "_shelly._tcp.local.",
+                    self.id,
+                    self.id,
+                    self.server.port,
+                    {"gen": str(about["gen"]), "app": str(about["app"]), "ver": str(about["ver"])},
+                )
+                await tasks.start(announce_service, service, self.server.address)
+            task_status.started()
+
+    def show(self) -> None:
+        """Send the state to every WebSocket that has called."""
+        for message in self._dialect.state_messages(self.device, self.state):
+            frame = dict(as_object(message.payload))
+            for peer in self.server.peers:
+                if peer.name:
+                    peer.send(as_json({**frame, "dst": peer.name}))
+
+    def answer(self, request: WebRequest) -> WebReply:
+        """Return the answer to a request of HTTP."""
+        if request.path == "/shelly":
+            return WebReply(as_json(self._about()))
+        if request.path == "/rpc" and request.method == "POST":
+            call = as_object(request.body)
+            return self._answer_http(request, {"src": "user", **call}, whole=True)
+        if request.path.startswith("/rpc/"):
+            params = dict(as_object(request.body)) or {name: _parsed(text) for name, text in request.query.items()}
+            call = {"id": 1, "src": "user", "method": request.path.removeprefix("/rpc/"), "params": params}
+            return self._answer_http(request, call, whole=False)
+        return WebReply(b"Not Found", 404, "text/plain")
+
+    def greet(self, peer: WebPeer, path: str) -> bool:
+        """Take a WebSocket to ``/rpc``."""
+        del peer
+        return path == "/rpc"
+
+    def receive(self, peer: WebPeer, message: bytes) -> None:
+        """Take a call, and answer it."""
+        call = as_object(message)
+        if not isinstance(call.get("src"), str):
+            return
+        peer.name = str(call["src"])
+        if self._password and call.get("method") not in OPEN_METHODS and not self._is_signed(call.get("auth")):
+            self.refused_calls += 1
+            peer.send(as_json(self._refusal(call)))
+            return
+        for answer in self._run(call):
+            peer.send(as_json(answer))
+
+    def _run(self, call: Mapping[str, object]) -> list[Mapping[str, object]]:
+        payload = as_json(call)
+        for command in self._dialect.parse_command(self.device, "", payload):
+            self.on_command(command)
+        replies = self._dialect.replies(self.device, self.state, "", payload)
+        answers = [dict(as_object(reply.payload)) for reply in replies]
+        for answer in answers:
+            result = answer.get("result")
+            if call.get("method") == "Shelly.GetDeviceInfo" and isinstance(result, dict):
+                answer["result"] = {**result, **self._about()}
+        return list(answers)
+
+    def _about(self) -> dict[str, object]:
+        has_password = bool(self._password)
+        return {
+            **describe_shelly(self.device),
+            "auth_en": has_password,
+            "auth_domain": self.id if has_password else None,
+        }
+
+    def _refusal(self, call: Mapping[str, object]) -> dict[str, object]:
+        nonce = self._challenge()
+        challenge = {"auth_type": "digest", "nonce": nonce, "nc": 1, "realm": self.id, "algorithm": ALGORITHM}
+        error = {"code": UNAUTHORIZED, "message": json.dumps(challenge)}
+        return {"id": call.get("id"), "src": self.id, "dst": call.get("src"), "error": error}
+
+    def _challenge(self) -> int:
+        nonce = self._make_nonce()
+        self._nonces = {nonce: 0}
+        return nonce
+
+    def _is_signed(self, auth: object) -> bool:
+        """Return whether *auth* is a right answer to the last challenge, whose count was not used before."""
+        if not isinstance(auth, dict):
+            return False
+        nonce, count = auth.get("nonce"), auth.get("nc", 1)
+        if not isinstance(nonce, int) or not isinstance(count, int) or count <= self._nonces.get(nonce, count):
+            return False
+        secret = _hash("admin", self.id, self._password)
+        request = _hash("dummy_method", "dummy_uri")
+        right = _hash(secret, str(nonce), str(count), str(auth.get("cnonce")), "auth", request)
+        if auth.get("response") != right:
+            return False
+        self._nonces[nonce] = count
+        return True
+
+    def _answer_http(self, request: WebRequest, call: Mapping[str, object], *, whole: bool) -> WebReply:
+        if self._password and call.get("method") not in OPEN_METHODS and not self._is_let_in(request):
+            self.refused_calls += 1
+            challenge = f'Digest qop="auth", realm="{self.id}", nonce="{self._challenge()}", algorithm={ALGORITHM}'
+            return WebReply(b"", UNAUTHORIZED, "text/plain", {"WWW-Authenticate": challenge})
+        (answer,) = self._run(call) or [{}]
+        if whole:
+            return WebReply(as_json(answer))
+        if "error" in answer:
+            return WebReply(as_json(answer["error"]), 404)
+        return WebReply(as_json(answer.get("result")))
+
+    def _is_let_in(self, request: WebRequest) -> bool:
+        scheme, _, fields = request.headers.get("authorization", "").partition(" ")
+        if scheme.lower() != "digest":
+            return False
+        said = {
+            name.strip(): value.strip().strip('"')
+            for name, _, value in (field.partition("=") for field in fields.split(","))
+        }
+        secret = _hash("admin", self.id, self._password)
+        asked = _hash(request.method, said.get("uri", ""))
+        given = (said.get(name, "") for name in ("nonce", "nc", "cnonce", "qop"))
+        return said.get("response") == _hash(secret, *given, asked)
+
+
+def _hash(*texts: str) -> str:
+    return hashlib.sha256(":".join(texts).encode()).hexdigest()
+
+
+def _parsed(text: str) -> object:
+    try:
+        value: object = json.loads(text)
+    except ValueError:
+        return text
+    return value

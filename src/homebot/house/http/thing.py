@@ -1,0 +1,161 @@
+"""Things that describe themselves over HTTP; their properties are read, written, and pushed as server-sent events.
+
+Source: W3C Recommendations "Web of Things (WoT) Thing Description 1.1" and "Web of Things (WoT) Discovery".
+"""
+
+from __future__ import annotations
+
+import json
+from base64 import b64encode
+from collections.abc import Callable, Mapping
+
+import anyio
+from anyio.abc import TaskStatus
+
+from homebot.house.connected_device import ServedDevice
+from homebot.house.dialect import SimulatedDeviceInfo
+from homebot.house.dialects.wire import as_json, hardware_address
+from homebot.house.dns_sd import DnsSdService, announce_service
+from homebot.house.http.thing_properties import THING_PROPERTIES, ThingProperty
+from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
+
+__all__ = ["ServedThing"]
+
+TD_TYPE = "application/td+json"
+WELL_KNOWN = "/.well-known/wot"
+CONTEXTS = ["https://www.w3.org/2022/wot/td/v1.1", "https://webthings.io/schemas"]
+
+
+class ServedThing(ServedDevice):
+    """One thing.
+
+    Args:
+        device: Its name and kind.
+        on_command: Gets each command for it.
+        address: Its own address; announced on the interface that has it.
+        announced: Whether it announces itself by DNS-SD.
+        token: What it wants to be let in: a bearer token; empty for nothing.
+        user: With a user, *token* is the password of HTTP Basic authentication.
+
+    Attributes:
+        server: Its server.
+    """
+
+    def __init__(
+        self,
+        device: SimulatedDeviceInfo,
+        on_command: Callable[[str], None],
+        *,
+        address: str = "127.0.0.1",
+        announced: bool = False,
+        token: str = "",
+        user: str = "",
+    ) -> None:
+        super().__init__(device, on_command)
+        self.server = WebServer(self, address)
+        self._is_announced = announced
+        self._type, self._properties = THING_PROPERTIES.get(device.kind, ("", {}))
+        self._login = ""
+        if user:
+            self._login = f"Basic {b64encode(f'{user}:{token}'.encode()).decode()}"
+        elif token:
+            self._login = f"Bearer {token}"
+        self._last: dict[str, object] = {}
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Be on the network until cancelled."""
+        async with anyio.create_task_group() as tasks:
+            await tasks.start(self.server.serve)
+            if self._is_announced:
+                name, host = self.device.device_id, f"thing-{hardware_address(self.device)[-6:]}"
+                text = {"td": WELL_KNOWN, "type": "Thing", "scheme": "http"}
+                service = DnsSdService("_wot._tcp.local.", name, host, self.server.port, text)
+                await tasks.start(announce_service, service, self.server.address)
+            task_status.started()
+
+    @property
+    def origin(self) -> str:
+        """The beginning of its addresses; it is known once it serves."""
+        return f"http://{self.server.address}:{self.server.port}"
+
+    def description(self) -> dict[str, object]:
+        """Return its Thing Description; the address in it is known once it serves."""
+        scheme = "basic" if self._login.startswith("Basic") else "bearer" if self._login else "nosec"
+        return {
+            "@context": CONTEXTS,
+            "@type": [self._type] if self._type else [],
+            "id": f"urn:dev:mac:{hardware_address(self.device)}",
+            "title": self.device.device_id,
+            "base": f"{self.origin}/",
+            "securityDefinitions": {"access": {"scheme": scheme}},
+            "security": "access",
+            "properties": {name: self._described(name, one) for name, one in self._properties.items()},
+            "forms": [{"href": "properties", "op": "readallproperties"}],
+        }
+
+    def show(self) -> None:
+        """Push what is new to who observes it."""
+        now = {name: one.read(self.state) for name, one in self._properties.items()}
+        changed = {name for name, value in now.items() if self._last.get(name) != value}
+        self._last = now
+        for peer in self.server.peers:
+            if peer.name in changed:
+                peer.send(_event(peer.name, now[peer.name]))
+
+    def answer(self, request: WebRequest) -> WebReply:
+        """Return the answer to a request of HTTP."""
+        path = request.path.rstrip("/")
+        if path == WELL_KNOWN:
+            return WebReply(as_json(self.description()), content_type=TD_TYPE)
+        if not self._lets_in(request.headers):
+            return WebReply(b"", 401, headers={"WWW-Authenticate": self._login.partition(" ")[0]})
+        if path == "/properties":
+            return WebReply(as_json({name: one.read(self.state) for name, one in self._properties.items()}))
+        name = path.removeprefix("/properties/")
+        one = self._properties.get(name) if name != path else None
+        if one is None:
+            return WebReply(b"", 404)
+        if request.method == "GET":
+            return WebReply(as_json(one.read(self.state)))
+        orders = one.order(_parsed(request.body)) if one.order is not None and request.method == "PUT" else None
+        if orders is None:
+            return WebReply(b"", 400)
+        for text in orders:
+            self.on_command(text)
+        return WebReply(b"", 204)
+
+    def greet(self, peer: WebPeer, path: str) -> bool:
+        """Let a peer observe a property."""
+        name = path.removeprefix("/properties/")
+        if not peer.takes_events or name not in self._properties or not self._lets_in(peer.headers):
+            return False
+        peer.name = name
+        peer.send(_event(name, self._properties[name].read(self.state)))
+        return True
+
+    def receive(self, peer: WebPeer, message: bytes) -> None:
+        """Take nothing: it has no WebSockets."""
+
+    def _lets_in(self, headers: Mapping[str, str]) -> bool:
+        return not self._login or headers.get("authorization") == self._login
+
+    def _described(self, name: str, one: ThingProperty) -> dict[str, object]:
+        path = f"properties/{name}"
+        ops = ["readproperty", "writeproperty"] if one.order is not None else ["readproperty"]
+        forms: list[dict[str, object]] = [
+            {"href": path, "op": ops},
+            {"href": path, "op": ["observeproperty", "unobserveproperty"], "subprotocol": "sse"},
+        ]
+        return {**one.schema, "title": name, "readOnly": one.order is None, "observable": True, "forms": forms}
+
+
+def _event(name: str, value: object) -> bytes:
+    return f"event: {name}\ndata: {json.dumps(value)}".encode()
+
+
+def _parsed(body: bytes) -> object:
+    try:
+        value: object = json.loads(body[:10_000])
+    except (ValueError, RecursionError):
+        return None
+    return value

@@ -1,0 +1,133 @@
+"""A directory of Thing Descriptions: they are registered, listed in pages, and their changes are told as events.
+
+Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, section 7.3.2.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+
+import anyio
+from anyio.abc import TaskStatus
+
+from homebot.house.dialects.wire import as_json
+from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
+from homebot.numbers import to_number
+
+__all__ = ["ThingDirectoryServer"]
+
+TD_TYPE = "application/td+json"
+LD_TYPE = "application/ld+json"
+PREFIX = "/things/"
+
+
+class ThingDirectoryServer:
+    """A directory that knows nothing of homebot; whoever can reach it may register things.
+
+    Args:
+        address: The address to listen on.
+        port: The port; 0 for a free one, which it keeps.
+        has_events: Whether it tells what changes.
+        page: The most things on one page.
+        token: The bearer token that it wants; empty for none.
+
+    Attributes:
+        server: Its server.
+        things: The descriptions, by id.
+    """
+
+    def __init__(
+        self,
+        address: str = "127.0.0.1",
+        port: int = 0,
+        *,
+        has_events: bool = True,
+        page: int = 100,
+        token: str = "",
+    ) -> None:
+        self.server = WebServer(self, address, port)
+        self.things: dict[str, Mapping[str, object]] = {}
+        self._has_events = has_events
+        self._page = page
+        self._token = token
+
+    @property
+    def url(self) -> str:
+        """Its address; it is known once it serves."""
+        return f"http://{self.server.address}:{self.server.port}"
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Be on the network until cancelled."""
+        await self.server.serve(task_status=task_status)
+
+    def register(self, description: Mapping[str, object]) -> None:
+        """Take in a description, or another one of the same thing."""
+        thing_id = str(description["id"])
+        change = "thing_updated" if thing_id in self.things else "thing_created"
+        self.things[thing_id] = description
+        self._tell(change, description if change == "thing_created" else {"id": thing_id})
+
+    def delete(self, thing_id: str) -> None:
+        """Take a thing out."""
+        if self.things.pop(thing_id, None) is not None:
+            self._tell("thing_deleted", {"id": thing_id})
+
+    def answer(self, request: WebRequest) -> WebReply:
+        """Return the answer to a request of HTTP."""
+        if not self._lets_in(request.headers):
+            return WebReply(b"", 401, headers={"WWW-Authenticate": "Bearer"})
+        if request.path == "/things" and request.method == "GET":
+            return self._listed(request)
+        thing_id = request.path.removeprefix(PREFIX)
+        if not request.path.startswith(PREFIX):
+            return WebReply(b"", 404)
+        known = thing_id in self.things
+        match request.method:
+            case "PUT":
+                return self._registered(thing_id, request.body)
+            case "DELETE" if known:
+                self.delete(thing_id)
+                return WebReply(b"", 204)
+            case "GET" if known:
+                return WebReply(as_json(self.things[thing_id]), content_type=TD_TYPE)
+            case _:
+                return WebReply(b"", 404)
+
+    def greet(self, peer: WebPeer, path: str) -> bool:
+        """Let a peer listen to what changes."""
+        if not (self._has_events and peer.takes_events and path == "/events" and self._lets_in(peer.headers)):
+            return False
+        peer.send(b": welcome")
+        return True
+
+    def receive(self, peer: WebPeer, message: bytes) -> None:
+        """Take nothing: it has no WebSockets."""
+
+    def _listed(self, request: WebRequest) -> WebReply:
+        wanted, offset = (to_number(request.query.get(name)) or 0 for name in ("limit", "offset"))
+        limit = min(int(wanted) or self._page, self._page)
+        begin = int(offset)
+        headers = {}
+        if begin + limit < len(self.things):
+            headers["Link"] = f'</things?offset={begin + limit}&limit={limit}>; rel="next"'
+        listed = list(self.things.values())[begin : begin + limit]
+        return WebReply(as_json(listed), content_type=LD_TYPE, headers=headers)
+
+    def _registered(self, thing_id: str, body: bytes) -> WebReply:
+        try:
+            description = json.loads(body)
+        except (ValueError, RecursionError):
+            return WebReply(b"", 400)
+        if not isinstance(description, dict) or description.get("id", thing_id) != thing_id:
+            return WebReply(b"", 400)
+        is_new = thing_id not in self.things
+        self.register({**description, "id": thing_id})
+        return WebReply(b"", 201 if is_new else 204)
+
+    def _tell(self, change: str, fields: Mapping[str, object]) -> None:
+        for peer in self.server.peers:
+            peer.send(f"event: {change}\ndata: ".encode() + as_json(fields))
+
+    def _lets_in(self, headers: Mapping[str, str]) -> bool:
+        return not self._token or headers.get("authorization") == f"Bearer {self._token}"

@@ -1,0 +1,200 @@
+"""A small server for simulated devices; the one file of the house that knows aiohttp.
+
+It speaks HTTP, WebSockets and server-sent events. A device answers at once, by functions that never wait. What is sent
+to a WebSocket, or as events, waits in a queue of its own: of 100 messages the oldest goes.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import anyio
+from aiohttp import WSMsgType, web
+from anyio.abc import TaskStatus
+
+__all__ = ["WebDevice", "WebPeer", "WebReply", "WebRequest", "WebServer"]
+
+QUEUED = 100
+LONGEST = 64 * 1024
+SHUTDOWN = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class WebRequest:
+    """A request.
+
+    Attributes:
+        method: ``GET``, ``POST``, …
+        path: Decoded, without what is asked behind ``?``.
+        query: That, by name.
+        headers: The header fields, names in lower case.
+        body: The body.
+    """
+
+    method: str
+    path: str
+    query: Mapping[str, str]
+    headers: Mapping[str, str]
+    body: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class WebReply:
+    """The answer to a request.
+
+    Attributes:
+        body: The body.
+        status: The status.
+        content_type: Its media type.
+        headers: Further header fields.
+    """
+
+    body: bytes = b""
+    status: int = 200
+    content_type: str = "application/json"
+    headers: Mapping[str, str] = field(default_factory=dict)
+
+
+class WebPeer:
+    """The other end of a WebSocket, or of a stream of server-sent events.
+
+    Args:
+        takes_events: Whether it is sent events; what is sent to it is then the text of one, without its last line.
+        headers: The header fields of the request that opened it, names in lower case.
+
+    Attributes:
+        takes_events: The same.
+        headers: The same.
+        name: What it called itself, for the device to note; empty at first.
+    """
+
+    def __init__(self, headers: Mapping[str, str] | None = None, *, takes_events: bool = False) -> None:
+        self.takes_events = takes_events
+        self.headers = headers or {}
+        self.name = ""
+        self._queue: deque[bytes] = deque(maxlen=QUEUED)
+        self._queued = anyio.Event()
+
+    def send(self, text: bytes) -> None:
+        """Send a text, in UTF-8; never waits."""
+        self._queue.append(text)
+        self._queued.set()
+
+    async def next_text(self) -> str:
+        """Wait for a text to send, and take it out of the queue."""
+        while not self._queue:
+            self._queued = anyio.Event()
+            await self._queued.wait()
+        return self._queue.popleft().decode(errors="replace")
+
+
+class WebDevice(Protocol):
+    """The device behind a server."""
+
+    def answer(self, request: WebRequest) -> WebReply:
+        """Return the answer to a request."""
+
+    def greet(self, peer: WebPeer, path: str) -> bool:
+        """Take a new WebSocket to *path*, or a new stream of events from there; false where there is none."""
+
+    def receive(self, peer: WebPeer, message: bytes) -> None:
+        """Take what came over a WebSocket."""
+
+
+class WebServer:
+    """A server for one device; its port stays the same however often it is started.
+
+    Args:
+        device: The device.
+        address: The address to listen on.
+        port: The port; 0 for a free one.
+
+    Attributes:
+        address: The same.
+        port: The port, once it serves.
+        peers: The open WebSockets and streams of events.
+    """
+
+    def __init__(self, device: WebDevice, address: str = "127.0.0.1", port: int = 0) -> None:
+        self.address = address
+        self.port = port
+        self.peers: list[WebPeer] = []
+        self._device = device
+        self._site: web.TCPSite | None = None
+
+    def broadcast(self, text: bytes) -> None:
+        """Send a text to all WebSockets; never waits."""
+        for peer in self.peers:
+            if not peer.takes_events:
+                peer.send(text)
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Serve until cancelled; then all connections are cut."""
+        app = web.Application(client_max_size=LONGEST)
+        app.router.add_route("*", "/{path:.*}", self._handle)
+        runner = web.AppRunner(app, shutdown_timeout=SHUTDOWN, handler_cancellation=True, access_log=None)
+        await runner.setup()
+        try:
+            await web.TCPSite(runner, self.address, self.port).start()
+            self.port = int(runner.addresses[0][1])
+            task_status.started()
+            await anyio.sleep_forever()
+        finally:
+            with anyio.CancelScope(shield=True):
+                await runner.cleanup()
+
+    async def _handle(self, request: web.Request) -> web.StreamResponse:
+        if request.headers.get("Upgrade", "").lower() == "websocket":
+            return await self._talk(request)
+        headers = {name.lower(): value for name, value in request.headers.items()}
+        if "text/event-stream" in headers.get("accept", ""):
+            peer = WebPeer(headers, takes_events=True)
+            if self._device.greet(peer, request.path):
+                return await self._send_events(request, peer)
+        asked = WebRequest(request.method, request.path, dict(request.query), headers, await request.read())
+        reply = self._device.answer(asked)
+        return web.Response(
+            body=reply.body, status=reply.status, content_type=reply.content_type, headers=dict(reply.headers)
+        )
+
+    async def _send_events(self, request: web.Request, peer: WebPeer) -> web.StreamResponse:
+        stream = web.StreamResponse(headers={"Content-Type": "text/event-stream", "Cache-Control": "no-store"})
+        await stream.prepare(request)
+        self.peers.append(peer)
+        try:
+            while True:
+                await stream.write(f"{await peer.next_text()}\n\n".encode())
+        except ConnectionError:
+            return stream  # the peer has left
+        finally:
+            self.peers.remove(peer)
+
+    async def _talk(self, request: web.Request) -> web.StreamResponse:
+        peer = WebPeer()
+        if not self._device.greet(peer, request.path):
+            raise web.HTTPNotFound
+        socket = web.WebSocketResponse(max_msg_size=LONGEST, timeout=SHUTDOWN)
+        await socket.prepare(request)
+        self.peers.append(peer)
+        try:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(_send_texts, socket, peer)
+                async for message in socket:
+                    if message.type is WSMsgType.TEXT:
+                        self._device.receive(peer, message.data.encode(errors="replace"))
+                tasks.cancel_scope.cancel()
+        finally:
+            self.peers.remove(peer)
+        return socket
+
+
+async def _send_texts(socket: web.WebSocketResponse, peer: WebPeer) -> None:
+    while not socket.closed:
+        text = await peer.next_text()
+        try:
+            await socket.send_str(text)
+        except ConnectionError:  # the peer has left; the reader notices as well
+            return

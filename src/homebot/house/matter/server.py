@@ -1,0 +1,160 @@
+"""A Matter server, simulated at its WebSocket: it lists its nodes, reports what changes, and passes commands on.
+
+Source: python-matter-server 8.1, ``docs/websockets_api.md`` (schema version 11).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final, Protocol
+
+import anyio
+from anyio.abc import TaskStatus
+
+from homebot.house.dialects.wire import as_json, as_object
+from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
+
+__all__ = ["CommissionedNode", "SimulatedMatterServer"]
+
+SCHEMA: Final = 11
+_FAILED, _NOT_READY, _NO_NODE, _WRONG_ARGUMENTS, _NO_COMMAND = 0, 3, 5, 8, 9
+
+
+class CommissionedNode(Protocol):
+    """A node, as its server sees it."""
+
+    node_id: int
+    is_available: bool
+
+    def describe(self) -> dict[str, object]:
+        """Return what the server says of it."""
+
+    def invoke(self, cluster: int, command: str, payload: Mapping[str, object]) -> bool:
+        """Carry out a command; return false for one that it does not have."""
+
+    def write(self, path: str, value: object) -> bool:
+        """Write an attribute; return false for one that cannot be written."""
+
+
+class SimulatedMatterServer:
+    """A server with its nodes, which it keeps when they are away.
+
+    Args:
+        address: The address to listen on.
+        port: The port; 0 for a free one.
+
+    Attributes:
+        server: The server of its WebSocket.
+        nodes: Its nodes by their numbers.
+        calls: What it was told last: command and arguments.
+    """
+
+    def __init__(self, address: str = "127.0.0.1", port: int = 0) -> None:
+        self.server = WebServer(self, address, port)
+        self.nodes: dict[int, CommissionedNode] = {}
+        self.calls: list[tuple[str, Mapping[str, object]]] = []
+        self._last_node_id = 0
+
+    @property
+    def url(self) -> str:
+        """The address of its WebSocket, once it serves."""
+        return f"ws://{self.server.address}:{self.server.port}/ws"
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Serve until cancelled."""
+        await self.server.serve(task_status=task_status)
+
+    def meet(self, node: CommissionedNode) -> None:
+        """Take a node: commission it the first time, else reach it again."""
+        is_new = node.node_id == 0
+        if is_new:
+            self._last_node_id += 1
+            node.node_id = self._last_node_id
+            self.nodes[node.node_id] = node
+        self.tell("node_added" if is_new else "node_updated", node.describe())
+
+    def miss(self, node: CommissionedNode) -> None:
+        """Report that a node cannot be reached."""
+        if node.node_id in self.nodes:
+            self.tell("node_updated", node.describe())
+
+    def remove(self, node: CommissionedNode) -> None:
+        """Remove a node from the fabric."""
+        if self.nodes.pop(node.node_id, None) is not None:
+            self.tell("node_removed", node.node_id)
+
+    def report(self, node: CommissionedNode, path: str, value: object) -> None:
+        """Report the new value of an attribute."""
+        self.tell("attribute_updated", [node.node_id, path, value])
+
+    def tell(self, event: str, data: object) -> None:
+        """Send an event to all who listen."""
+        frame = as_json({"event": event, "data": data})
+        for peer in self.server.peers:
+            if peer.name:
+                peer.send(frame)
+
+    def answer(self, request: WebRequest) -> WebReply:
+        """Refuse a request of HTTP."""
+        del request
+        return WebReply(b"Not Found", 404, "text/plain")
+
+    def greet(self, peer: WebPeer, path: str) -> bool:
+        """Take a WebSocket to ``/ws``, and say what it is."""
+        peer.send(
+            as_json(
+                {
+                    "fabric_id": 1,
+                    "compressed_fabric_id": 1_234_567_890_123_456_789,
+                    "schema_version": SCHEMA,
+                    "min_supported_schema_version": 9,
+                    "sdk_version": "2025.7.0",
+                    "wifi_credentials_set": False,
+                    "thread_credentials_set": False,
+                    "bluetooth_enabled": False,
+                }
+            )
+        )
+        return path == "/ws"
+
+    def receive(self, peer: WebPeer, message: bytes) -> None:
+        """Take a command, and answer it."""
+        frame = as_object(message)
+        message_id, command, args = frame.get("message_id"), frame.get("command"), frame.get("args") or {}
+        if not isinstance(message_id, str) or not isinstance(command, str) or not isinstance(args, dict):
+            return
+        self.calls = [*self.calls[-99:], (command, args)]
+        if command == "start_listening":
+            peer.name = "listener"
+        code, result = self._run(command, args)
+        if code is None:
+            peer.send(as_json({"message_id": message_id, "result": result}))
+        else:
+            peer.send(as_json({"message_id": message_id, "error_code": code, "details": result}))
+
+    def _run(self, command: str, args: Mapping[str, object]) -> tuple[int | None, object]:
+        """Carry a command out; return the code of an error, if there is one, and the result or what is wrong."""
+        if command in {"start_listening", "get_nodes"}:
+            return None, [one.describe() for one in self.nodes.values()]
+        if command not in {"device_command", "write_attribute", "get_node"}:
+            return _NO_COMMAND, f"Invalid Command: {command}"
+        node_id = args.get("node_id")
+        node = self.nodes.get(node_id) if isinstance(node_id, int) else None
+        if node is None:
+            return _NO_NODE, f"Node {node_id} does not exist"
+        if command == "get_node":
+            return None, node.describe()
+        if not node.is_available:
+            return _NOT_READY, f"Node {node_id} is not (yet) available."
+        if command == "write_attribute":
+            path, value = args.get("attribute_path"), args.get("value")
+            if not isinstance(path, str):
+                return _WRONG_ARGUMENTS, "attribute_path"
+            status = 0 if node.write(path, value) else 0x88
+            return None, [{"Path": {}, "Status": status}]
+        cluster, name, payload = args.get("cluster_id"), args.get("command_name"), args.get("payload")
+        if not isinstance(cluster, int) or not isinstance(name, str) or not isinstance(payload, dict):
+            return _WRONG_ARGUMENTS, "cluster_id, command_name, payload"
+        if node.invoke(cluster, name, payload):
+            return None, None
+        return _FAILED, "InteractionModelError: UnsupportedCommand (0x81)"

@@ -1,0 +1,174 @@
+"""Networks of a simulated house beside its broker: this computer's loopback interface, and a virtual radio.
+
+A device of a house speaks MQTT in a dialect, or belongs to a *served family*: it is a server or a radio by itself,
+and a gateway of its protocol finds it. The house says which gateways its devices need; what runs it adds those that
+are not there.
+"""
+
+from __future__ import annotations
+
+import importlib
+import socket
+from collections.abc import AsyncIterator, Callable, Iterable, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from random import Random
+from types import MappingProxyType
+from typing import TypeAlias
+
+from homebot.ble_backend import BleBackend
+from homebot.extras import check_extra
+from homebot.house.connected_device import ConnectedDevice
+from homebot.house.dialect import SimulatedDeviceInfo
+from homebot.house.dialects import DIALECTS
+
+__all__ = ["FAMILIES", "HouseNetwork", "ServedFamily", "kinds_of"]
+
+OnCommand: TypeAlias = Callable[[str], None]
+LOOPBACK = "127.0.0.1"
+
+
+@dataclass(frozen=True, slots=True)
+class ServedFamily:
+    """A family of devices that are servers or radios by themselves.
+
+    Attributes:
+        kinds: The kinds of devices, as houses are described, that there are in it.
+        device: Module and class of a device.
+        options: The arguments of that class beside its name and what gets its commands.
+        gateway: The gateway that finds them, by the name of its plug-in.
+        extra: The extra that installs its libraries.
+        libraries: Their top-level modules.
+    """
+
+    kinds: frozenset[str]
+    device: str
+    gateway: str
+    extra: str
+    libraries: tuple[str, ...]
+    options: Mapping[str, object] = field(default_factory=dict)
+
+
+_FOUND_BY_MDNS: Mapping[str, object] = MappingProxyType({"announced": True})
+
+FAMILIES: Mapping[str, ServedFamily] = MappingProxyType(
+    {
+        "ble_light": ServedFamily(
+            frozenset({"lamp"}), "homebot.house.ble_devices:BluetoothLight", "ble", "testing", ("bleak", "bumble")
+        ),
+        "bthome": ServedFamily(
+            frozenset({"contact", "lux", "motion", "power_meter", "thermostat"}),
+            "homebot.house.ble_devices:BroadcastingSensor",
+            "ble",
+            "testing",
+            ("bleak", "bumble"),
+        ),
+        "coap": ServedFamily(
+            frozenset({"lamp", "lux", "motion", "thermostat"}),
+            "homebot.house.coap_devices:CoapDevice",
+            "coap",
+            "coap",
+            ("aiocoap",),
+        ),
+        "esphome": ServedFamily(
+            frozenset({"contact", "cover", "lamp", "lock", "lux", "motion", "power_meter", "thermostat", "window"}),
+            "homebot.house.esphome:EsphomeServedDevice",
+            "mdns",
+            "mdns",
+            ("aioesphomeapi", "zeroconf"),
+            _FOUND_BY_MDNS,
+        ),
+        "shelly_http": ServedFamily(
+            frozenset({"cover", "lamp", "window"}),
+            "homebot.house.http.shelly:ServedShelly",
+            "mdns",
+            "mdns",
+            ("aiohttp", "zeroconf"),
+            _FOUND_BY_MDNS,
+        ),
+        "wled": ServedFamily(
+            frozenset({"lamp"}),
+            "homebot.house.http.wled:ServedWled",
+            "mdns",
+            "mdns",
+            ("aiohttp", "zeroconf"),
+            _FOUND_BY_MDNS,
+        ),
+    }
+)
+"""Every served family by the name that houses have for it."""
+
+
+def kinds_of(name: str) -> frozenset[str] | None:
+    """Return the kinds of devices in the dialect or served family *name*; None where there is none of that name."""
+    if name in DIALECTS:
+        return DIALECTS[name].kinds
+    return FAMILIES[name].kinds if name in FAMILIES else None
+
+
+class HouseNetwork:
+    """The networks of one house.
+
+    Args:
+        families: The dialects and served families of its devices.
+    """
+
+    def __init__(self, families: Iterable[str]) -> None:
+        self._families = {name: FAMILIES[name] for name in families if name in FAMILIES}
+        self._coap_directory = ""
+        self._radio: object = None
+
+    @asynccontextmanager
+    async def running(self, random: Random | None) -> AsyncIterator[tuple[object, ...]]:
+        """Run the networks inside the block; the value is what gateways need to reach them.
+
+        Args:
+            random: The source of random numbers; None for one of its own.
+        """
+        if not any(family.gateway == "ble" for family in self._families.values()):
+            yield ()
+            return
+        from homebot.house.virtual_radio import VirtualRadio  # noqa: PLC0415 - an extra
+
+        async with VirtualRadio(random or Random()).running() as radio:  # noqa: S311 - no secret
+            self._radio = radio
+            yield (BleBackend(radio.scanner, radio.client),)
+
+    def gateways(self) -> dict[str, dict[str, object]]:
+        """Return the tables of the gateways that find its devices, by the names of their plug-ins.
+
+        Raises:
+            UsageError: A library of a device is not installed; says how to install it.
+        """
+        found: dict[str, dict[str, object]] = {}
+        for name, family in self._families.items():
+            check_extra(f"a simulated device of {name!r}", family.extra, *family.libraries)
+            found[family.gateway] = self._settings(family.gateway)
+        return found
+
+    def connect(self, family: str, device: SimulatedDeviceInfo, on_command: OnCommand) -> ConnectedDevice:
+        """Return a device of a served family, which is on the network once it lives; inside :meth:`running`."""
+        spec = self._families[family]
+        module, _, name = spec.device.partition(":")
+        make: Callable[..., ConnectedDevice] = getattr(importlib.import_module(module), name)
+        return make(device, on_command, **spec.options, **self._options(spec.gateway))
+
+    def _settings(self, gateway: str) -> dict[str, object]:
+        if gateway == "mdns":
+            return {"interfaces": [LOOPBACK], "announce": False}
+        if gateway == "coap":
+            return {"serve_directory": self._directory()}
+        return {}
+
+    def _options(self, gateway: str) -> dict[str, object]:
+        if gateway == "coap":
+            return {"directory": f"coap://{self._directory()}"}
+        return {"radio": self._radio} if gateway == "ble" else {}
+
+    def _directory(self) -> str:
+        """Return where devices register themselves; a port that was free when it was asked for first."""
+        if not self._coap_directory:
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+                probe.bind((LOOPBACK, 0))
+                self._coap_directory = f"{LOOPBACK}:{probe.getsockname()[1]}"
+        return self._coap_directory

@@ -1,0 +1,114 @@
+"""The field of a simulated reader, into which tags are held: what nfcpy drives as ``udp:HOST:PORT``.
+
+Each datagram is a bit rate with its modulation, such as ``106A``, and hexadecimal digits. Tags answer as Type A targets
+(ISO/IEC 14443-3) and in blocks of ISO/IEC 14443-4. It is served in a thread, as a reader asks again after milliseconds.
+"""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from functools import partial
+from threading import Event
+from typing import Final
+
+import anyio
+from anyio import CapacityLimiter, to_thread
+
+from homebot.house.nfc.type4_card import Type4Card
+
+__all__ = ["TagField"]
+
+_SENSE: Final = b"\x26"
+_SENSED: Final = b"\x44\x03"
+_CASCADE: Final = b"\x93\x95\x97"
+_IS_ISO_DEP: Final = 0x20
+_NOT_COMPLETE: Final = 0x04
+_ANSWER_TO_SELECT: Final = bytes.fromhex("057880D002")
+"""Frames of 256 bytes, and 2.5 seconds for an answer: a computer may be busier than a tag."""
+
+_NOBODY: Final = b"RFOFF"
+
+
+class TagField:
+    """The field of one reader; entered by :meth:`served`.
+
+    Args:
+        port: The UDP port on loopback; 0 for any.
+
+    Attributes:
+        card: The tag that is in the field; None for none.
+        port: Likewise, the one that it has while it is served.
+    """
+
+    def __init__(self, port: int = 0) -> None:
+        self.card: Type4Card | None = None
+        self.port = port
+        self._last = b""
+
+    @property
+    def path(self) -> str:
+        """Its name in nfcpy."""
+        return f"udp:127.0.0.1:{self.port}"
+
+    @asynccontextmanager
+    async def served(self) -> AsyncIterator[None]:
+        """Serve the reader inside the block."""
+        stopped = Event()
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as server:
+            server.bind(("127.0.0.1", self.port))
+            server.settimeout(0.05)
+            self.port = server.getsockname()[1]
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(partial(to_thread.run_sync, self._serve, server, stopped, limiter=CapacityLimiter(1)))
+                try:
+                    yield
+                finally:
+                    stopped.set()
+
+    def _serve(self, server: socket.socket, stopped: Event) -> None:
+        while not stopped.is_set():
+            try:
+                datagram, sender = server.recvfrom(1024)
+            except (TimeoutError, ConnectionError):
+                continue
+            rate, _, digits = datagram.partition(b" ")
+            if not digits:
+                continue  # the reader has turned its field off
+            answer = self._answer(rate, bytes.fromhex(digits.decode()))
+            server.sendto(rate + b" " + answer.hex().encode() if answer else _NOBODY, sender)
+
+    def _answer(self, rate: bytes, command: bytes) -> bytes:
+        """Return the tag's answer; empty where nobody answers."""
+        card = self.card
+        if card is None or rate != b"106A":
+            return b""
+        if command == _SENSE:
+            return _SENSED
+        if command[:1] in {b"\x93", b"\x95", b"\x97"}:
+            return _selected(card.uid, command)
+        if command[:1] == b"\xe0":
+            return _ANSWER_TO_SELECT
+        return self._answer_block(card, command)
+
+    def _answer_block(self, card: Type4Card, block: bytes) -> bytes:
+        kind = block[0]
+        if kind & 0xE2 == 0x02:  # information
+            self._last = bytes([kind]) + card.answer(block[1:])
+            return self._last
+        if kind & 0xF6 == 0xB2:  # not acknowledged: what was said is asked for again, or whether anybody is there
+            return self._last if self._last[:1] == bytes([kind & 1 | 2]) else bytes([0xA2 | kind & 1])
+        return block[:1] if kind & 0xF7 == 0xC2 else b""  # deselected
+
+
+def _selected(uid: bytes, command: bytes) -> bytes:
+    """Return the answer in anti-collision: four bytes of the number and their sum, or that they are selected."""
+    level = _CASCADE.index(command[0])
+    parts = [uid] if len(uid) == 4 else [b"\x88" + uid[:3], uid[3:]]
+    if level >= len(parts):
+        return b""
+    if command[1] == 0x20:
+        part = parts[level]
+        return part + bytes([part[0] ^ part[1] ^ part[2] ^ part[3]])
+    return bytes([_IS_ISO_DEP if level == len(parts) - 1 else _NOT_COMPLETE])

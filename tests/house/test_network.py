@@ -1,0 +1,84 @@
+"""A house whose devices speak other protocols than MQTT: servers on loopback, found by gateways of their own."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+import anyio
+import pytest
+from tests.loopback import alone_on_loopback
+
+from homebot.config import parse_config
+from homebot.errors import ConfigError, UsageError
+from homebot.house import SimulatedLamp, World
+from homebot.house.description import load_world, parse_world
+from homebot.house.network import FAMILIES, HouseNetwork, kinds_of
+from homebot.house.rooms import OUTSIDE, Room, Rooms
+from homebot.house.world import Placed
+from homebot.mqtt.hosted_broker import HostedBroker
+from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.runtime import Runtime
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "houses" / "protocols.toml"
+
+
+class ToldLamp(SimulatedLamp):
+    """A lamp of which tests wait until it was turned off."""
+
+    dark: anyio.Event
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        if command == "off":
+            self.dark.set()
+        return super()._take(command)
+
+
+async def test_the_light_service_turns_off_a_lamp_of_every_family() -> None:
+    """The same app as over MQTT, without a line changed."""
+    lamps = {
+        family: ToldLamp(f"{family}_lamp", is_on=True) for family, spec in FAMILIES.items() if "lamp" in spec.kinds
+    }
+    for lamp in lamps.values():
+        lamp.dark = anyio.Event()
+    rooms = Rooms({OUTSIDE: Room(window=1.0), "hall": Room()}, [])
+    world = World(rooms, [Placed(lamp, "hall", dialect=family) for family, lamp in lamps.items()])
+    config = parse_config({"gateways": {"mqtt": {"root": "home425"}}, "apps": {"light_service": {}}}, "test")
+    async with alone_on_loopback(), MemoryBroker() as broker:
+        host = HostedBroker.in_memory(broker)
+        async with Runtime(config, house=world, with_door=False, services=[host]):
+            with anyio.fail_after(40):
+                for lamp in lamps.values():
+                    await lamp.dark.wait()
+    assert [lamp.is_on for lamp in lamps.values()] == [False] * len(lamps)
+
+
+def test_the_example_has_a_device_of_every_family() -> None:
+    families = load_world(EXAMPLE).families()
+    assert set(FAMILIES) <= set(families)
+
+
+def test_a_house_names_the_gateways_that_its_devices_need() -> None:
+    assert HouseNetwork(["thesis"]).gateways() == {}
+    assert HouseNetwork(["thesis", "wled", "shelly_http"]).gateways() == {
+        "mdns": {"interfaces": ["127.0.0.1"], "announce": False}
+    }
+
+
+def test_a_missing_library_is_told_with_what_installs_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "zeroconf" else name)
+    with pytest.raises(UsageError, match=r"'wled' needs zeroconf; install it with: pip install \"homebot\[mdns\]\""):
+        HouseNetwork(["wled"]).gateways()
+
+
+def test_a_family_without_such_a_device_is_told_with_those_it_has() -> None:
+    house = {"rooms": {"hall": {}}, "devices": {"door": {"kind": "lock", "room": "hall", "dialect": "wled"}}}
+    with pytest.raises(ConfigError, match="'wled' has no lock, only lamp"):
+        parse_world(house, "test")
+
+
+def test_an_unknown_dialect_is_told_with_all_there_are() -> None:
+    house = {"rooms": {"hall": {}}, "devices": {"lamp": {"kind": "lamp", "room": "hall", "dialect": "telepathy"}}}
+    with pytest.raises(ConfigError, match=r"must be one of thesis, .*wled, got 'telepathy'"):
+        parse_world(house, "test")
+    assert kinds_of("telepathy") is None
