@@ -48,5 +48,5 @@ async def test_an_app_without_run_cannot_be_made() -> None:
 
 def test_an_app_without_settings_takes_none() -> None:
     """A key that nobody reads is a mistake."""
-    with pytest.raises(ConfigError, match=r"apps\.light\.colour: is unknown"):
+    with pytest.raises(ConfigError, match=r"apps\.light\.colour: unknown key; known are none"):
         parse_settings(NoSettings, {"colour": "red"}, "homebot.toml", "apps.light")

@@ -85,7 +85,7 @@ def test_a_house_of_your_own_comes_in_the_place_of_the_thesis_house() -> None:
 
 def test_a_house_that_cannot_be_read_is_refused_by_its_name(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "--house", "villa.toml"]) == 1
-    assert "villa.toml: cannot be read" in capsys.readouterr().err
+    assert "villa.toml does not exist" in capsys.readouterr().err
 
 
 def test_a_house_on_a_broker_of_your_own_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
@@ -149,12 +149,18 @@ def test_an_app_whose_class_makes_no_legal_node_name_is_refused() -> None:
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        (["--config", "missing.toml"], "homebot: missing.toml: cannot be read: No such file or directory\n"),
-        (["--config", "."], "homebot: .: cannot be read: Is a directory\n"),
-        (["--app", "nosuch"], "homebot: command line: apps.nosuch: plug-in 'nosuch': is not installed (installed: "),
+        (["--config", "missing.toml"], "homebot: missing.toml does not exist\n"),
+        (["--config", "."], "homebot: . cannot be read: Is a directory\n"),
+        (["--app", "nosuch"], "homebot: command line: apps.nosuch: plug-in 'nosuch' is not installed (installed: "),
         (["--app", "json:JSONDecoder"], "apps.jsondecoder.class: json:JSONDecoder is not an App; derive it from"),
-        (["--app", "json:Nope"], "apps.nope.class: plug-in 'json:Nope': the module 'json' has no 'Nope'\n"),
-        (["--app", "nosuch:App"], "apps.app.class: plug-in 'nosuch:App': the module 'nosuch' cannot be imported: Mod"),
+        (
+            ["--app", "json:Nope"],
+            "apps.nope.class: plug-in 'json:Nope' cannot be loaded: the module 'json' has no 'Nope'\n",
+        ),
+        (
+            ["--app", "nosuch:App"],
+            "apps.app.class: plug-in 'nosuch:App' cannot be loaded: the module 'nosuch' cannot be imported: Mod",
+        ),
         (["--mqtt", "http://broker"], "homebot: command line: gateways.mqtt.url: MQTT address: it must start with m"),
         (["--root", "a/+"], "homebot: command line: gateways.mqtt.root: "),
         (["--door", "192.0.2.1:7"], "door.host: 192.0.2.1 can be reached by others, so it needs a token: give token_f"),
@@ -175,8 +181,9 @@ def test_what_cannot_be_run_is_one_clear_sentence(
         (["--app", "my_app:"], "an app is a plug-in's name or module:Class, got 'my_app:'"),
         (["--app", "my-app:App"], "got 'my-app:App'"),
         (["--app", ""], "got ''"),
-        (["--for", "0"], "a positive number is expected, got '0'"),
-        (["--for", "soon"], "a positive number is expected, got 'soon'"),
+        (["--app", "apps/light.py"], "got 'apps/light.py'; did you mean apps.light:CLASS, with the name of a class in"),
+        (["--for", "0"], "must be a number above 0, got '0'"),
+        (["--for", "soon"], "must be a number above 0, got 'soon'"),
         (
             ["--door", "ws://127.0.0.1:9090"],
             "an address is HOST:PORT, such as 127.0.0.1:9090 or [::1]:9090, got 'ws://",

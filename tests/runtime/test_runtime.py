@@ -16,7 +16,7 @@ from structlog.testing import capture_logs
 from homebot.apps import App
 from homebot.config import Config, parse_config
 from homebot.devices import DEVICE_CHANGES, DeviceChange
-from homebot.errors import ConfigError
+from homebot.errors import ConfigError, UsageError
 from homebot.graph import Node
 from homebot.house import thesis_world
 from homebot.messages import Log
@@ -59,6 +59,15 @@ JOURNAL = Journal()
 @pytest.fixture(autouse=True)
 def _empty_journal() -> None:
     JOURNAL.lines.clear()
+
+
+class Broken(App):
+    """Crashes before it is ready."""
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:  # noqa: ARG002
+        raise RuntimeError("ouch")
+
+    async def run(self) -> None: ...
 
 
 class Steady(App):
@@ -186,7 +195,7 @@ async def test_a_door_that_is_taken_ends_the_start() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         runtime = Runtime(parse_config({"door": {"port": port}}, "test"))
-        with pytest.raises(ConfigError, match=f"127.0.0.1:{port} is in use, maybe by another homebot"):
+        with pytest.raises(UsageError, match=f"127.0.0.1:{port} is in use, maybe by another homebot"):
             async with runtime:
                 pytest.fail("it must not start")
     assert runtime.graph.get_node_names() == ()
@@ -285,6 +294,24 @@ async def test_the_start_says_which_apps_run(apps: dict[str, object], words: str
             pass
     (told,) = [line["message"] for line in lines if line["event"] == "runtime.apps"]
     assert told.startswith(words)
+
+
+async def test_an_app_that_crashed_at_the_start_is_not_told_to_be_running() -> None:
+    with capture_logs() as lines:
+        async with Runtime(config(apps={"broken": app(Broken), "steady": app(Steady)})):
+            pass
+        async with Runtime(config(apps={"broken": app(Broken)})):
+            pass
+    told = [line["message"] for line in lines if line["event"] == "runtime.apps"]
+    assert told == ["running the app steady", "no app is running yet: broken crashed at the start"]
+
+
+async def test_a_home_without_a_name_is_greeted_as_homebot() -> None:
+    with capture_logs() as lines:
+        async with Runtime(config()):
+            pass
+    (greeting,) = [line["message"] for line in lines if line["event"] == "runtime.running"]
+    assert greeting.startswith("homebot is running; ")
 
 
 async def test_a_client_that_floods_does_not_delay_the_stop() -> None:

@@ -46,6 +46,31 @@ async def test_a_crashed_component_is_started_anew_after_a_growing_delay() -> No
     assert lines[0]["message"] == "fragile crashed (RuntimeError: ouch); restarting in 0.5 s"
 
 
+async def test_one_traceback_is_shown_of_crashes_in_the_same_place() -> None:
+    with capture_logs() as lines:
+        async with Supervisor(LoopClock()).running("fragile", Fragile(crashes=3).work, "app"):
+            await anyio.sleep(60)
+    crashes = [line for line in lines if line["event"] == "runtime.crashed"]
+    assert ["exc_info" in line for line in crashes] == [True, False, False]
+    assert crashes[1]["message"] == "app fragile crashed (RuntimeError: ouch); restarting in 1 s"
+
+
+async def test_a_crash_in_another_place_has_a_traceback_of_its_own() -> None:
+    errors = [ValueError("one"), TypeError("two"), TypeError("two")]
+
+    async def work(*, task_status: TaskStatus[None]) -> None:
+        task_status.started()
+        await anyio.sleep(1)
+        if errors:
+            raise errors.pop(0)
+        await anyio.sleep_forever()
+
+    with capture_logs() as lines:
+        async with Supervisor(LoopClock()).running("odd", work):
+            await anyio.sleep(60)
+    assert ["exc_info" in line for line in lines] == [True, True, False]
+
+
 async def test_a_component_that_keeps_crashing_is_given_up_and_reported() -> None:
     """Five times within a minute."""
     fragile = Fragile(crashes=99)

@@ -114,14 +114,22 @@ def broker_url(text: str) -> str:
     return text.rstrip("/")
 
 
-def address(text: str) -> tuple[str, int]:
-    """Return the host and port of ``HOST:PORT``; an IPv6 address stands in brackets."""
+def address(text: str, example: int = 9090) -> tuple[str, int]:
+    """Return the host and port of ``HOST:PORT``; an IPv6 address stands in brackets.
+
+    Args:
+        text: The address.
+        example: The port that the error shows.
+
+    Raises:
+        argparse.ArgumentTypeError: It is no address.
+    """
     host, _, port = text.rpartition(":")
     is_port = port.isascii() and port.isdigit() and len(port) <= 5 and int(port) <= 65535
     bare = host[1:-1] if host.startswith("[") and host.endswith("]") else host
     if not is_port or not _is_host(bare):
         raise argparse.ArgumentTypeError(
-            f"an address is HOST:PORT, such as 127.0.0.1:9090 or [::1]:9090, got {_hidden(text)!r}"
+            f"an address is HOST:PORT, such as 127.0.0.1:{example} or [::1]:{example}, got {_hidden(text)!r}"
         )
     return bare, int(port)
 
@@ -138,9 +146,11 @@ def _is_host(text: str) -> bool:
 def app(text: str) -> str:
     """Return the name of an app: a plug-in's, or ``module:Class``."""
     module, colon, kind = text.partition(":")
-    is_class = all(part.isidentifier() for part in (*module.split("."), kind))
-    if not text or (colon and not is_class):
-        raise argparse.ArgumentTypeError(f"an app is a plug-in's name or module:Class, got {text!r}")
+    names = (*module.split("."), kind) if colon else (text,)
+    if not all(name.isidentifier() for name in names):
+        file = text.removesuffix(".py").replace("/", ".")
+        hint = f"; did you mean {file}:CLASS, with the name of a class in that file?" if text.endswith(".py") else ""
+        raise argparse.ArgumentTypeError(f"an app is a plug-in's name or module:Class, got {text!r}{hint}")
     return text
 
 
@@ -167,14 +177,14 @@ def positive(text: str) -> float:
     except ValueError:
         number = math.nan
     if not 0 < number < math.inf:
-        raise argparse.ArgumentTypeError(f"a positive number is expected, got {text!r}")
+        raise argparse.ArgumentTypeError(f"must be a number above 0, got {text!r}")
     return number
 
 
 def whole(text: str) -> int:
     """Return the positive whole number *text*."""
     if not text.isascii() or not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"a whole number above 0 is expected, got {text!r}")
+        raise argparse.ArgumentTypeError(f"must be a whole number above 0, got {text!r}")
     return int(text)
 
 

@@ -40,7 +40,7 @@ def device_json(device: DeviceRecord) -> dict[str, object]:
         "last_seen": iso(device["last_seen"]),
         "expires": iso(device["expires"]),
         "freshness": device["freshness"],
-        "endpoints": device["endpoints"],
+        "endpoints": [{**one, "last_seen": iso(one["last_seen"])} for one in device["endpoints"]],
         "metadata": {one["key"]: one["value"] for one in device["metadata"]},
         "service_types": device["service_types"],
         "area": device["area"],

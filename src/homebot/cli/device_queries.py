@@ -13,7 +13,7 @@ from homebot.cli.time_format import to_seconds
 from homebot.devices.names import FIND_DEVICES, QUERY_DEVICES
 from homebot.devices.query.folding import fold
 from homebot.devices.query.tokens import quoted
-from homebot.errors import PeerError
+from homebot.errors import PeerError, UsageError
 from homebot.similar import did_you_mean
 
 __all__ = ["all_devices", "find_devices", "house_time", "named_device", "reasons_for"]
@@ -55,8 +55,11 @@ def named_device(door: DoorClient, name: str) -> DeviceRecord:
     """Return the one device whose id or name *name* is, whatever the case and accents of a name.
 
     Raises:
+        UsageError: *name* is empty.
         PeerError: There is none, with similar ones named, or there are several, all named.
     """
+    if not name.strip():
+        raise UsageError("give the id or the name of a device; `homebot devices` lists all")
     named = _called(name, _near(door, name))
     if len(named) == 1:
         return named[0]

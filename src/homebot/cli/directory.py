@@ -10,9 +10,7 @@ from homebot.cli.records import EntityRecord
 from homebot.errors import PeerError
 from homebot.similar import did_you_mean
 
-__all__ = ["WAITING", "entities", "is_hidden", "no_such_topic", "not_found", "topic_type"]
-
-WAITING = "homebot: waiting for it; press Ctrl-C to stop"
+__all__ = ["entities", "is_hidden", "no_such_topic", "not_found", "not_yet", "topic_type"]
 
 
 def entities(door: DoorClient, *, kind: str = "", name: str = "", node: str = "") -> list[EntityRecord]:
@@ -35,6 +33,13 @@ def no_such_topic(door: DoorClient, topic: str) -> PeerError:
     """Return the error that there is no *topic*; its message names similar ones."""
     known = [one["name"] for one in entities(door) if one["kind"] in {"publisher", "subscription"}]
     return not_found("topic", topic, known)
+
+
+def not_yet(door: DoorClient, topic: str) -> str:
+    """Return the line that says that *topic*, which does not exist, is waited for; it names similar ones."""
+    known = [one["name"] for one in entities(door) if one["kind"] in {"publisher", "subscription"}]
+    similar = did_you_mean(topic, known, "", cutoff=0.7)
+    return f"homebot: no topic {topic} yet; waiting, Ctrl-C stops" + (f" ({similar})" if similar else "")
 
 
 def not_found(kind: str, name: str, known: Iterable[str]) -> PeerError:

@@ -19,20 +19,24 @@ from typing import Final
 import homebot
 from homebot.cli.arguments import add_global_options
 from homebot.cli.completion import SHELLS, PrintCompletion
+from homebot.cli.parser import CommandParser
 from homebot.errors import HomebotError
 from homebot.output import clean_output
 
-__all__ = ["main", "make_parser", "uncollected"]
+__all__ = ["gc_paused", "main", "make_parser"]
 
 COMMANDS: Final = {
-    "run": "run homebot: find the devices of a house and act on them",
+    "run": "run homebot: find the devices of a house and control them",
     "config": "check the configuration",
     "devices": "list the devices in the house",
     "find": "find devices by type, capability, state, area or name",
     "show": "show everything known about a device",
     "doctor": "diagnose problems: gateways, quarantined topics, conflicts, silent devices, crashes, the index file",
     "forget": "remove a device from the index",
+    "merge": "make one device of several that are one",
+    "split": "make several devices of one that is not one",
     "import": "add a device from a W3C Thing Description",
+    "tag": "read and write NFC tags, which point to devices",
     "topic": "list, inspect, read and publish topics",
     "service": "list and call services",
     "node": "list and inspect nodes",
@@ -72,9 +76,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
     """Return the parser of the command line *argv*: it knows the arguments of the command in it; by default, of all."""
-    parser = argparse.ArgumentParser(
+    parser = CommandParser(
         prog="homebot",
-        description="The home runtime for robots: find every device in the house, and act on it.",
+        description="The home runtime for robots: find every device in the house, and control it.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -119,14 +123,14 @@ def _run(argv: Sequence[str]) -> int:
 def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:
     """Add the arguments of *command*, and what runs it, to its *parser*."""
     name = "import_thing" if command == "import" else command
-    with uncollected(), _structlog_alone():
+    with gc_paused(), _minimal_structlog_imports():
         module = importlib.import_module(f"homebot.cli.commands.{name}")
     add_arguments: Callable[[argparse.ArgumentParser], None] = module.add_arguments
     add_arguments(parser)
 
 
 @contextmanager
-def uncollected() -> Iterator[None]:
+def gc_paused() -> Iterator[None]:
     """Look for no garbage during the block, nor ever in what it loads: a sixth of the time that modules take."""
     gc.disable()
     try:
@@ -137,7 +141,7 @@ def uncollected() -> Iterator[None]:
 
 
 @contextmanager
-def _structlog_alone() -> Iterator[None]:
+def _minimal_structlog_imports() -> Iterator[None]:
     """Keep structlog from loading what it would print tracebacks or serve a framework with: a tenth of a command."""
     unused = {"rich", "twisted"} - sys.modules.keys()
     for library in unused:

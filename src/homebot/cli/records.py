@@ -17,13 +17,17 @@ __all__ = [
     "ForgetResponseRecord",
     "GatewayStateRecord",
     "HealthRecord",
+    "MergeResponseRecord",
     "PartFailureRecord",
     "QuarantineRecord",
     "QueryResponseRecord",
+    "ReadTagRecord",
     "RouteRecord",
+    "SplitResponseRecord",
     "StateRecord",
     "TimeRecord",
     "ValueRecord",
+    "WriteTagRecord",
 ]
 
 
@@ -106,6 +110,9 @@ class EndpointRecord(TypedDict):
     key: str
     address: str
     command_address: str
+    freshness: str
+    last_seen: TimeRecord
+    reachable: str
 
 
 class KeyValueRecord(TypedDict):
@@ -203,6 +210,22 @@ class ForgetResponseRecord(TypedDict):
     announced_on: list[AnnouncedOnRecord]
 
 
+class SplitResponseRecord(TypedDict):
+    """:class:`homebot.devices.services.SplitDeviceResponse`."""
+
+    success: bool
+    message: str
+    devices: list[str]
+
+
+class MergeResponseRecord(TypedDict):
+    """:class:`homebot.devices.services.MergeDevicesResponse`."""
+
+    success: bool
+    message: str
+    device: str
+
+
 class EntityRecord(TypedDict):
     """One node, or one end of a topic or service: ``homebot/msg/EndpointDetails``."""
 
@@ -266,3 +289,26 @@ class HealthRecord(TypedDict):
     troubles: list[str]
     failures: list[PartFailureRecord]
     notes: list[str]
+
+
+class ReadTagRecord(TypedDict):
+    """:class:`homebot.devices.tags.ReadTagResponse`."""
+
+    success: bool
+    message: str
+    problem: str
+    tag: str
+    reader: str
+    tag_type: str
+    device: str
+    area: str
+
+
+class WriteTagRecord(TypedDict):
+    """:class:`homebot.devices.tags.WriteTagResponse`."""
+
+    success: bool
+    message: str
+    problem: str
+    tag: str
+    device: str

@@ -8,7 +8,7 @@ from typing import TypedDict, cast
 
 from homebot.cli.door_client import DoorClient
 
-__all__ = ["Schema", "message_schema", "response_schema"]
+__all__ = ["MessageTypeRecord", "Schema", "message_schema", "response_schema"]
 
 
 class MessageTypeRecord(TypedDict):

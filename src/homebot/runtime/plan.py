@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Generic, TypeVar
 
@@ -17,7 +19,7 @@ from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
 from homebot.plugins import load_plugin
 
-__all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_plan"]
+__all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_plan", "plan_errors"]
 
 
 class DoorTable(DoorSettings):
@@ -96,25 +98,27 @@ def make_plan(config: Config) -> Plan:
         ConfigError: A class cannot be found, a table is wrong, or a secret cannot be read; names the file, the key and
             the reason.
     """
-    source = config.source
-    base_gateway: type[Gateway] = Gateway  # type: ignore[type-abstract]  # only compared with, never made
-    base_app: type[App] = App  # type: ignore[type-abstract]  # likewise
-    gateways = tuple(
-        _component(base_gateway, GATEWAYS, name, table, config, f"gateways.{name}")
-        for name, table in config.gateways.items()
-    )
-    for gateway in gateways:
-        try:
-            gateway.kind.check(gateway.settings)
-        except UsageError as exc:
-            raise ConfigError(source, f"gateways.{gateway.name}", str(exc)) from exc
     return Plan(
         home=config.home.name,
-        gateways=gateways,
-        apps=tuple(_app(base_app, name, table, config) for name, table in config.apps.items()),
-        discovery=parse_settings(DirectorySettings, config.discovery, source, "discovery", config.folder),
+        gateways=tuple(_gateway(name, table, config) for name, table in config.gateways.items()),
+        apps=tuple(_app(name, table, config) for name, table in config.apps.items()),
+        discovery=_discovery(config),
         door=_door(config),
     )
+
+
+def plan_errors(config: Config) -> tuple[ConfigError, ...]:
+    """Return all that keeps :func:`make_plan` from making a plan of *config*, table by table."""
+    parts: list[Callable[[], object]] = [partial(_discovery, config), partial(_door, config)]
+    parts += [partial(_gateway, name, table, config) for name, table in config.gateways.items()]
+    parts += [partial(_app, name, table, config) for name, table in config.apps.items()]
+    found: list[ConfigError] = []
+    for part in parts:
+        try:
+            part()
+        except ConfigError as exc:
+            found += (exc, *exc.others)
+    return tuple(found)
 
 
 def index_place(config: Config) -> Path:
@@ -134,12 +138,27 @@ def index_place(config: Config) -> Path:
     return index_path(plan.home, "none")
 
 
-def _app(base: type[App], name: str, table: Table, config: Config) -> PlannedComponent[App]:
+def _gateway(name: str, table: Table, config: Config) -> PlannedComponent[Gateway]:
+    base: type[Gateway] = Gateway  # type: ignore[type-abstract]  # only compared with, never made
+    gateway = _component(base, GATEWAYS, name, table, config, f"gateways.{name}")
+    try:
+        gateway.kind.check(gateway.settings)
+    except UsageError as exc:
+        raise ConfigError(config.source, f"gateways.{name}", str(exc)) from exc
+    return gateway
+
+
+def _app(name: str, table: Table, config: Config) -> PlannedComponent[App]:
+    base: type[App] = App  # type: ignore[type-abstract]  # as above
     if name in OWN_NODES:
         raise ConfigError(
             config.source, f"apps.{name}", "is the name of one of homebot's own nodes; give the app another name"
         )
     return _component(base, APPS, name, table, config, f"apps.{name}")
+
+
+def _discovery(config: Config) -> DirectorySettings:
+    return parse_settings(DirectorySettings, config.discovery, config.source, "discovery", config.folder)
 
 
 def _door(config: Config) -> DoorSettings:

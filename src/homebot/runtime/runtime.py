@@ -21,8 +21,9 @@ from homebot.apps import App
 from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door
 from homebot.clock import Clock, LoopClock
-from homebot.config import Config
+from homebot.config import UNNAMED, Config
 from homebot.devices.health import GetHealth
+from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.discovery import Directory
 from homebot.errors import ConfigError, UsageError
 from homebot.gateways import Gateway, GatewayContext, HostService
@@ -38,6 +39,7 @@ from homebot.runtime.supervisor import Supervisor, Work
 
 if TYPE_CHECKING:
     from homebot.house import World
+    from homebot.house.network import HouseNetwork
 
 __all__ = ["Runtime"]
 
@@ -59,7 +61,8 @@ class Runtime:
 
     Args:
         config: What to run.
-        house: A simulated house whose devices connect to the embedded broker; its state is that of last midnight, UTC.
+        house: A simulated house whose devices connect to the embedded broker, or are found by gateways that are added
+            where the configuration has none of that name; its state is that of last midnight, UTC.
         with_door: Whether to listen for rosbridge clients, such as the command line.
         clock: The clock; by default that of the running loop.
         services: Running services for gateways, such as a broker in memory, in place of those it would start itself.
@@ -90,6 +93,9 @@ class Runtime:
         loop_watch: LoopWatch | None = None,
         lost_lines: Callable[[], int] = lambda: 0,
     ) -> None:
+        self._network = None if house is None else _network_of(house)
+        if self._network is not None:
+            config = config.model_copy(update={"gateways": {**self._network.gateways(), **config.gateways}})
         self._plan = make_plan(config)
         self._needed = tuple(
             one for gateway in self._plan.gateways for one in gateway.kind.host_services(gateway.settings)
@@ -152,45 +158,59 @@ class Runtime:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         RuntimeHealth(main, self.supervisor, self._loop_watch, self._lost_lines)
+        self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(self._resolved(gateway) for gateway in self._plan.gateways)
-        for name, work in self._components(gateways):
+        for kind, name, work in self._components(gateways):
             if self._start_is_cut:
                 return
-            await stack.enter_async_context(self.supervisor.running(name, work))
+            await stack.enter_async_context(self.supervisor.running(name, work, kind))
         if not self._start_is_cut:
             _log.info(RUNNING, message=self._greeting(), gateways=len(gateways), apps=len(self._plan.apps))
             _log.info(APPS, message=self._apps_text(), names=[app.name for app in self._plan.apps])
 
-    def _components(self, gateways: tuple[PlannedComponent[Gateway], ...]) -> Iterator[tuple[str, Work]]:
-        """Yield components in the order of their start; each is made only when those before it are ready."""
-        yield from ((gateway.name, self._gateway(gateway)) for gateway in gateways)
-        yield "discovery", self._directory
-        yield from ((app.name, self._app(app)) for app in self._plan.apps)
-        yield "rosapi", self._rosapi
+    def _components(self, gateways: tuple[PlannedComponent[Gateway], ...]) -> Iterator[tuple[str, str, Work]]:
+        """Yield components in the order of their start: kind, name, work. Each is made when those before are ready."""
+        yield from (("gateway", gateway.name, self._gateway(gateway)) for gateway in gateways)
+        yield "", "discovery", self._directory
+        yield from (("app", app.name, self._app(app)) for app in self._plan.apps)
+        yield "", "rosapi", self._rosapi
         if self._with_door:
-            yield "door", self._open_door
+            yield "", "door", self._open_door
         if self._simulated is not None:
             homes = (gateway.kind.home(gateway.settings) for gateway in gateways)
-            yield "house", self._house(self._simulated, next(filter(None, homes), THESIS_HOME))
+            yield "", "house", self._house(self._simulated, next(filter(None, homes), THESIS_HOME))
 
     def _greeting(self) -> str:
+        home = "homebot" if self._plan.home == UNNAMED else self._plan.home
         if self.door is None:
-            return f"{self._plan.home} is running"
+            return f"{home} is running"
         host = self._plan.door.host
         where = f"[{host}]" if ":" in host else host
-        return f"{self._plan.home} is running; listening for rosbridge clients on ws://{where}:{self.door.port}"
+        return f"{home} is running; listening for rosbridge clients on ws://{where}:{self.door.port}"
 
     def _apps_text(self) -> str:
         names = [app.name for app in self._plan.apps]
         if not names:
             installed = ", ".join(plugin_names(APP_PLUGINS)) or "none"
             return f"no app is running; add one with --app NAME or a table [apps.NAME] (installed: {installed})"
+        crashed = [name for name in names if self._is_down(name)]
+        running = [name for name in names if name not in crashed]
+        if not running:
+            return f"no app is running yet: {', '.join(crashed)} crashed at the start"
+        names = running
         return f"running the app {names[0]}" if len(names) == 1 else f"running the apps {', '.join(names)}"
+
+    def _is_down(self, name: str) -> bool:
+        crashes = self.supervisor.crashes.get(name)
+        return crashes is not None and crashes.state != "running again"
 
     async def _start_services(self, stack: AsyncExitStack) -> None:
         """Start what gateways need in this process, each once, unless it was given."""
         running = dict(self._context.services)
+        if self._network is not None:
+            for given in await stack.enter_async_context(self._network.running(self._context.random)):
+                running[type(given)] = given
         for service in self._needed:
             if service.kind not in running:
                 running[service.kind] = await stack.enter_async_context(service.start(self.graph, self._clock))
@@ -228,7 +248,7 @@ class Runtime:
 
     async def _open_door(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosbridge_websocket") as node:
-            self.door = Door(node, self._plan.door)
+            self.door = Door(node, self._plan.door, self._network_services.publish)
             node.create_service(GetHealth, "~/health", self.door.health)
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
 
@@ -239,10 +259,18 @@ class Runtime:
             host = self.service(SimulatedHouse.Host)
             if host is None:
                 raise UsageError(SimulatedHouse.WITHOUT_HOST)
-            house = SimulatedHouse.hosted_by(host, home, world, self._clock, random=self._context.random)
+            house = SimulatedHouse.hosted_by(
+                host, home, world, self._clock, random=self._context.random, network=self._network
+            )
             await house.serve(task_status=task_status)
 
         return work
+
+
+def _network_of(house: World) -> HouseNetwork:
+    from homebot.house.network import HouseNetwork  # noqa: PLC0415 - who has a real house starts sooner without it
+
+    return HouseNetwork(house.families())
 
 
 def _check_hosts_house(needed: Iterable[HostService[object]], source: str) -> None:

@@ -1,9 +1,10 @@
 """Keeps components running: one that crashes is started anew, and the others do not notice.
 
-Each start of a component has a task of its own. A crash is logged with its traceback and followed by a new start, after
-a delay that grows with each crash within a minute; one that crashes five times within a minute is given up. SystemExit,
-GeneratorExit and a cancellation that nobody but the component itself caused are crashes like any other. A UsageError at
-the first start is nobody's crash but a mistake to be mended, and ends the start of homebot.
+Each start of a component has a task of its own. A crash is logged, with its traceback where the one before was another,
+and followed by a new start, after a delay that grows with each crash within a minute; one that crashes five times
+within a minute is given up. SystemExit, GeneratorExit and a cancellation that nobody but the component itself caused
+are crashes like any other. A UsageError at the first start is nobody's crash but a mistake to be mended, and ends the
+start of homebot.
 """
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ from collections import deque
 from collections.abc import AsyncIterator, Awaitable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from traceback import walk_tb
+from typing import Literal, Protocol, TypeAlias
 
 import anyio
 from anyio.abc import TaskStatus
@@ -79,6 +81,8 @@ class Supervisor:
         self.restarts: dict[str, int] = {}
         self.given_up: list[str] = []
         self._clock = clock
+        self._titles: dict[str, str] = {}
+        self._shown: dict[str, _Place] = {}  # where the component of each traceback shown last crashed
         self._hurries = anyio.Event()
 
     def hurry(self) -> None:
@@ -86,15 +90,21 @@ class Supervisor:
         self._hurries.set()
 
     @asynccontextmanager
-    async def running(self, name: str, work: Work) -> AsyncIterator[None]:
+    async def running(self, name: str, work: Work, kind: str = "") -> AsyncIterator[None]:
         """Keep *work* running inside the block; entering waits until it is ready, leaving until it is over.
 
         A component that is not ready after 10 s is not waited for any longer.
+
+        Args:
+            name: The component's name.
+            work: What it does.
+            kind: What it is called in front of its name in the log, such as ``app``.
 
         Raises:
             UsageError: The component cannot be started as it is configured.
         """
         start = _Start()
+        self._titles[name] = f"{kind} {name}".strip()
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._keep, name, work, start)
             await self._wait_for(name, start)
@@ -114,10 +124,11 @@ class Supervisor:
                 tasks.start_soon(hurry)
                 await start.over.wait()
                 tasks.cancel_scope.cancel()
+        title = self._titles[name]
         if not start.over.is_set() and not self._hurries.is_set():
             _log.warning(
                 NOT_READY,
-                message=f"{name} is not ready after {READY_WITHIN:g} s; homebot continues without waiting for it",
+                message=f"{title} is not ready after {READY_WITHIN:g} s; homebot continues without waiting for it",
                 component=name,
             )
 
@@ -126,7 +137,7 @@ class Supervisor:
         while True:
             crash = await self._run_once(name, work, start)
             if crash is None:
-                _log.info(ENDED, message=f"{name} ended", component=name)
+                _log.info(ENDED, message=f"{self._titles[name]} ended", component=name)
                 self._note(name, "ended")
                 start.started()
                 return
@@ -179,20 +190,32 @@ class Supervisor:
         crashes.last = error_text(cause)
         crashes.at = self._clock.now()
         crashes.state = "stopped" if is_stopping else "restarting" if delay is not None else "given up"
-        text = f"{name} crashed ({error_text(cause)})"
+        title = self._titles[name]
+        text = f"{title} crashed ({error_text(cause)})"
+        place = _place(cause)
+        facts = {"component": name} if self._shown.get(name) == place else {"component": name, "exc_info": cause}
+        self._shown[name] = place
         if is_stopping:
-            _log.error(CRASHED, message=f"{text} while stopping", component=name, exc_info=cause)
+            _log.error(CRASHED, message=f"{text} while stopping", **facts)
         elif delay is not None:
-            _log.error(CRASHED, message=f"{text}; restarting in {delay:g} s", component=name, exc_info=cause)
+            _log.error(CRASHED, message=f"{text}; restarting in {delay:g} s", **facts)
         else:
             self.given_up.append(name)
             _log.critical(
                 GIVEN_UP,
-                message=f"{name} crashed {MAX_CRASHES} times within a minute and will not be restarted: "
+                message=f"{title} crashed {MAX_CRASHES} times within a minute and will not be restarted: "
                 f"{error_text(cause)}",
-                component=name,
-                exc_info=cause,
+                **facts,
             )
+
+
+_Place: TypeAlias = "tuple[type[BaseException], tuple[tuple[str, int], ...]]"
+"""An error's class, and file and line of each call that it came through."""
+
+
+def _place(error: BaseException) -> _Place:
+    calls = ((frame.f_code.co_filename, line) for frame, line in walk_tb(error.__traceback__))
+    return type(error), tuple(calls)
 
 
 class _Start(TaskStatus[None]):

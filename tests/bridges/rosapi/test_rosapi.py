@@ -109,8 +109,8 @@ async def test_message_details_describe_nested_types_too(ask: Asker) -> None:
     assert [one["type"] for one in typedefs] == [
         "homebot/Device",
         "homebot/Endpoint",
-        "diagnostic_msgs/KeyValue",
         "builtin_interfaces/Time",
+        "diagnostic_msgs/KeyValue",
         "homebot/DevicePart",
         "homebot/Part",
         "homebot/Capability",

@@ -15,7 +15,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from homebot.bridges.rosbridge import Door, DoorSettings
-from homebot.errors import ConfigError
+from homebot.errors import ConfigError, UsageError
 from homebot.graph import Graph, Node
 from homebot.messages import String
 
@@ -396,13 +396,13 @@ def test_an_open_door_needs_a_token() -> None:
 async def test_a_taken_address_is_named(open_house: Any) -> None:
     async with open_house() as house:
         second = Door(house.node("second"), DoorSettings(port=house.door.port))
-        with pytest.raises(ConfigError, match=f"127.0.0.1:{house.door.port} is in use, maybe by another homebot"):
+        with pytest.raises(UsageError, match=f"127.0.0.1:{house.door.port} is in use, maybe by another homebot"):
             await second.run()
 
 
 async def test_an_address_of_another_machine_is_named() -> None:
     door = Door(Node(Graph(), "door"), DoorSettings(host="192.0.2.1", port=0, token=SecretStr("t")))
-    with pytest.raises(ConfigError, match=r"cannot listen on 192\.0\.2\.1:0"):
+    with pytest.raises(UsageError, match=r"cannot listen on 192\.0\.2\.1:0"):
         await door.run()
 
 

@@ -46,9 +46,9 @@ def test_what_was_wrong_is_forgotten_in_time() -> None:
     guard = TokenGuard()
     for _ in range(30):
         guess(guard, "10.0.0.5", 0.0)
-    assert guard.guessing(0.0) == ("10.0.0.5",)
+    assert guard.throttled_addresses(0.0) == ("10.0.0.5",)
     assert guard.begin("10.0.0.5", 155.0) == 0.0
-    assert guard.guessing(300.0) == ()
+    assert guard.throttled_addresses(300.0) == ()
     assert len(guard) == 0
 
 

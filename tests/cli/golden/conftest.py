@@ -28,7 +28,7 @@ from homebot.devices import (
     State,
 )
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure, Quarantine
-from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE, text_address
+from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE, MERGE_DEVICES, SPLIT_DEVICE, text_address
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import facets_of, fits, read_terms
 from homebot.devices.services import (
@@ -38,8 +38,14 @@ from homebot.devices.services import (
     ForgetDevice,
     ForgetDeviceRequest,
     ForgetDeviceResponse,
+    MergeDevices,
+    MergeDevicesRequest,
+    MergeDevicesResponse,
     QueryDevicesRequest,
     QueryDevicesResponse,
+    SplitDevice,
+    SplitDeviceRequest,
+    SplitDeviceResponse,
 )
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import UsageError
@@ -216,6 +222,7 @@ class StillHouse:
         crowd: How many more devices there are that are silent, each disputed twice.
         carried: How many devices were given out.
         restless: For how many questions the devices change places.
+        is_near: Whether devices are found by words that are only like theirs.
     """
 
     def __init__(self) -> None:
@@ -228,6 +235,7 @@ class StillHouse:
         self.crowd = 0
         self.carried = 0
         self.restless = 0
+        self.is_near = False
 
     def node(self, graph: Graph) -> Node:
         node = Node(graph, "still")
@@ -238,6 +246,8 @@ class StillHouse:
         node.create_service(FindDevices, FIND_DEVICES, self._find)
         node.create_service(QueryDevices, QUERY_DEVICES, self._query)
         node.create_service(ForgetDevice, FORGET_DEVICE, self._forget)
+        node.create_service(SplitDevice, SPLIT_DEVICE, self._split)
+        node.create_service(MergeDevices, MERGE_DEVICES, self._merge)
         node.create_service(GetHealth, GatewayNames("mqtt").health, self._health)
         node.create_service(GetHealth, DISCOVERY_HEALTH, self._directory_health)
         return node
@@ -263,8 +273,11 @@ class StillHouse:
         found = [one for one in self._devices() if fits(query, facets_of(one))]
         found = found[self.restless :] + found[: self.restless]
         self.restless = max(0, self.restless - 1)
+        near = ("lihgt is a near match",) if self.is_near else ()
         results = tuple(
-            Found(device=one, score=2.0 - number, reasons=(f"it is number {number + 1}", f"it is {one.freshness}"))
+            Found(
+                device=one, score=2.0 - number, reasons=(f"it is number {number + 1}", f"it is {one.freshness}", *near)
+            )
             for number, one in enumerate(found)
         )
         shown = results[request.offset :][: request.limit or None]
@@ -277,6 +290,17 @@ class StillHouse:
             return ForgetDeviceResponse(success=False, message="it went a moment ago")
         topic = "homeassistant/light/0x00158d0001abcdef/light/config"
         return ForgetDeviceResponse(success=True, announced_on=(AnnouncedOn(gateway="mqtt", topic=topic),))
+
+    def _split(self, request: SplitDeviceRequest) -> SplitDeviceResponse:
+        if request.device == "attic":
+            why = "a split of attic was refused: nothing was merged into it"
+            return SplitDeviceResponse(success=False, message=why)
+        return SplitDeviceResponse(success=True, devices=(request.device, f"{request.gateway}_{request.key}"))
+
+    def _merge(self, request: MergeDevicesRequest) -> MergeDevicesResponse:
+        if len(request.devices) == 1:
+            return MergeDevicesResponse(success=False, message="a merge was refused: it takes two different devices")
+        return MergeDevicesResponse(success=True, device=request.devices[-1])
 
     def _health(self, request: HealthRequest) -> HealthResponse:
         del request

@@ -44,6 +44,7 @@ def check(name: str, printed: str) -> None:
         ("find_why", ["find", "--why", "in attic or light"], 0),
         ("find_limited", ["find", "--limit", "1", "not stale"], 0),
         ("find_nothing", ["find", "robot"], 1),
+        ("find_unknown_area", ["find", "light in kichen"], 1),
         ("show", ["show", "kitchen-lamp"], 0),
         ("show_by_name", ["show", "ATTIC"], 0),
         ("show_without_parts", ["show", "windows/bath"], 0),
@@ -154,6 +155,25 @@ def test_an_unknown_device_is_told_with_similar_ones(
     assert capsys.readouterr().err.startswith(problem)
 
 
+def test_a_command_to_an_address_that_no_device_has_is_sent_with_a_warning(
+    still: StillHouse, still_homebot: Homebot, capsys: Text
+) -> None:
+    line = ["--door", still_homebot.door, "topic", "pub", "--once", "/gateway/mqtt/out"]
+    assert main([*line, "{address: nobody/reads/this, payload: on}"]) == 0
+    out, err = capsys.readouterr()
+    assert err == "homebot: no known device takes commands on nobody/reads/this; it is published all the same\n"
+    assert out.startswith("publishing #1 on /gateway/mqtt/out")
+    assert main([*line, "{address: zigbee2mqtt/Kitchen lamp/set, payload: on}"]) == 0
+    assert capsys.readouterr().err == ""
+    assert [topic for topic, _, _ in still.published] == ["nobody/reads/this", "zigbee2mqtt/Kitchen lamp/set"]
+
+
+def test_near_matches_are_told_to_be_that(still_homebot: Homebot, capsys: Text, still: StillHouse) -> None:
+    still.is_near = True
+    assert main(["--door", still_homebot.door, "find", "light"]) == 0
+    assert capsys.readouterr().err == "homebot: no device found has the word 'lihgt'; these have similar ones\n"
+
+
 def test_forget_deletes_nothing_from_the_broker_unless_asked_to(
     still: StillHouse, still_homebot: Homebot, capsys: Text
 ) -> None:
@@ -171,6 +191,25 @@ def test_forget_with_purge_empties_the_announcements(still: StillHouse, still_ho
 def test_forget_that_fails_says_why(still_homebot: Homebot, capsys: Text) -> None:
     assert main(["--door", still_homebot.door, "forget", "attic"]) == 1
     assert capsys.readouterr().err == "homebot: it went a moment ago\n"
+
+
+def test_split_and_merge_say_what_became_of_the_devices(still_homebot: Homebot, capsys: Text) -> None:
+    door = ["--door", still_homebot.door]
+    assert main([*door, "split", "kitchen lamp", "mdns", "lamp"]) == 0
+    assert main([*door, "merge", "attic", "kitchen lamp"]) == 0
+    assert capsys.readouterr().out == (
+        "kitchen-lamp is 2 devices now: kitchen-lamp, mdns_lamp\nattic, kitchen-lamp are one device now: kitchen-lamp\n"
+    )
+
+
+def test_split_and_merge_that_fail_say_why(still_homebot: Homebot, capsys: Text) -> None:
+    door = ["--door", still_homebot.door]
+    assert main([*door, "split", "attic"]) == 1
+    assert main([*door, "merge", "attic"]) == 1
+    assert capsys.readouterr().err == (
+        "homebot: a split of attic was refused: nothing was merged into it\n"
+        "homebot: a merge was refused: it takes two different devices\n"
+    )
 
 
 def test_devices_are_written_as_thing_descriptions(still_homebot: Homebot, capsys: Text, tmp_path: Path) -> None:
@@ -231,7 +270,8 @@ def test_an_import_that_makes_no_device_says_so(still_homebot: Homebot, capsys: 
 @pytest.mark.parametrize(
     ("content", "problem"),
     [
-        ("{", "is not JSON"),
+        ("{", "lamp.td.json is not JSON: Expecting property name enclosed in double quotes (line 1, column 2)"),
+        ("# Lamp", "lamp.td.json is not JSON: Expecting value (line 1, column 1)"),
         ("[" * 100_000, "nested deeper than 64 levels"),
         (" " * 600_000, "is longer than 2"),
         (description(title=5), "title: expected a text, got 5"),
@@ -244,11 +284,11 @@ def test_a_description_that_is_none_is_refused_before_anything_is_done(
     file.write_text(content)
     assert main(["--door", still_homebot.door, "import", str(file)]) == 1
     err = capsys.readouterr().err
-    assert err.startswith(f"homebot: {file}: ")
+    assert err.startswith((f"homebot: {file}: ", f"homebot: {file} "))
     assert problem in err
     assert len(err) < 500
     assert main(["--door", still_homebot.door, "import", str(tmp_path / "missing")]) == 1
-    assert "missing: cannot be read: No such file or directory" in capsys.readouterr().err
+    assert "missing does not exist" in capsys.readouterr().err
     assert still.published == []
 
 

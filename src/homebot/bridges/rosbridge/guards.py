@@ -15,9 +15,9 @@ from homebot.addresses import network_of
 
 __all__ = ["FrameRate", "TokenGuard"]
 
-_FREE = 5
+_FREE_ATTEMPTS = 5
 _FIRST_DELAY, _LONGEST_DELAY = 0.1, 1.0
-_FORGIVEN_EVERY = 10.0
+_DECAY_INTERVAL = 10.0
 """Seconds after which one wrong token is forgotten."""
 
 _MOST_WRONG = 20
@@ -51,7 +51,7 @@ class TokenGuard:
         attempts = self._of(address, now)
         if attempts is None:
             return 0.0
-        wrong = attempts.wrong - _FREE
+        wrong = attempts.wrong - _FREE_ATTEMPTS
         if wrong < 0:
             return 0.0
         if attempts.waiting >= _MOST_WAITING:
@@ -74,17 +74,19 @@ class TokenGuard:
         attempts.wrong = min(_MOST_WRONG, attempts.wrong + 1)
         self._attempts.move_to_end(key)
 
-    def guessing(self, now: float) -> tuple[str, ...]:
+    def throttled_addresses(self, now: float) -> tuple[str, ...]:
         """Return the addresses (IPv6: networks) whose tokens have to wait."""
         known = [(address, self._of(address, now)) for address in tuple(self._attempts)]
-        return tuple(address for address, attempts in known if attempts is not None and attempts.wrong >= _FREE)
+        return tuple(
+            address for address, attempts in known if attempts is not None and attempts.wrong >= _FREE_ATTEMPTS
+        )
 
     def _of(self, address: str, now: float) -> _Attempts | None:
         key = network_of(address)
         attempts = self._attempts.get(key)
         if attempts is None:
             return None
-        attempts.wrong -= (now - attempts.since) / _FORGIVEN_EVERY
+        attempts.wrong -= (now - attempts.since) / _DECAY_INTERVAL
         attempts.since = now
         if attempts.wrong <= 0 and not attempts.waiting:
             del self._attempts[key]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import errno
 import logging
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from dataclasses import asdict
 from functools import partial
 from http import HTTPStatus
@@ -29,13 +29,17 @@ from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import ClientErrorLog, DoorCounters, ExpectedTopics, SharedState
 from homebot.bridges.rosbridge.turns import Turns
 from homebot.devices.health import Count, HealthRequest, HealthResponse
-from homebot.errors import ConfigError, LinkError
+from homebot.devices.network_service import NetworkService
+from homebot.errors import ConfigError, LinkError, UsageError
 from homebot.graph import Node
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.session import ClientSession
 
 __all__ = ["Door"]
+
+SERVICE_TYPE = "_rosbridge._tcp"
+"""By DNS-SD; ROS's own server announces nothing, and this is what apps look for that find robots by it."""
 
 _CLOSE_TIMEOUT: Final = 1.0  # seconds that a client has to close its side
 _OPEN_TIMEOUT: Final = 2.0  # seconds that a client has for its handshake; stopping waits for it too
@@ -51,12 +55,15 @@ class Door:
     Args:
         node: The node that acts in the clients' stead; it must outlive the door.
         settings: Where to listen, whom to let in.
+        announce: Told of it as a service of the network, when it listens and when it no longer does.
 
     Raises:
         ConfigError: The host is not a loopback one and there is no token.
     """
 
-    def __init__(self, node: Node, settings: DoorSettings) -> None:
+    def __init__(
+        self, node: Node, settings: DoorSettings, announce: Callable[[NetworkService], None] = lambda _: None
+    ) -> None:
         if settings.token is None and not is_loopback(settings.host):
             raise ConfigError(
                 "door",
@@ -77,6 +84,7 @@ class Door:
         self._sessions: dict[ServerConnection, ClientSession] = {}
         self._arriving: dict[DoorConnection, None] = {}
         self._port = settings.port
+        self._announce = announce
 
     @property
     def port(self) -> int:
@@ -91,7 +99,7 @@ class Door:
     def health(self, _request: HealthRequest) -> HealthResponse:
         """Return what was counted, and who guesses tokens; the answer of the service ``health``."""
         counts = {**asdict(self._counters), "messages_lost": self._backlog.lost, "clients_now": len(self._sessions)}
-        guessing = self._guard.guessing(self._node.graph.clock.monotonic())
+        guessing = self._guard.throttled_addresses(self._node.graph.clock.monotonic())
         troubles = (f"wrong tokens were received from {', '.join(guessing[:5])}",) if guessing else ()
         return HealthResponse(
             counts=tuple(Count(name=name, count=count) for name, count in counts.items()), troubles=troubles
@@ -105,14 +113,20 @@ class Door:
         """
         server = await self._listen()
         self._port = next(iter(server.sockets)).getsockname()[1]
+        self._announce(self._service(server))
         try:
             async with anyio.create_task_group() as tasks:
                 await tasks.start(self._expected.run)
                 task_status.started()
                 await anyio.sleep_forever()
         finally:
+            self._announce(NetworkService(service_type=SERVICE_TYPE, is_withdrawn=True))
             with anyio.CancelScope(shield=True):
                 await self._stop(server)
+
+    def _service(self, server: Server) -> NetworkService:
+        addresses = tuple(dict.fromkeys(one.getsockname()[0] for one in server.sockets))
+        return NetworkService(service_type=SERVICE_TYPE, addresses=addresses, port=self._port)
 
     async def _stop(self, server: Server) -> None:
         server.close()
@@ -143,7 +157,7 @@ class Door:
                 logger=log,
             )
         except OSError as exc:
-            raise ConfigError("door", "", _listening_problem(settings, exc)) from exc
+            raise UsageError(f"door: {_listening_problem(settings, exc)}") from exc
 
     async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         settings, headers = self._settings, request.headers

@@ -24,12 +24,12 @@ class Turns:
 
     def __init__(self) -> None:
         self._began: float | None = None
-        self._line: deque[Callable[[], bool]] = deque()
+        self._queue: deque[Callable[[], bool]] = deque()
         self._is_scheduled = False
 
     def has_time(self) -> bool:
         """Return whether work may begin now; where not, :meth:`turn` or :meth:`defer` waits for it."""
-        if self._line:
+        if self._queue:
             return False
         if self._began is None:
             self._began = time.perf_counter()
@@ -42,7 +42,7 @@ class Turns:
         if self.has_time():
             return
         waiter: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        self._line.append(lambda: _wake(waiter))
+        self._queue.append(lambda: _wake(waiter))
         self._schedule()
         await waiter
 
@@ -53,7 +53,7 @@ class Turns:
             work()
             return True
 
-        self._line.append(begin)
+        self._queue.append(begin)
         self._schedule()
 
     def _schedule(self) -> None:
@@ -65,10 +65,10 @@ class Turns:
         """Let the first in line begin who still waits; where nobody does, time is there for whoever asks first."""
         self._is_scheduled = False
         self._began = None
-        while self._line:
+        while self._queue:
             self._began = time.perf_counter()
             self._schedule()
-            if self._line.popleft()():
+            if self._queue.popleft()():
                 return
 
 

@@ -6,6 +6,7 @@ import argparse
 import ssl
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 from pathlib import Path
 
 from homebot.addresses import is_loopback
@@ -47,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--listen",
         metavar="HOST:PORT",
-        type=address,
+        type=partial(address, example=1883),
         default=("127.0.0.1", 1883),
         help="address to listen on; port 0 picks a free one (default: 127.0.0.1:1883)",
     )
@@ -62,7 +63,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILTER",
         action="append",
         default=[],
-        help="answer a subscription to exactly this filter with 0x80; may be given more than once",
+        help="refuse subscriptions to exactly this filter (reason code 0x80), to test how a client reacts; may be "
+        "given more than once",
     )
     parser.add_argument("--user", metavar="NAME", help="user name for clients; needs --password-file")
     parser.add_argument("--password-file", metavar="FILE", type=Path, help="file whose first line is the password")

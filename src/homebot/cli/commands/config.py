@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from homebot.cli.arguments import add_verb, add_verbs, set_command
 from homebot.cli.commands.run import with_door_token
-from homebot.config import load_config
+from homebot.config import load_config, load_tables, parse_config
+from homebot.errors import ConfigError
 from homebot.log import configure_logging
-from homebot.runtime.plan import make_plan
+from homebot.runtime.plan import make_plan, plan_errors
 
 __all__ = ["add_arguments"]
 
@@ -30,13 +33,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _check(options: argparse.Namespace) -> int:
     """Read the file, find its plug-ins, check every table and credential, and say what would run."""
     configure_logging()
-    config = load_config(Path(options.config))
+    path = Path(options.config)
+    if errors := _errors(load_tables(path), path):
+        for error in errors:
+            print(f"homebot: {error}", file=sys.stderr)
+        return 1
+    config = load_config(path)
     plan = make_plan(with_door_token(config))
     print(f"{config.source} is valid: home {plan.home}")
     print(f"  gateways:  {_names(plan.gateways)}")
     print(f"  apps:      {_names(plan.apps)}")
     print(f"  rosbridge: {plan.door.host}:{plan.door.port}{' (token required)' if plan.door.token else ''}")
     return 0
+
+
+def _errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError, ...]:
+    """Return all that is wrong in *tables*; a table that makes no sense at all is not looked into."""
+    try:
+        return plan_errors(with_door_token(parse_config(tables, str(path), path.parent)))
+    except ConfigError as exc:
+        found = (exc, *exc.others)
+        wrong = {error.key.partition(".")[0] for error in found}
+    rest = {name: table for name, table in tables.items() if name not in wrong}
+    return (*found, *_errors(rest, path)) if len(rest) < len(tables) else found
 
 
 def _names(components: tuple[object, ...]) -> str:

@@ -46,7 +46,10 @@ _EXAMPLES = """\
   homebot doctor
   homebot doctor --counts
 
-The exit status is 1 if there are problems.
+The exit status is 1 if there are problems. Some of the counts: `strays` are reports that came before the announcement
+of their device; `holds`, how often a publisher waited for a slow client of the embedded broker; `unread given up`,
+connections that it closed because a packet stayed incomplete; `asks dropped`, requests for a device's state and
+`expiries dropped`, values that expire (such as motion), that were too many to keep track of.
 """
 
 

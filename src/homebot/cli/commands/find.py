@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 
 from homebot.cli.arguments import set_client_command, whole
 from homebot.cli.device_json import device_json, json_text, list_text
@@ -17,6 +18,7 @@ __all__ = ["add_arguments"]
 
 _HEAD = ("DEVICE", "NAME", "TYPE", "AREA", "STATE", "AVAILABILITY")
 _IF_ANY = ("AREA", "STATE")
+_NEAR = " is a near match"
 
 
 _EXAMPLES = """\
@@ -26,7 +28,7 @@ _EXAMPLES = """\
   homebot find 'sensor with temperature not stale'
 
 A query combines types (light, lamp, window, …), capabilities (dimmable, temperature > 21), states (on, open, locked),
-`in AREA`, problems (stale, unreachable, disputed), settings (category=config) and words of names and models, with
+`in AREA`, problems (stale, unreachable, disputed), settings (category=config) and words from names and models, with
 `and`, `or`, `not` and parentheses.
 """
 
@@ -53,12 +55,23 @@ def _find(options: argparse.Namespace) -> int:
             ]
             print(list_text([json_text(one) for one in results]))
         elif not found["results"]:
-            print(f"no device matches {query!r}; `homebot devices` lists all")
+            from homebot.cli.unknown_area import unknown_area  # noqa: PLC0415 - there is time where nothing is found
+
+            print(unknown_area(door, query) or f"no device matches {query!r}; `homebot devices` lists all")
         else:
+            _note_near_matches(found)
             _show(found, why=options.why)
         return 0 if found["results"] else 1
 
     return with_client(options, run)
+
+
+def _note_near_matches(found: QueryResponseRecord) -> None:
+    """Print which words no device has, but others that are like them."""
+    reasons = [{one for one in result["reasons"] if one.endswith(_NEAR)} for result in found["results"]]
+    for reason in sorted(set.intersection(*reasons)):
+        word = reason.removesuffix(_NEAR)
+        print(f"homebot: no device found has the word {word!r}; these have similar ones", file=sys.stderr)
 
 
 def _show(found: QueryResponseRecord, *, why: bool) -> None:

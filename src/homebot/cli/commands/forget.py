@@ -48,7 +48,8 @@ def _forget(options: argparse.Namespace) -> int:
         answer = cast("ForgetResponseRecord", door.call(FORGET_DEVICE, {"device": device["id"]}))
         if not answer["success"]:
             raise PeerError(answer["message"])
-        print(f"forgot {printable(device['id'])}")
+        returns = "" if options.purge else "; it comes back when it sends a message or is announced again"
+        print(f"forgot {printable(device['id'])}{returns}")
         for one in answer["announced_on"]:
             topic = printable(one["topic"])
             if options.purge:

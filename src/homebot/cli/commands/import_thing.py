@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import cast
 
@@ -89,14 +90,29 @@ def _read(file: str) -> tuple[str, Thing]:
     try:
         with Path(file).open("rb") as opened:
             payload = opened.read(MAX_ANNOUNCEMENT_BYTES + 1)
+    except FileNotFoundError as exc:
+        raise ConfigError(file, "", "does not exist") from exc
     except OSError as exc:
         raise ConfigError(file, "", f"cannot be read: {exc.strerror}") from exc
     try:
         value = parse_json(payload, MAX_ANNOUNCEMENT_BYTES, unique=True)
         thing = read_thing(value)
     except WireError as exc:
-        raise ConfigError(file, "", str(exc)) from exc
+        if len(payload) <= MAX_ANNOUNCEMENT_BYTES:
+            _check_is_json(file, payload)
+        raise UsageError(f"{file}: {exc}") from exc
     return json.dumps(value, ensure_ascii=False, separators=(",", ":")), thing
+
+
+def _check_is_json(file: str, payload: bytes) -> None:
+    """Raise an error that says where *payload* is no JSON; what is nested too deep is left to who reads it."""
+    with suppress(RecursionError):
+        try:
+            json.loads(payload)
+        except json.JSONDecodeError as exc:
+            raise ConfigError(file, "", f"is not JSON: {exc.msg} (line {exc.lineno}, column {exc.colno})") from None
+        except UnicodeDecodeError:
+            raise ConfigError(file, "", "is not JSON: it is not UTF-8 text") from None
 
 
 def _wait_for_device(door: DoorClient, gateway: str, key: str, timeout: float) -> str:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import address, app, positive, set_command
-from homebot.cli.main import uncollected
+from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, load_config, parse_config
 from homebot.log import configure_logging
@@ -44,12 +44,12 @@ _EXAMPLES = """\
   homebot run                                     embedded broker, a small simulated house, the light service
   homebot run --for 15                            the same, for 15 seconds
   homebot run --house family.toml                 the same, with a house that you describe
-  homebot run --mqtt mqtt://192.168.1.10 --root home425      your own broker, only observing
+  homebot run --mqtt mqtt://192.168.1.10 --root home425      your own broker, observe only
   homebot run --mqtt mqtt://192.168.1.10 --root home425 --act --app light_service    act, with an app that you name
   homebot run --app my_app:MyApp                  an app of your own instead of the light service
-  homebot run --config homebot.toml               everything set in a file
+  homebot run --config homebot.toml               all settings in a file
 
-Without --config, homebot.toml in the working directory is used if it exists. Ctrl-C stops everything in order.
+Without --config, homebot.toml in the working directory is used if it exists. Ctrl-C shuts down cleanly.
 Devices are remembered in HOMEBOT_DATA (default: the user's data directory), but not those of a simulated house.
 """
 
@@ -63,7 +63,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--house",
         metavar="FILE",
-        help="simulated house in TOML, on the embedded broker (default: a small one, without --config and --mqtt)",
+        help="simulated house in TOML, on the embedded broker (default: a small one if neither --config nor --mqtt is "
+        "given)",
     )
     parser.add_argument("--mqtt", metavar="URL", help="broker of the gateway `mqtt`, as mqtt://[user@]host[:port]")
     parser.add_argument(
@@ -103,7 +104,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run until told to stop; return 0, or 1 when a part was given up on the way."""
     gc.set_threshold(*COLLECT_AFTER)
-    with uncollected():
+    with gc_paused():
         config, house = configuration(options)
     with queued_output() as lost_lines:
         return _run_apart(options, config, house, lost_lines)
@@ -207,7 +208,7 @@ async def _run(
 ) -> int:
     loop = asyncio.get_running_loop()
     watch = loop.watch if isinstance(loop, ProductionLoop) else None
-    with uncollected():  # what the plan names is loaded
+    with gc_paused():  # what the plan names is loaded
         runtime = Runtime(config, house=house, index_file=index_file, loop_watch=watch, lost_lines=lost_lines)
     await serve(_settled(runtime), seconds, runtime.cut_start_short)
     return 1 if runtime.supervisor.given_up else 0

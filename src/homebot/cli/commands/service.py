@@ -6,16 +6,19 @@ import argparse
 import json
 import sys
 from collections.abc import Mapping
+from typing import cast
 
 from homebot.cli.arguments import add_verb, add_verbs, message, positive, set_client_command, type_or_message
 from homebot.cli.directory import entities, is_hidden, not_found
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.schema import response_schema
+from homebot.cli.schema import MessageTypeRecord, response_schema
 from homebot.cli.table import printable
 from homebot.cli.yaml import to_yaml
-from homebot.errors import PeerError
+from homebot.errors import PeerError, UsageError
 
 __all__ = ["add_arguments"]
+
+_REQUEST = "/rosapi/service_request_details"
 
 
 _EXAMPLES = """\
@@ -98,5 +101,9 @@ def _type(door: DoorClient, service: str, expected: str) -> str:
     if name not in known:
         raise not_found("service", name, known)
     if expected and expected.replace("/srv/", "/") != known[name].replace("/srv/", "/"):
+        if "/" not in expected:
+            (request,) = cast("list[MessageTypeRecord]", door.call(_REQUEST, {"type": known[name]})["typedefs"])[:1]
+            field = next(iter(request["fieldnames"]), "field")
+            raise UsageError(f"{expected!r} was taken as a type; write the request as {{{field}: {expected}}}")
         raise PeerError(f"service {name} is a {known[name]}, not a {expected}")
     return known[name]

@@ -9,7 +9,15 @@ from homebot.cli.arguments import add_broker_option, set_client_command
 from homebot.cli.device_json import device_json, json_text
 from homebot.cli.device_queries import house_time, named_device, reasons_for
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.records import CapabilityRecord, DevicePartRecord, DeviceRecord, FactRecord, RouteRecord, StateRecord
+from homebot.cli.records import (
+    CapabilityRecord,
+    DevicePartRecord,
+    DeviceRecord,
+    EndpointRecord,
+    FactRecord,
+    RouteRecord,
+    StateRecord,
+)
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import ago
@@ -71,6 +79,8 @@ def _describe(device: DeviceRecord, reasons: Sequence[str], now: float) -> None:
     for part in device["parts"]:
         title = _title(part) + (": unreachable" if part["id"] in device["offline_parts"] else "")
         _section(title, _part(part, values, now))
+    if len(device["endpoints"]) > 1:
+        _section("gateways", [_endpoint(one, now) for one in device["endpoints"]])
     addresses = [(one["gateway"], "publishes on", one["address"]) for one in device["endpoints"]]
     addresses += [(one["gateway"], "takes commands on", one["command_address"]) for one in device["endpoints"]]
     _section("addresses", [one for one in addresses if is_topic(one[-1])])
@@ -126,6 +136,12 @@ def _capability(capability: CapabilityRecord, state: StateRecord | None, now: fl
         kept = "" if state["live"] or capability["name"] in EVENTS else "retained, "
         since = f"{kept}{ago(state['since'], now)}"
     return capability["name"], shown, use, span(capability), since
+
+
+def _endpoint(endpoint: EndpointRecord, now: float) -> tuple[str, ...]:
+    reach = {"yes": "reachable", "no": "unreachable", "unknown": ""}[endpoint["reachable"]]
+    life = ", ".join(one for one in (endpoint["freshness"], reach) if one)
+    return endpoint["gateway"], life, f"last seen {ago(endpoint['last_seen'], now)}", f"as {endpoint['key']}"
 
 
 def _section(title: str, rows: Iterable[tuple[str, ...]]) -> None:

@@ -12,13 +12,16 @@ from collections import deque
 from collections.abc import Sequence
 
 from homebot.cli.arguments import Commands, add_verb, add_verbs, message, positive, set_client_command, whole
-from homebot.cli.directory import WAITING, entities, is_hidden, no_such_topic, topic_type
+from homebot.cli.device_queries import find_devices
+from homebot.cli.directory import entities, is_hidden, no_such_topic, not_yet, topic_type
 from homebot.cli.door_client import DoorClient, ReceivedMessage, with_client
 from homebot.cli.publishing import GatewayPublisher
 from homebot.cli.records import EntityRecord
 from homebot.cli.schema import Schema, message_schema
+from homebot.cli.table import printable
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
+from homebot.similar import did_you_mean
 
 __all__ = ["add_arguments", "rate_text"]
 
@@ -39,6 +42,7 @@ _PUB_EXAMPLES = """\
 """
 _ENDS = {"publisher": "Publisher", "subscription": "Subscription"}
 _OUT = re.compile(r"/?gateway/([^/]+)/out")
+_SMALL_HOUSE = 200
 _INTERVAL = 1.0
 """Seconds between two lines of ``hz``."""
 
@@ -168,7 +172,7 @@ def _schema(door: DoorClient, topic: str) -> Schema | None:
     ros_type = topic_type(door, topic)
     if ros_type:
         return message_schema(door, ros_type)
-    print(f"homebot: {no_such_topic(door, topic)}\n{WAITING}", file=sys.stderr)
+    print(not_yet(door, topic), file=sys.stderr)
     return None
 
 
@@ -217,6 +221,8 @@ def _pub(options: argparse.Namespace) -> int:
                 door.settle()
             else:
                 publisher.send(gateway, options.value)
+                if number == 1:
+                    _warn_of_unknown_address(door, options.value)
             print(f"publishing #{number} on {options.topic}: {shown}", flush=True)
             if number == options.times:
                 return 0
@@ -224,6 +230,20 @@ def _pub(options: argparse.Namespace) -> int:
             time.sleep(max(0.0, due - time.monotonic()))
 
     return with_client(options, run)
+
+
+def _warn_of_unknown_address(door: DoorClient, command: dict[str, object]) -> None:
+    """Warn where no device takes commands on the address of *command*; a large house is not looked through."""
+    page = find_devices(door, "", _SMALL_HOUSE)
+    address = command.get("address")
+    if not isinstance(address, str) or not page["results"] or page["total"] > _SMALL_HOUSE:
+        return
+    devices = [result["device"] for result in page["results"]]
+    known = {end["command_address"] for device in devices for end in device["endpoints"]}
+    known |= {topic for device in devices for part in device["parts"] for topic in part["part"]["writes"]}
+    if address not in known:
+        hint = did_you_mean(address, known - {""}, "it is published all the same", cutoff=0.8)
+        print(f"homebot: no known device takes commands on {printable(address)}; {hint}", file=sys.stderr)
 
 
 def _gateway_of(topic: str) -> str:
@@ -238,7 +258,7 @@ def _hz(options: argparse.Namespace) -> int:
     def run(door: DoorClient) -> int:
         door.subscribe(options.topic)
         if not topic_type(door, options.topic):
-            print(f"homebot: {no_such_topic(door, options.topic)}\n{WAITING}", file=sys.stderr)
+            print(not_yet(door, options.topic), file=sys.stderr)
         door.skip_kept()  # it says nothing about the rate
         times: deque[float] = deque(maxlen=options.window + 1)
         while True:

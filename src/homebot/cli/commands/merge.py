@@ -1,0 +1,43 @@
+"""``homebot merge``."""
+
+from __future__ import annotations
+
+import argparse
+from typing import cast
+
+from homebot.cli.arguments import set_client_command
+from homebot.cli.device_queries import named_device
+from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.records import MergeResponseRecord
+from homebot.cli.table import printable
+from homebot.devices.names import MERGE_DEVICES
+from homebot.errors import PeerError
+
+__all__ = ["add_arguments"]
+
+
+_EXAMPLES = """\
+  homebot merge 'Kitchen lamp' 'Kitchen lamp 2'
+
+The directory remembers it over a restart; `homebot split` undoes it.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot merge``."""
+    set_client_command(parser, _merge, _EXAMPLES)
+    parser.add_argument("devices", nargs="+", metavar="DEVICE", help="ids or names of two or more devices")
+
+
+def _merge(options: argparse.Namespace) -> int:
+    """Make several devices one."""
+
+    def run(door: DoorClient) -> int:
+        ids = [named_device(door, one)["id"] for one in options.devices]
+        answer = cast("MergeResponseRecord", door.call(MERGE_DEVICES, {"devices": ids}))
+        if not answer["success"]:
+            raise PeerError(answer["message"])
+        print(f"{', '.join(map(printable, ids))} are one device now: {printable(answer['device'])}")
+        return 0
+
+    return with_client(options, run)

@@ -1,0 +1,112 @@
+"""``homebot tag``: ``read`` and ``write``."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from typing import Final, cast
+
+from homebot.cli.arguments import add_verb, add_verbs, set_client_command
+from homebot.cli.device_queries import named_device
+from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.records import ReadTagRecord, WriteTagRecord
+from homebot.cli.table import printable
+from homebot.devices.names import TagNames
+from homebot.errors import PeerError
+
+__all__ = ["add_arguments"]
+
+_EXAMPLES = """\
+  homebot tag read
+  homebot tag write 'Kitchen lamp' --area Kitchen
+"""
+_CODES_TEXT = """
+Exit codes beside the usual ones: 3 there is no such reader; 4 no tag came in time; 5 the tag is not fit for it: too
+small, protected, of another kind, or taken away too early.
+"""
+
+_NO_READER: Final = 3
+_NO_TAG: Final = 4
+_UNFIT: Final = 5
+_CODES: Final = {"no_reader": _NO_READER, "no_tag": _NO_TAG} | dict.fromkeys(
+    ("lost", "not_a_tag", "protected", "too_small", "unreadable"), _UNFIT
+)
+_LONGEST_WAIT: Final = 600.0
+_GRACE: Final = 10.0
+"""Seconds that the gateway may take beside waiting for the tag."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the commands below ``homebot tag``."""
+    verbs = add_verbs(parser, _EXAMPLES)
+    read = add_verb(verbs, "read", "say which device the tag at the reader, or the next one, points to")
+    set_client_command(read, _read, f"  homebot tag read\n{_CODES_TEXT}")
+    write = add_verb(verbs, "write", "let the tag at the reader, or the next one, point to a device; it is overwritten")
+    set_client_command(write, _write, f"  homebot tag write 'Kitchen lamp' --area Kitchen\n{_CODES_TEXT}")
+    write.add_argument("device", metavar="DEVICE", help="its id or its name")
+    write.add_argument("--area", default="", metavar="ROOM", help="the room that the tag is in, which is written too")
+    for one in (read, write):
+        one.add_argument("--reader", default="", metavar="NAME", help="a part of the reader's name (default: any)")
+        one.add_argument("--gateway", default="nfc", metavar="NAME", help="the gateway of tags (default: nfc)")
+        one.add_argument(
+            "--wait", type=_seconds, default=30.0, metavar="S", help="wait S seconds for a tag (default: 30)"
+        )
+
+
+def _read(options: argparse.Namespace) -> int:
+    """Print the device that a tag points to."""
+
+    def run(door: DoorClient) -> int:
+        request = {"reader": options.reader, "wait": options.wait}
+        timeout = options.wait + _GRACE
+        answer = cast("ReadTagRecord", door.call(TagNames(options.gateway).read_tag, request, timeout))
+        if not answer["success"]:
+            return _failed(answer["problem"], answer["message"])
+        print(f"tag {printable(answer['tag'])} ({printable(answer['tag_type'])}): {printable(answer['message'])}")
+        for what, text in (("device", answer["device"]), ("area", answer["area"]), ("reader", answer["reader"])):
+            if text:
+                print(f"  {what}: {printable(text)}")
+        return 0
+
+    return with_client(options, run)
+
+
+def _write(options: argparse.Namespace) -> int:
+    """Have a tag written."""
+
+    def run(door: DoorClient) -> int:
+        device = named_device(door, options.device)
+        name, timeout = printable(device["name"]), options.wait + _GRACE
+        print(f"hold a tag to the reader; it will point to {name}", flush=True)
+        request = {"device": device["id"], "area": options.area, "reader": options.reader, "wait": options.wait}
+        answer = cast("WriteTagRecord", door.call(TagNames(options.gateway).write_tag, request, timeout))
+        if not answer["success"]:
+            return _failed(answer["problem"], answer["message"])
+        print(f"tag {printable(answer['tag'])} points to {name} ({printable(answer['device'])})")
+        return 0
+
+    return with_client(options, run)
+
+
+def _failed(problem: str, message: str) -> int:
+    """Return the exit code of a *problem* that has one, its *message* printed.
+
+    Raises:
+        PeerError: It has none.
+    """
+    code = _CODES.get(problem)
+    if code is None:
+        raise PeerError(message)
+    print(f"homebot: {printable(message)}", file=sys.stderr)
+    return code
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not 0 <= seconds <= _LONGEST_WAIT:
+        raise argparse.ArgumentTypeError(f"must be 0 to {_LONGEST_WAIT:g} seconds, got {text!r}")
+    return seconds

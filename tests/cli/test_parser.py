@@ -1,0 +1,48 @@
+"""What the command line says of options and commands that do not exist."""
+
+from __future__ import annotations
+
+import pytest
+
+from homebot.cli import main
+
+Text = pytest.CaptureFixture[str]
+
+
+@pytest.mark.parametrize(
+    ("line", "problem"),
+    [
+        ("--verison", "homebot: unknown option --verison; did you mean --version?"),
+        ("devices --jsno", "homebot devices: unknown option --jsno; did you mean --json?"),
+        ("run --fro 2", "homebot run: unknown option --fro; did you mean --for?"),
+        ("run --fro=2", "homebot run: unknown option --fro; did you mean --for?"),
+        ("topic pub --onec /hello", "homebot topic pub: unknown option --onec; did you mean --once?"),
+        ("topic list -x", "homebot topic list: unknown option -x; see `homebot topic list --help`"),
+        ("devices extra", "homebot devices: unexpected argument 'extra'; see `homebot devices --help`"),
+        ("device", "homebot: no command 'device'; did you mean devices?"),
+        ("devcies --json", "homebot: no command 'devcies'; did you mean devices?"),
+        ("topic lst", "homebot topic: no command 'lst'; did you mean list?"),
+        ("frobnicate", "homebot: no command 'frobnicate'; see `homebot --help`"),
+    ],
+)
+def test_a_misspelt_command_or_option_is_named_with_what_was_meant(capsys: Text, line: str, problem: str) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(line.split())
+    assert ended.value.code == 2
+    assert capsys.readouterr() == ("", f"{problem}\n")
+
+
+@pytest.mark.parametrize(("line", "shown"), [("", "homebot run "), ("topic", "homebot topic echo ")])
+def test_without_a_command_the_help_is_shown(capsys: Text, line: str, shown: str) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(line.split())
+    assert ended.value.code == 2
+    out, err = capsys.readouterr()
+    assert shown in out
+    assert err == ""
+
+
+def test_other_mistakes_are_shown_with_the_usage(capsys: Text) -> None:
+    with pytest.raises(SystemExit):
+        main(["show"])
+    assert capsys.readouterr().err.endswith("homebot show: error: the following arguments are required: DEVICE\n")

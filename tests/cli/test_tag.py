@@ -1,0 +1,129 @@
+"""``homebot tag`` with a gateway whose reader a simulated tag is at, or is not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import pytest
+from tests.gateways.nfc.test_gateway import HOUSE
+from tests.gateways.nfc.world import UID, card
+
+from homebot.cli import main
+from homebot.clock import Clock
+from homebot.devices import FIND_DEVICES, QUERY_DEVICES, FindDevices, Found, QueryDevices
+from homebot.devices.services import FindDevicesRequest, FindDevicesResponse, QueryDevicesRequest, QueryDevicesResponse
+from homebot.gateways import GatewayContext
+from homebot.gateways.nfc import NfcGateway
+from homebot.gateways.nfc.card_tag import CardTag
+from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders
+from homebot.graph import Graph, Node
+from homebot.house.nfc import Type4Card
+
+if TYPE_CHECKING:
+    from tests.cli.conftest import Homebot
+
+Text = pytest.CaptureFixture[str]
+
+
+class DeskReader(TagReader):
+    """A reader with a tag on it."""
+
+    def __init__(self, tag: Type4Card | None) -> None:
+        self._tag = tag
+
+    def run(self, desk: ReaderDesk) -> None:
+        desk.found("desk reader")
+        tag = None if self._tag is None else CardTag(self._transmit)
+        if tag is not None:
+            desk.arrived("desk reader", tag)
+        while not desk.wait(0.02):
+            if tag is not None:
+                desk.stayed("desk reader", tag)
+
+    def _transmit(self, apdu: bytes) -> tuple[bytes, int]:
+        assert self._tag is not None
+        answer = self._tag.answer(apdu)
+        return answer[:-2], int.from_bytes(answer[-2:], "big")
+
+
+@pytest.fixture
+def homebot_at(
+    homebot_with: Callable[[Callable[[Graph], Node], Clock | None], Homebot],
+) -> Callable[[Type4Card | None], Homebot]:
+    def start(tag: Type4Card | None) -> Homebot:
+        def extra(graph: Graph) -> Node:
+            node = Node(graph, "nfc", namespace="/gateway")
+            gateway = NfcGateway(node, context=GatewayContext.of(TagReaders((DeskReader(tag),))))
+            node.create_task(gateway.serve)
+            node.create_service(FindDevices, FIND_DEVICES, find)
+            node.create_service(QueryDevices, QUERY_DEVICES, query)
+            return node
+
+        return homebot_with(extra, None)
+
+    return start
+
+
+def find(request: FindDevicesRequest) -> FindDevicesResponse:
+    del request
+    return FindDevicesResponse(devices=HOUSE, sequence=0)
+
+
+def query(request: QueryDevicesRequest) -> QueryDevicesResponse:
+    del request
+    found = tuple(Found(device=one, score=1.0, reasons=()) for one in HOUSE)
+    return QueryDevicesResponse(success=True, results=found, total=len(found))
+
+
+def test_a_tag_is_written_and_read(homebot_at: Callable[[Type4Card | None], Homebot], capsys: Text) -> None:
+    homebot = homebot_at(card())
+    assert main(["--door", homebot.door, "tag", "write", "kitchen lamp", "--area", "Kitchen", "--wait", "10"]) == 0
+    assert capsys.readouterr().out == (
+        f"hold a tag to the reader; it will point to Kitchen lamp\ntag {UID} points to Kitchen lamp (lights/kitchen)\n"
+    )
+    assert main(["--door", homebot.door, "tag", "read"]) == 0
+    assert capsys.readouterr().out == (
+        f"tag {UID} (NFC Forum Type 4): it points to Kitchen lamp\n"
+        "  device: lights/kitchen\n  area: Kitchen\n  reader: desk reader\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("tag", "arguments", "code", "said"),
+    [
+        (None, ["read", "--reader", "attic"], 3, "there is no reader 'attic', only desk reader"),
+        (None, ["read", "--wait", "0.1"], 4, "no tag was held to a reader within 0.1 s"),
+        (card(capacity=9), ["write", "Plug"], 5, f"the tag {UID} was not written: it has room for 9 bytes, and"),
+        (card(is_writable=False), ["write", "Plug"], 5, "it is protected against writing"),
+        (None, ["write", "Lamp"], 1, "2 devices are called Lamp; give the id of one: lights/cellar, lights/hall"),
+        (None, ["read", "--gateway", "mqtt"], 1, "/gateway/mqtt/read_tag"),
+    ],
+)
+def test_what_did_not_work_has_a_reason_and_a_code(
+    homebot_at: Callable[[Type4Card | None], Homebot],
+    capsys: Text,
+    tag: Type4Card | None,
+    arguments: list[str],
+    code: int,
+    said: str,
+) -> None:
+    homebot = homebot_at(tag)
+    assert main(["--door", homebot.door, "tag", *arguments]) == code
+    assert said in capsys.readouterr().err
+
+
+def test_a_wait_that_is_none_is_a_wrong_command_line(capsys: Text) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(["tag", "read", "--wait", "soon"])
+    assert caught.value.code == 2
+    assert "must be 0 to 600 seconds, got 'soon'" in capsys.readouterr().err
+
+
+def test_a_code_is_asked_about(homebot_at: Callable[[Type4Card | None], Homebot], capsys: Text) -> None:
+    homebot = homebot_at(None)
+    code = '{text: "homebot:device/lights/kitchen"}'
+    assert main(["--door", homebot.door, "service", "call", "/gateway/nfc/scan", code]) == 0
+    out = capsys.readouterr().out
+    assert "device: lights/kitchen\n" in out
+    assert "it points to Kitchen lamp" in out
