@@ -16,10 +16,13 @@ SLOW = tests/system tests/fuzz tests/cli tests/bridges/rosbridge tests/mqtt/brok
 	tests/gateways/mqtt/test_bounds.py tests/gateways/mqtt/test_floods.py tests/gateways/mqtt/test_gateway.py \
 	tests/gateways/mqtt/test_long_lists.py tests/gateways/mqtt/test_stolen_topics.py tests/house/test_mixed_house.py \
 	tests/conventions/zigbee2mqtt/test_both_announcements.py tests/test_benchmarks.py tests/test_examples.py \
+	tests/gateways/ble tests/gateways/coap tests/gateways/drivers tests/gateways/matter tests/gateways/mdns tests/gateways/nfc \
+	tests/gateways/thing_directory tests/gateways/test_http_client.py $(wildcard tests/gateways/test_contract_*.py) \
+	tests/house/test_ble_devices.py tests/house/test_network.py \
 	tests/test_logger.py tests/test_production_loop.py tests/test_public_face.py tests/test_readme.py
 SLOW_KINDS = *_against_* *_any_* *_fuzz* *_hostile*
 
-.PHONY: help run test test-fast fuzz houses check format docs bench lock test-lowest clean
+.PHONY: help run test test-fast test-peers fuzz houses check format docs bench lock test-lowest clean
 
 ## Prints this list.
 help:
@@ -30,17 +33,22 @@ help:
 run: $(VENV)/.run
 	@$(BIN)/python -m homebot run $(ARGS)
 
-## Runs all tests, with coverage: about seven minutes on two cores.
+## Runs all tests, with coverage: about a quarter of an hour on two cores.
 test: $(VENV)/.dev
-	$(BIN)/python -m pytest -n 3 --dist worksteal --cov --cov-report=term $(ARGS)
+	$(BIN)/python -m pytest -n 3 --dist worksteal -m "not peers" --cov --cov-report=term $(ARGS)
 
 # With PYTHONDONTWRITEBYTECODE set, each worker would compile all of homebot: a third of the time.
-## Runs the quick tests (no other programs, no load, no generated cases): under a minute.
+## Runs the quick tests (no other programs, no load, no generated cases): about a minute and a half.
 test-fast: $(VENV)/.dev
-	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n auto --dist worksteal -m "not system" $(SLOW:%=--ignore=%) $(SLOW_KINDS:%=--ignore-glob="%") $(ARGS)
+	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n auto --dist worksteal -m "not system and not peers" $(SLOW:%=--ignore=%) $(SLOW_KINDS:%=--ignore-glob="%") $(ARGS)
 
-# 100,000 cases for each of 14 targets; `make fuzz SEED=...` repeats a run.
-## Runs generated cases against everything that handles untrusted input: about half an hour.
+# Each test has a network of its own, which needs root; .ci/run installs the programs.
+## Runs the gateways against other people's programs, those that are installed.
+test-peers: $(VENV)/.dev
+	$(BIN)/python -m pytest -m peers tests/peers $(ARGS)
+
+# 100,000 cases for each target; `make fuzz SEED=...` repeats a run.
+## Runs generated cases against everything that handles untrusted input: about an hour.
 fuzz: $(VENV)/.dev
 	@echo "seed $(SEED), $(CASES) cases for each target"
 	@FUZZ_SEED=$(SEED) FUZZ_CASES=$(CASES) $(BIN)/python -m pytest -n 2 --timeout 7200 --show-capture no tests/fuzz tests/mqtt/broker/test_fuzz_seeded.py $(ARGS)
@@ -82,7 +90,7 @@ lock:
 test-lowest:
 	$(PYTHON) -m venv .venv-lowest
 	.venv-lowest/bin/pip install --quiet --disable-pip-version-check -c constraints-lowest.txt -e ".[dev,all]"
-	.venv-lowest/bin/python -m pytest -n 3 -p no:cacheprovider $(ARGS)
+	.venv-lowest/bin/python -m pytest -n 3 -p no:cacheprovider -m "not peers" $(ARGS)
 
 ## Removes everything that these targets created.
 clean:

@@ -68,6 +68,11 @@ def _nothing_blocks_the_loop() -> Iterator[None]:
             function.can_block_in("homebot/config.py", {"read_secret"})
             # Not ours: pydantic looks for its plug-ins once, when the first model is built.
             function.can_block_in("pydantic/plugin/_loader.py", {"get_plugins"})
+            function.can_block_in("homebot/gateways/coap/aiocoap_client.py", {"_load"})
+            # Not ours: OSCORE has its sequence number on the disk before it uses it.
+            function.can_block_in("aiocoap/oscore.py", {"_store", "_save", "_destroy", "post_seqnoincrease"})
+            # Not ours: a datagram socket is connected, which only looks for a route.
+            function.can_block_in("aiocoap/util/asyncio/getaddrinfo_addrconfig.py", {"getaddrinfo_routechecked"})
             # Not ours: the tracer that measures coverage, while another thread of the tests has its turn.
             function.can_block_in("coverage/collector.py", {"lock_data"})
         yield

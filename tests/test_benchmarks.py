@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -29,6 +30,18 @@ def test_a_benchmark_runs_and_says_which_peer_is_missing() -> None:
 
     assert "Services: calls per second" in printed
     assert "Home Assistant is not measured: no /no/such/python" in printed
+
+
+def test_the_worker_of_discovery_tells_when_devices_were_found_and_missed() -> None:
+    """Of the gateway that needs no extra."""
+    worker = PROGRAM.with_name("discovery_worker.py")
+    command = [sys.executable, str(worker), "mqtt, Home Assistant discovery", "2", "10"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 0, done.stderr
+    joined, died = (json.loads(line) for line in done.stdout.splitlines())
+    assert len(joined["times"]) == 2
+    assert joined["memory"] > 0
+    assert [how for _, how in died["noticed"]] == ["unreachable"] * 2
 
 
 @cache

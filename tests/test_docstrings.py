@@ -12,11 +12,12 @@ SOURCE = Path(homebot.__file__).parent
 RIDDLE = re.compile(r"(What|Who|Whoever|Whom|Whose|Which|Whether|How|Where|When|Why|Whatever)\b")
 
 VERBS = """
-Abort Accept Acknowledge Acquire Add Advance Allow Announce Answer Append Apply Arm Ask Assign Attach Await Be Begin
-Bind Book Bound Bring Build Cache Call Cancel Carry Change Charge Check Choose Clean Clear Close Collect Combine
-Compare Compute Confirm Connect Consume Convert Copy Count Create Cut Decide Declare Decode Decrypt Delete Deliver
-Derive Describe Detach Disable Disarm Discard Disconnect Dispatch Dispose Do Drain Draw Drop Emit Enable Encode
-Encrypt End Ensure Enter Escape Estimate Evaluate Execute Exit Expand Expire Export Expose Extract Fail Feel Fetch
+Abort Accept Acknowledge Acquire Add Advance Advertise Allow Announce Answer Append Apply Arm Ask Assign Attach Await Be
+Begin Bind Book Bound Bring Build Cache Call Cancel Carry Change Charge Check Choose Clean Clear Close Collect
+Combine Compare Compute Confirm Connect Consume Convert Copy Count Create Cut Decide Declare Decode Decrypt Delete
+Deliver Derive Describe Detach Disable Disarm Discard Disconnect Dispatch Dispose Do Drain Draw Drop Emit Enable
+Encode Encrypt End Ensure Enter Escape Estimate Evaluate Execute Exit Expand Expire Export Expose Extract Fail Feel
+Fetch
 Fill Filter Find Flatten Flush Fold Follow Forget Format Forward Free Gather Generate Get Give Go Group Guess Hand
 Handle Hash Have Hide Hold Ignore Import Increment Insert Inspect Interpret Invoke Iterate Join Keep Launch Leave Let
 Limit List Load Lock Log Look Make Map Mark Match Measure Merge Move Name Need Normalise Note Notify Obey Offer Open
