@@ -10,6 +10,7 @@ import gc
 import json
 import resource
 import sys
+import time
 
 from bench_ingest import ingest
 from homebot.cli.commands.run import COLLECT_AFTER
@@ -20,4 +21,4 @@ gc.set_threshold(*COLLECT_AFTER)
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 found, seconds, cpu = asyncio.run(ingest(int(sys.argv[1]), int(sys.argv[2]), with_directory=True))
 grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024
-print(json.dumps({"found": found, "seconds": seconds, "cpu": cpu, "memory": grown}))
+print(json.dumps({"found": found, "seconds": seconds, "cpu": cpu, "process": time.process_time(), "memory": grown}))

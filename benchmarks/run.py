@@ -31,7 +31,11 @@ BENCHMARKS = (
     "states",
     "command_line",
     "walks",
+    "discovery",
 )
+FILES = {"discovery": "discovery_criteria"}
+"""The files of benchmarks that are called otherwise."""
+
 HOME_ASSISTANT_PYTHON = Path(__file__).parent.parent / ".venv-bench-ha/bin/python"
 
 
@@ -53,7 +57,7 @@ def main() -> None:
             home_assistant_python=options.home_assistant if peer else None,
         )
         for name in options.names or BENCHMARKS:
-            print_report(importlib.import_module(name).run(plan))
+            print_report(importlib.import_module(FILES.get(name, name)).run(plan))
     print(f"\n{time.perf_counter() - started:.0f} s{', --quick: a look, not a measurement' if options.quick else ''}")
 
 

@@ -85,10 +85,10 @@ def _cpu(command: list[str], port: int, turns: int) -> float:
 
 
 def _turn(number: int, level: int) -> Iterator[bytes]:
-    """Yield a state of each lamp, in which three of the five values are new."""
+    """Yield a state of each lamp, in which three of the five values are new; no two lamps say the same."""
     state = {"state": "ON", "brightness": level, "color_mode": "color_temp", "color_temp": 250 + number % 100}
-    payload = json.dumps({**state, "linkquality": 90 + number % 100}).encode()
     for lamp in range(LAMPS):
+        payload = json.dumps({**state, "linkquality": (number + lamp) % 255}).encode()
         yield publish_packet(f"zigbee2mqtt/lamp {lamp}", payload)
 
 
