@@ -209,7 +209,7 @@ class HttpClient:
             opened = await self._opened().ws_connect(
                 where,
                 protocols=protocols,
-                autoping=True,
+                autoping=False,  # it would answer all that came without a pause
                 heartbeat=heartbeat,
                 max_msg_size=self._max_bytes if max_bytes is None else max_bytes,
                 timeout=aiohttp.ClientWSTimeout(ws_close=_CLOSING),
@@ -304,15 +304,24 @@ class WebSocket:
             LinkError: The connection was closed or is lost.
             WireError: A message breaks the rules, or is too long; no other can follow.
         """
-        await anyio.lowlevel.checkpoint()  # receiving what came already lets no other task run
-        with translated_errors("WebSocket", self._where):
-            message = await self._opened.receive()
+        message = await self._next()
         if message.type is aiohttp.WSMsgType.TEXT or message.type is aiohttp.WSMsgType.BINARY:
             data: str | bytes = message.data
             return data
         if message.type is aiohttp.WSMsgType.ERROR and isinstance(message.data, aiohttp.WebSocketError):
             raise WireError(f"{self._where} broke the rules of WebSockets: {clean_text(str(message.data), 80)}")
         raise LinkError(f"{self._where} closed the connection")
+
+    async def _next(self) -> aiohttp.WSMessage:
+        """Return the next message that is not a ping or a pong, answering pings."""
+        with translated_errors("WebSocket", self._where):
+            while True:
+                await anyio.lowlevel.checkpoint()  # receiving what came already lets no other task run
+                message = await self._opened.receive()
+                if message.type is aiohttp.WSMsgType.PING:
+                    await self._opened.pong(message.data)
+                elif message.type is not aiohttp.WSMsgType.PONG:
+                    return message
 
 
 class EventStream:
