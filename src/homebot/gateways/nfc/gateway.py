@@ -42,9 +42,6 @@ __all__ = ["NfcGateway"]
 READER_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=10.0, late_cap=30.0, late_after=300.0, jitter=0.5)
 """For a reader that is not there."""
 
-_MAX_WAITING: Final = 64
-"""News of readers that wait to be dealt with; the newest go when there are more."""
-
 _MAX_AT_READERS: Final = 64
 """Tags that are taken to be at readers; the oldest goes."""
 
@@ -84,7 +81,7 @@ class NfcGateway(Gateway):
         self.readers: dict[int, tuple[str, ...]] = {}
         self._problems: dict[int, str] = {}
         self._sides: list[TagReader] = []
-        self._waiting: deque[ReaderNews] = deque()
+        self._waiting: deque[tuple[ReaderNews, ReaderDesk | None]] = deque()
         self._has_news = anyio.Event()
         self._was_tried = anyio.Event()
         self._taps = node.create_publisher(TagTap, "~/taps")
@@ -146,7 +143,7 @@ class NfcGateway(Gateway):
             since = since or clock.monotonic()
             await anyio.sleep(READER_BACKOFF.delay(failures, clock.monotonic() - since, self._random))
 
-    def _hear(self, number: int, news: ReaderNews) -> None:
+    def _hear(self, number: int, desk: ReaderDesk, news: ReaderNews) -> None:
         """Take news from a reader's thread; called in the loop."""
         if isinstance(news, ReadersFound):
             self.readers[number] = news.readers
@@ -154,27 +151,14 @@ class NfcGateway(Gateway):
             if not news.readers:
                 self._problems[number] = "no reader of tags is connected"
             self._show_state()
-        if len(self._waiting) >= _MAX_WAITING and self._is_dropped(news):
-            return
-        self._waiting.append(news)
+        self._waiting.append((news, desk))
         self._has_news.set()
-
-    def _is_dropped(self, news: ReaderNews) -> bool:
-        """Return whether *news* that come while too many wait are given up: tags, and that such a tag has left."""
-        if isinstance(news, TagSeen):
-            self.devices.reject(news.uid, b"", "tags come faster than they can be dealt with")
-            return True
-        return (
-            isinstance(news, TagLeft)
-            and news.uid not in self.at_reader
-            and not any(isinstance(one, TagSeen) and one.uid == news.uid for one in self._waiting)
-        )
 
     def _lose(self, number: int, why: str) -> None:
         self._problems[number] = why
         for name in self.readers.pop(number, ()):
             for uid in [uid for uid, seen in self.at_reader.items() if seen.reader == name]:
-                self._waiting.append(TagLeft(name, uid))
+                self._waiting.append((TagLeft(name, uid), None))
         self._has_news.set()
         self._show_state()
 
@@ -193,7 +177,10 @@ class NfcGateway(Gateway):
         while True:
             await self._has_news.wait()
             while self._waiting:
-                await self._take(self._waiting.popleft())
+                news, desk = self._waiting.popleft()
+                await self._take(news)
+                if desk is not None:
+                    desk.make_room()
                 await anyio.lowlevel.checkpoint()  # a flood of tags leaves others their turn
             self._has_news = anyio.Event()
 

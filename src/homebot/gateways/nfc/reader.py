@@ -19,7 +19,7 @@ from homebot.gateways.nfc.tag import PresentTag, ReaderNews, ReadersFound, TagCo
 __all__ = ["ReaderDesk", "TagReader", "TagReaders", "WriteOrder", "read_tags"]
 
 _MAX_POSTED: Final = 64
-"""News of a reader that wait for the loop."""
+"""News of a reader that the gateway has not dealt with yet; with more, its thread waits."""
 
 _LOOK: Final = 0.1
 """Seconds after which a reader that waits for the loop looks whether it is to end."""
@@ -55,10 +55,11 @@ class ReaderDesk:
     """The place where threads of readers and the gateway meet.
 
     Args:
-        tell: Takes the news of the readers, in the loop.
+        tell: Takes this desk and the news of its reader, in the loop; whoever has dealt with them calls
+            :meth:`make_room`.
     """
 
-    def __init__(self, tell: Callable[[ReaderNews], None]) -> None:
+    def __init__(self, tell: Callable[[ReaderDesk, ReaderNews], None]) -> None:
         self._tell = tell
         self._loop = asyncio.get_running_loop()
         self._stopped = Event()
@@ -79,6 +80,10 @@ class ReaderDesk:
         """Wait in a reader's thread; return whether it is to end."""
         return self._stopped.wait(seconds)
 
+    def make_room(self) -> None:
+        """Let the reader go on: one of its news was dealt with."""
+        self._room.release()
+
     def place(self, order: WriteOrder) -> bool:
         """Take an order; return False while there is another."""
         with self._lock:
@@ -95,16 +100,16 @@ class ReaderDesk:
 
     def found(self, *readers: str) -> None:
         """Report in a reader's thread which readers are there."""
-        self._post(self._tell, ReadersFound(readers))
+        self._post(ReadersFound(readers))
 
     def arrived(self, reader: str, tag: PresentTag) -> None:
         """Read a tag that was held to *reader*, and write it where that was ordered."""
         if not self.stayed(reader, tag):
-            self._post(self._tell, _seen(reader, tag))
+            self._post(_seen(reader, tag))
 
     def unreadable(self, reader: str, problem: str) -> None:
         """Report that there is something at *reader* that not even told its number."""
-        self._post(self._tell, TagSeen(reader, "", "", None, problem))
+        self._post(TagSeen(reader, "", "", None, problem))
 
     def stayed(self, reader: str, tag: PresentTag) -> bool:
         """Write a tag that is at *reader* still, where that was ordered; return whether it was."""
@@ -118,13 +123,13 @@ class ReaderDesk:
                 error = TagError("lost", "it says something else than was written")
         except TagError as exc:
             error = exc
-        self._post(self._tell, _seen(reader, tag))
-        self._post(_finish, order, reader, tag.uid, error)
+        self._post(_seen(reader, tag))
+        self._loop.call_soon_threadsafe(_finish, order, reader, tag.uid, error)
         return True
 
     def left(self, reader: str, uid: str) -> None:
         """Report that a tag is not at *reader* any more."""
-        self._post(self._tell, TagLeft(reader, uid))
+        self._post(TagLeft(reader, uid))
 
     def _take(self, reader: str) -> WriteOrder | None:
         with self._lock:
@@ -134,16 +139,12 @@ class ReaderDesk:
             self._order = None
             return order if order.claim() else None
 
-    def _post(self, function: Callable[..., None], *args: object) -> None:
-        """Have *function* called in the loop; while that is behind, the reader waits."""
+    def _post(self, news: ReaderNews) -> None:
+        """Have *news* told in the loop; while the gateway is behind, the reader waits."""
         while not self.is_stopped:
             if self._room.acquire(timeout=_LOOK):
-                self._loop.call_soon_threadsafe(self._run, function, args)
+                self._loop.call_soon_threadsafe(self._tell, self, news)
                 return
-
-    def _run(self, function: Callable[..., None], args: tuple[object, ...]) -> None:
-        self._room.release()
-        function(*args)
 
 
 class TagReader(ABC):
