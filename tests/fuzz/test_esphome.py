@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 from aioesphomeapi import model
 from aioesphomeapi.model_conversions import STATE_TYPE_TO_INFO_TYPE
 
+from homebot.conventions.esphome.device import EsphomeDevice
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.announced.value_check import can_report, check_command
-from homebot.gateways.drivers.esphome.device import EsphomeDevice
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz, Mutator
@@ -52,7 +52,7 @@ def test_odd_entities_are_described_read_and_commanded(fuzz: Fuzz, mutator: Call
         mutate = mutator(rng, CLASSES)
         listed = [(kind, fields(mutate, KINDS[kind])) for kind in rng.choices(tuple(KINDS), k=rng.choice((1, 2, 4)))]
         device = EsphomeDevice(fields(mutate, model.DeviceInfo), listed)
-        parts = {part.id: part for part in device.describe("key", "name").parts}
+        parts = {part.id: part for part in device.parts()}
         assert parts.keys() == device.entities.keys()
         for part_id, entity in device.entities.items():
             part = parts[part_id]
@@ -87,4 +87,4 @@ def test_a_device_with_thousands_of_entities_is_cut() -> None:
     ]
     device = EsphomeDevice({}, listed)
     assert (len(device.entities), device.left_out) == (500, 2500)
-    assert all(len(part.id) < 140 and len(part.name) <= 255 for part in device.describe("k", "n").parts)
+    assert all(len(part.id) < 140 and len(part.name) <= 255 for part in device.parts())

@@ -7,12 +7,12 @@ import math
 import random
 from typing import TYPE_CHECKING
 
-from tests.gateways.drivers.wled.wled_documents import BEFORE_0_13, RGB_0_15, RGBW_0_14, TWO_SEGMENTS_0_15, WHITES_0_13
+from tests.conventions.wled.wled_documents import BEFORE_0_13, RGB_0_15, RGBW_0_14, TWO_SEGMENTS_0_15, WHITES_0_13
 
 from homebot.conventions.payload import parse_object
+from homebot.conventions.wled.strip import WledStrip, effect_names
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.announced.value_check import can_report
-from homebot.gateways.drivers.wled.strip import WledStrip, effect_names
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz, Mutator

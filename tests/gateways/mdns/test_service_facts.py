@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from homebot.gateways.drivers import FoundService
+from homebot.gateways.drivers.service_type import base_type, full_type, instance_label, is_service_type
 from homebot.gateways.mdns.service_facts import facts_of, identifiers_of, usable_addresses
-from homebot.gateways.mdns.service_type import base_type, full_type, instance_label, is_service_type
 
 
 def found(name: str, service_type: str, host: str, **properties: str) -> FoundService:

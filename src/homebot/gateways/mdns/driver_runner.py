@@ -16,7 +16,7 @@ from homebot.errors import LinkError, PeerError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.drivers import Driver, FoundService
-from homebot.gateways.mdns.installed_drivers import UsableDriver
+from homebot.gateways.drivers.installed_drivers import UsableDriver
 from homebot.gateways.things.host import PublishedDriverHost
 from homebot.isolation import error_text, first_cause, run_as
 from homebot.mqtt.backoff import Backoff

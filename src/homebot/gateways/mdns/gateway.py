@@ -22,8 +22,8 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.drivers import FoundService
+from homebot.gateways.drivers.installed_drivers import InstalledDrivers, find_drivers
 from homebot.gateways.mdns.driver_runner import LOST_BACKOFF, DriverRunner
-from homebot.gateways.mdns.installed_drivers import InstalledDrivers, find_drivers
 from homebot.gateways.mdns.interfaces import Interfaces, NetworkInterfaces
 from homebot.gateways.mdns.network import ResolvedService, ServiceNews
 from homebot.gateways.mdns.own_services import OwnServices

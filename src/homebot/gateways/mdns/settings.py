@@ -10,7 +10,7 @@ from pydantic import Field, PrivateAttr, field_validator
 
 from homebot.config import folder_of
 from homebot.gateways.base import GatewaySettings
-from homebot.gateways.mdns.service_type import ENUMERATION, full_type, is_service_type
+from homebot.gateways.drivers.service_type import ENUMERATION, full_type, is_service_type
 
 __all__ = ["KNOWN_TYPES", "MdnsGatewaySettings"]
 

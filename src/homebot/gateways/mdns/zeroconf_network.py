@@ -20,10 +20,10 @@ from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZerocon
 
 from homebot.errors import LinkError
 from homebot.gateways.drivers import FoundService
+from homebot.gateways.drivers.service_type import ENUMERATION, base_type, full_type, instance_label, is_service_type
 from homebot.gateways.mdns.interfaces import Interfaces
 from homebot.gateways.mdns.network import OwnService, ResolvedService, ServiceNetwork, ServiceNews
 from homebot.gateways.mdns.service_facts import printable, usable_addresses
-from homebot.gateways.mdns.service_type import ENUMERATION, base_type, full_type, instance_label, is_service_type
 from homebot.gateways.mdns.txt_record import read_txt
 
 __all__ = ["MdnsNetwork"]

@@ -12,10 +12,11 @@ from pydantic import ValidationError
 from tests.gateways.drivers.driver_host import KeepingHost, command
 from tests.gateways.drivers.esphome.served import KEY, OTHER_KEY, DriverRun, driven, living, service_of, simulated
 
+from homebot.conventions.esphome.device import EsphomeDevice
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, UnableError, UsageError, WireError
+from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.esphome import EsphomeDriver, EsphomeSettings
-from homebot.gateways.drivers.esphome.device import EsphomeDevice
 from homebot.gateways.drivers.esphome.driver import StateQueue
 from homebot.gateways.drivers.esphome.settings import EsphomeSecrets
 from homebot.house.dialect import DeviceState
@@ -290,7 +291,7 @@ async def test_of_many_states_the_newest_counts_and_of_many_events_some_are_drop
     device = EsphomeDevice(
         {}, [("switch", {"key": 1, "object_id": "a"}), ("event", {"key": 2, "event_types": ["ring"]})]
     )
-    host.describe(device.describe("k", "n"))
+    host.describe(GatewayDevice("k", "n", device.parts()))
     queue = StateQueue(device, host)
     for number in range(10_000):
         queue.put("switch", {"key": 1, "state": number % 2 == 0})

@@ -14,10 +14,9 @@ from aioesphomeapi.client import APIClient
 from aioesphomeapi.model_conversions import STATE_TYPE_TO_INFO_TYPE
 from pydantic import SecretStr
 
+from homebot.conventions.esphome import Fields, ListedEntity
 from homebot.conventions.payload import clean_text
 from homebot.errors import LinkError, RefusedError, WireError
-from homebot.gateways.drivers.esphome.device import ListedEntity
-from homebot.gateways.drivers.esphome.entity import Fields
 from homebot.gateways.drivers.esphome.settings import KEY_ADVICE, PASSWORD_ADVICE, PLAIN_ADVICE
 
 __all__ = ["EsphomeConnection", "connected"]

@@ -11,12 +11,12 @@ import anyio
 from anyio import to_thread
 from pydantic import SecretStr
 
+from homebot.conventions.esphome import EsphomeDevice, Fields
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.extras import check_extra
+from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import Driver, DriverHost, DriverSettings, FoundService
-from homebot.gateways.drivers.esphome.device import EsphomeDevice
-from homebot.gateways.drivers.esphome.entity import Fields
 from homebot.gateways.drivers.esphome.settings import KEY_ADVICE, EsphomeSettings
 
 if TYPE_CHECKING:
@@ -29,6 +29,10 @@ MAX_EVENTS = 100
 
 SLEEP_PAUSE = 5.0
 """Seconds between two looks whether a device that went to sleep is awake."""
+
+
+STALE_AFTER_SLEEP = 24 * 3600.0
+"""Seconds of silence after which a device that sleeps counts as stale; most wake up at least once a day."""
 
 
 class EsphomeDriver(Driver):
@@ -104,7 +108,7 @@ class EsphomeDriver(Driver):
             device = EsphomeDevice(*await connection.describe())
             if device.left_out:
                 self.host.reject(b"", f"{service.name} lists {device.left_out} entities too many; they are left out")
-            self.host.describe(device.describe(service.key, service.name))
+            self.host.describe(self._described(device))
             self._connection, self._device = connection, device
             try:
                 await StateQueue(device, self.host).relay(connection)
@@ -114,6 +118,17 @@ class EsphomeDriver(Driver):
                 self.host.report_reachable(reachable=None)
                 return True
         return False
+
+    def _described(self, device: EsphomeDevice) -> GatewayDevice:
+        return GatewayDevice(
+            self.service.key,
+            device.name or self.service.name,
+            device.parts(),
+            metadata=device.metadata,
+            identifiers=device.identifiers,
+            area=device.area,
+            stale_after=STALE_AFTER_SLEEP if device.sleeps else 0.0,
+        )
 
     def _secrets(self) -> tuple[SecretStr | None, SecretStr | None]:
         """Return key and password of the device.

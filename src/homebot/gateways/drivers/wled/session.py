@@ -13,11 +13,11 @@ from typing import Final
 import anyio
 
 from homebot.conventions.payload import as_fields, parse_object
+from homebot.conventions.wled import Fields, WledStrip, effect_names
 from homebot.devices.gateway_messages import Command
 from homebot.errors import HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import DriverHost, FoundService
-from homebot.gateways.drivers.wled.strip import Fields, WledStrip, effect_names
 from homebot.gateways.http_address import http_origin
 from homebot.gateways.http_client import HttpClient, WebSocket
 from homebot.isolation import first_cause

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from homebot.conventions.command_values import require_option
 from homebot.conventions.device_classes import CLOSURE_CLASSES
+from homebot.conventions.esphome.entity import EsphomeEntity, Fields, number_of, table_reader, text_of
 from homebot.devices.value import PlainValue
 from homebot.errors import WrongCodeError
-from homebot.gateways.drivers.esphome.entity import EsphomeEntity, Fields, number_of, table_reader, text_of
 
 __all__ = ["build_cover", "build_lock", "build_valve"]
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import TypeAlias
 
+from homebot.conventions.esphome.climate import build_climate, build_fan, build_water_heater
+from homebot.conventions.esphome.entity import EsphomeEntity, Fields, key_of, text_of, whole_of
+from homebot.conventions.esphome.light import build_light
+from homebot.conventions.esphome.openings import build_cover, build_lock, build_valve
+from homebot.conventions.esphome.simple_entities import SIMPLE_BUILDERS
 from homebot.devices.identity import identifiers
+from homebot.devices.part import Part
 from homebot.errors import RefusedError
-from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.drivers.esphome.climate import build_climate, build_fan, build_water_heater
-from homebot.gateways.drivers.esphome.entity import EsphomeEntity, Fields, key_of, text_of, whole_of
-from homebot.gateways.drivers.esphome.light import build_light
-from homebot.gateways.drivers.esphome.openings import build_cover, build_lock, build_valve
-from homebot.gateways.drivers.esphome.simple_entities import SIMPLE_BUILDERS
 
 __all__ = ["EsphomeDevice", "ListedEntity"]
 
@@ -21,9 +21,6 @@ ListedEntity: TypeAlias = tuple[str, Fields]
 
 MAX_ENTITIES = 500
 """Entities of one device; a large one has a hundred."""
-
-STALE_AFTER_SLEEP = 24 * 3600.0
-"""Seconds of silence after which a device that sleeps counts as stale; most wake up at least once a day."""
 
 _BUILDERS: Mapping[str, Callable[[str, Fields], EsphomeEntity]] = {
     "climate": build_climate,
@@ -66,33 +63,39 @@ class EsphomeDevice:
         for kind, fields in sorted(known[:MAX_ENTITIES], key=lambda one: _ORDER[one[0]]):
             self._add(_BUILDERS[kind](kind, fields), text_of(fields, "object_id")[:_MAX_ID])
 
-    def describe(self, key: str, fallback_name: str) -> GatewayDevice:
-        """Return its description.
+    @property
+    def name(self) -> str:
+        """Its name for people; empty where it does not say."""
+        return text_of(self._info, "friendly_name") or text_of(self._info, "name")
 
-        Args:
-            key: The gateway's key of it.
-            fallback_name: What it is called where it does not say.
-        """
+    @property
+    def area(self) -> str:
+        """The room that it is in; empty where it does not say."""
+        area = self._info.get("area")
+        return (text_of(area, "name") if isinstance(area, dict) else "") or text_of(self._info, "suggested_area")
+
+    @property
+    def identifiers(self) -> tuple[str, ...]:
+        """Its hardware addresses; its name where it has none."""
+        addresses = [text_of(self._info, "mac_address"), text_of(self._info, "bluetooth_mac_address")]
+        return identifiers(addresses if any(addresses) else [text_of(self._info, "name")])
+
+    @property
+    def metadata(self) -> dict[str, str]:
+        """Further facts."""
         info = self._info
-        name = text_of(info, "name")
-        area = info.get("area")
-        owners = _names(info.get("devices"))
-        addresses = [text_of(info, "mac_address"), text_of(info, "bluetooth_mac_address")]
         facts = {
             "manufacturer": text_of(info, "manufacturer") or text_of(info, "project_name").partition(".")[0],
             "model": text_of(info, "model"),
             "sw_version": text_of(info, "esphome_version"),
             "project": f"{text_of(info, 'project_name')} {text_of(info, 'project_version')}".strip(),
         }
-        return GatewayDevice(
-            key,
-            text_of(info, "friendly_name") or name or fallback_name,
-            tuple(entity.part(part_id, owners.get(entity.key[0], "")) for part_id, entity in self.entities.items()),
-            metadata={fact: text for fact, text in facts.items() if text},
-            identifiers=identifiers(addresses if any(addresses) else [name]),
-            area=(text_of(area, "name") if isinstance(area, dict) else "") or text_of(info, "suggested_area"),
-            stale_after=STALE_AFTER_SLEEP if self.sleeps else 0.0,
-        )
+        return {fact: text for fact, text in facts.items() if text}
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return its parts, one for each entity."""
+        owners = _names(self._info.get("devices"))
+        return tuple(entity.part(part_id, owners.get(entity.key[0], "")) for part_id, entity in self.entities.items())
 
     def part_of(self, kind: str, state: Fields) -> str | None:
         """Return the id of the part that a state of the component *kind* is of; None for one that was not listed."""

@@ -10,9 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
-from homebot.conventions.light_color import MIRED, KelvinRange, from_hue_saturation, to_hue_saturation
-from homebot.devices.value import PlainValue
-from homebot.gateways.drivers.esphome.entity import (
+from homebot.conventions.esphome.entity import (
     EsphomeEntity,
     Fields,
     flag_reader,
@@ -22,6 +20,8 @@ from homebot.gateways.drivers.esphome.entity import (
     percent_reader,
     table_reader,
 )
+from homebot.conventions.light_color import MIRED, KelvinRange, from_hue_saturation, to_hue_saturation
+from homebot.devices.value import PlainValue
 
 __all__ = ["build_light"]
 

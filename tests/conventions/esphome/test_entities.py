@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
+from homebot.conventions.esphome.device import EsphomeDevice
+from homebot.conventions.esphome.entity import EsphomeEntity
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WrongCodeError
-from homebot.gateways.drivers.esphome.device import EsphomeDevice
-from homebot.gateways.drivers.esphome.entity import EsphomeEntity
 
 RGB_CT = {"supported_color_modes": [11, 35], "min_mireds": 154.0, "max_mireds": 370.0}
 RGBWW = {"supported_color_modes": [19, 51], "min_mireds": 154.0, "max_mireds": 370.0}
@@ -238,7 +238,7 @@ def test_the_main_part_comes_first_and_ids_are_unique() -> None:
     ]
     info = {"name": "hall", "devices": [{"device_id": 7, "name": "Shed"}]}
     device = EsphomeDevice(info, listed)
-    parts = device.describe("key", "fallback").parts
+    parts = device.parts()
     assert [(part.id, part.name, part.category) for part in parts] == [
         ("light_x", "Lamp", ""),
         ("switch_x", "Indicator", "config"),
@@ -251,6 +251,6 @@ def test_the_main_part_comes_first_and_ids_are_unique() -> None:
 
 def test_a_device_without_hardware_address_is_known_by_its_name() -> None:
     """Else the name is none: two devices of two protocols may be called ``kitchen``."""
-    assert EsphomeDevice({"name": "kitchen"}, []).describe("k", "n").identifiers == ("id:kitchen",)
-    known = EsphomeDevice({"name": "kitchen", "mac_address": "06:35:69:AB:F6:79"}, []).describe("k", "n")
+    assert EsphomeDevice({"name": "kitchen"}, []).identifiers == ("id:kitchen",)
+    known = EsphomeDevice({"name": "kitchen", "mac_address": "06:35:69:AB:F6:79"}, [])
     assert known.identifiers == ("mac:063569abf679",)

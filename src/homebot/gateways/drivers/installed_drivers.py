@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from homebot.config import in_folder
 from homebot.errors import PluginError, UsageError
 from homebot.gateways.drivers import Driver, DriverSettings
-from homebot.gateways.mdns.service_type import full_type
+from homebot.gateways.drivers.service_type import full_type
 from homebot.plugins import load_plugin, plugin_names
 
 __all__ = ["DRIVERS", "InstalledDrivers", "UsableDriver", "find_drivers"]

@@ -9,10 +9,7 @@ import math
 from collections.abc import Callable, Mapping
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
-from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
-from homebot.gateways.drivers.esphome.entity import (
+from homebot.conventions.esphome.entity import (
     EsphomeEntity,
     Fields,
     number_of,
@@ -21,6 +18,9 @@ from homebot.gateways.drivers.esphome.entity import (
     table_reader,
     whole_of,
 )
+from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
 
 __all__ = ["build_climate", "build_fan", "build_water_heater"]
 

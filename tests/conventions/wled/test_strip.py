@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.gateways.drivers.wled.wled_documents import (
+from tests.conventions.wled.wled_documents import (
     BEFORE_0_13,
     RGB_0_15,
     RGBW_0_14,
@@ -15,11 +15,11 @@ from tests.gateways.drivers.wled.wled_documents import (
     WHITES_0_13,
 )
 
+from homebot.conventions.wled.strip import WledStrip, effect_names
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.announced.value_check import can_report
-from homebot.gateways.drivers.wled.strip import WledStrip, effect_names
 
 EFFECTS = effect_names(["Solid", "Blink", "RSVD", "-", "Solid", "Rainbow@!,Size;!", "", 7, "x", "Wipe"])
 DOCUMENTS = {

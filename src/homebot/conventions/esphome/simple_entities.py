@@ -10,10 +10,7 @@ from datetime import UTC, date, datetime, time
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
 from homebot.conventions.device_classes import condition_of, quantity_of
-from homebot.conventions.payload import clean_text, shown
-from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError, WrongCodeError
-from homebot.gateways.drivers.esphome.entity import (
+from homebot.conventions.esphome.entity import (
     EsphomeEntity,
     Fields,
     FieldWriter,
@@ -26,6 +23,9 @@ from homebot.gateways.drivers.esphome.entity import (
     text_of,
     whole_of,
 )
+from homebot.conventions.payload import clean_text, shown
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WrongCodeError
 
 __all__ = ["SIMPLE_BUILDERS"]
 
