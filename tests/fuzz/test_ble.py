@@ -6,15 +6,15 @@ import math
 import random
 from typing import TYPE_CHECKING
 
+from homebot.conventions.bluetooth.advertisement import Advertisement, full_uuid
+from homebot.conventions.bluetooth.beacons import APPLE, EDDYSTONE, BeaconParser
+from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattState
 from homebot.conventions.bthome.encryption import seal
+from homebot.conventions.bthome.parser import BTHomeParser
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.gateways.announced.value_check import can_report
-from homebot.gateways.ble.advertisement import Advertisement, full_uuid
-from homebot.gateways.ble.beacon_parser import APPLE, EDDYSTONE, BeaconParser
-from homebot.gateways.ble.bthome_parser import BTHomeParser
-from homebot.gateways.ble.gatt_profile import BUILT_IN, GattState
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz, Mutator

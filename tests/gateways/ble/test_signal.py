@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.gateways.ble.distance import DISTANCE_FACTOR, SignalFilter, distance_of
+from homebot.conventions.bluetooth.distance import DISTANCE_FACTOR, SignalFilter, distance_of
 from homebot.gateways.ble.presence import Presence
 
 

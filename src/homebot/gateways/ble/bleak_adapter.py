@@ -16,8 +16,8 @@ from bleak.assigned_numbers import AdvertisementDataType
 from bleak.exc import BleakBluetoothNotAvailableError, BleakError, BleakGATTProtocolError
 
 from homebot.ble_backend import BleBackend
+from homebot.conventions.bluetooth.advertisement import Advertisement
 from homebot.errors import LinkError, RefusedError
-from homebot.gateways.ble.advertisement import Advertisement
 from homebot.gateways.ble.radio import BleLink, BleRadio, BluetoothUnavailableError
 
 if TYPE_CHECKING:

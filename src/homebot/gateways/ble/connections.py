@@ -18,10 +18,10 @@ from anyio.abc import TaskGroup
 from anyio.streams.memory import MemoryObjectReceiveStream, MemoryObjectSendStream
 
 from homebot.clock import Clock
+from homebot.conventions.bluetooth.advertisement import full_uuid
+from homebot.conventions.bluetooth.gatt_profile import GattProfile, GattState
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, WireError
-from homebot.gateways.ble.advertisement import full_uuid
-from homebot.gateways.ble.gatt_profile import GattProfile, GattState
 from homebot.gateways.ble.known_device import BATTERY, KnownDevice
 from homebot.gateways.ble.radio import BleLink, BleRadio, BluetoothUnavailableError
 from homebot.isolation import run_as

@@ -12,16 +12,16 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
 from homebot.ble_backend import BleBackend
+from homebot.conventions.bluetooth.advertisement import Advertisement
+from homebot.conventions.bluetooth.broadcast import Broadcast, BroadcastParser
+from homebot.conventions.bluetooth.gatt_profile import GattProfile
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PluginError, UsageError, WireError
 from homebot.extras import check_extra
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.ble.admission import Newcomers, find_dispensable
-from homebot.gateways.ble.advertisement import Advertisement
-from homebot.gateways.ble.broadcast_parser import Broadcast, BroadcastParser
 from homebot.gateways.ble.connections import ConnectionHost, Connections
-from homebot.gateways.ble.gatt_profile import GattProfile
 from homebot.gateways.ble.intake import Intake
 from homebot.gateways.ble.known_device import KnownDevice
 from homebot.gateways.ble.radio import BleRadio, BluetoothUnavailableError

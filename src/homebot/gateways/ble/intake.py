@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import anyio
 
 from homebot.clock import Clock
-from homebot.gateways.ble.advertisement import Advertisement
+from homebot.conventions.bluetooth.advertisement import Advertisement
 
 __all__ = ["Intake", "IntakeCounts"]
 

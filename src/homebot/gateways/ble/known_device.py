@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from homebot.conventions.bluetooth.advertisement import Advertisement
+from homebot.conventions.bluetooth.broadcast import Broadcast
+from homebot.conventions.bluetooth.distance import DISTANCE_FACTOR, SignalFilter, distance_of
+from homebot.conventions.bluetooth.gatt_profile import GattProfile
 from homebot.conventions.units import sensor_type
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.ble.advertisement import Advertisement
-from homebot.gateways.ble.broadcast_parser import Broadcast
-from homebot.gateways.ble.distance import DISTANCE_FACTOR, SignalFilter, distance_of
-from homebot.gateways.ble.gatt_profile import GattProfile
 from homebot.gateways.ble.presence import Presence
 from homebot.gateways.ble.settings import BleDeviceSettings
 

@@ -6,8 +6,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
 
+from homebot.conventions.bluetooth.advertisement import Advertisement
 from homebot.errors import LinkError
-from homebot.gateways.ble.advertisement import Advertisement
 
 __all__ = ["BleLink", "BleRadio", "BluetoothUnavailableError"]
 

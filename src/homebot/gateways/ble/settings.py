@@ -9,10 +9,10 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from homebot.config import FilePath, read_secret
+from homebot.conventions.bluetooth.distance import RSSI_AT_1M
+from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattProfile
 from homebot.errors import UsageError
 from homebot.gateways.base import GatewaySettings
-from homebot.gateways.ble.distance import RSSI_AT_1M
-from homebot.gateways.ble.gatt_profile import BUILT_IN, GattProfile
 from homebot.plugins import plugin_names
 from homebot.units import Seconds
 

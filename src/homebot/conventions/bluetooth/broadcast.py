@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from homebot.conventions.bluetooth.advertisement import Advertisement
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
-from homebot.gateways.ble.advertisement import Advertisement
 
 __all__ = ["Broadcast", "BroadcastParser", "BroadcastValue"]
 

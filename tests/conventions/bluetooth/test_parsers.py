@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from homebot.conventions.bluetooth.advertisement import Advertisement, full_uuid
+from homebot.conventions.bluetooth.beacons import EDDYSTONE, BeaconParser
+from homebot.conventions.bluetooth.broadcast import Broadcast
+from homebot.conventions.bthome.parser import TRIGGER_BASED, BTHomeParser
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
-from homebot.gateways.ble.advertisement import Advertisement, full_uuid
-from homebot.gateways.ble.beacon_parser import EDDYSTONE, BeaconParser
-from homebot.gateways.ble.broadcast_parser import Broadcast
-from homebot.gateways.ble.bthome_parser import TRIGGER_BASED, BTHomeParser
 
 ADDRESS = "54:48:E6:8F:80:A5"
 KEY = bytes.fromhex("231d39c1d7cc1ab1aee224cd096db932")

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from uuid import UUID
 
+from homebot.conventions.bluetooth.advertisement import Advertisement, full_uuid
+from homebot.conventions.bluetooth.broadcast import Broadcast, BroadcastParser
 from homebot.errors import WireError
-from homebot.gateways.ble.advertisement import Advertisement, full_uuid
-from homebot.gateways.ble.broadcast_parser import Broadcast, BroadcastParser
 
 __all__ = ["BeaconParser"]
 

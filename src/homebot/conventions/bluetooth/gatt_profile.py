@@ -14,11 +14,11 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
+from homebot.conventions.bluetooth.advertisement import full_uuid
 from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.ble.advertisement import full_uuid
 
 __all__ = ["BUILT_IN", "GattProfile", "GattState"]
 

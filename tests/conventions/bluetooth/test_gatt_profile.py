@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattProfile, GattState
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.ble.gatt_profile import BUILT_IN, GattProfile, GattState
 
 LIGHT = BUILT_IN["gatt_light"]
 STRIP = GattProfile.model_validate(

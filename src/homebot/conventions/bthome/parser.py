@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
+from homebot.conventions.bluetooth.advertisement import Advertisement
+from homebot.conventions.bluetooth.broadcast import Broadcast, BroadcastParser, BroadcastValue
 from homebot.conventions.bthome.objects import BTHomeObject
 from homebot.conventions.bthome.packet import BTHOME_UUID, BTHomePacket, Measured, read_frame, read_objects
 from homebot.conventions.units import sensor_type
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
 from homebot.errors import WireError
-from homebot.gateways.ble.advertisement import Advertisement
-from homebot.gateways.ble.broadcast_parser import Broadcast, BroadcastParser, BroadcastValue
 
 if TYPE_CHECKING:
     from homebot.conventions.bthome.encryption import BindKey
