@@ -22,9 +22,10 @@ if TYPE_CHECKING:
 
 STATE = DeviceState(text="on", is_on=True, value=5.0)
 NODES = tuple(attributes_of(SimulatedDeviceInfo("home", kind, "x", "x", "hall"), STATE) for kind in DEVICE_TYPES)
-CLUSTERS = (3, 6, 8, 29, 40, 47, 51, 57, 59, 69, 80, 91, 92, 129, 144, 145, 257, 258, 513, 514, 768)
+CLUSTERS = (3, 6, 8, 29, 40, 47, 51, 57, 59, 64, 65, 69, 80, 84, 91, 92, 96, 97, 129, 144, 145, 153, 257, 258, 260, 261)
+CLUSTERS_MORE = (82, 85, 158, 513, 514, 768, 2820)
 CLUSTERS_MEASURED = (1024, 1026, 1027, 1028, 1029, 1030, 1036, 1037, 1066, 1068, 1069, 1070, 1072)
-ATTRIBUTES = (*range(32), 41, 51, 16384, 16385, 16394, 16395, 16396, 65532)
+ATTRIBUTES = (*range(32), 41, 51, 0x505, 0x600, 0x601, 16384, 16385, 16394, 16395, 16396, 65532)
 WANTED: tuple[PlainValue, ...] = (True, False, 0.0, 50.0, 4000.0, 20.0, (120.0, 50.0))
 FEATURES = (0, 1, 2, 5, 31, 4096, 0xFFFF)
 
@@ -34,9 +35,11 @@ def test_damaged_nodes_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutat
         damage = mutator(rng)
         attributes = dict(rng.choice(NODES))
         for _ in range(rng.randrange(12)):
-            cluster = rng.choice((*CLUSTERS, *CLUSTERS_MEASURED))
+            cluster = rng.choice((*CLUSTERS, *CLUSTERS_MORE, *CLUSTERS_MEASURED))
             attribute = rng.choice(ATTRIBUTES)
-            known = rng.choice((*FEATURES, None, True, -1, 1e9, [], [{"0": "a", "1": 1}], {"0": 5}, "x"))
+            known = rng.choice(
+                (*FEATURES, None, True, -1, 1e9, [], [{"0": "a", "1": 1, "2": [{"1": 16385}, 7]}], {"0": 5}, "x")
+            )
             attributes[f"{rng.choice((0, 1, 2))}/{cluster}/{attribute}"] = known
         data: object = {"node_id": 1, "available": True, "attributes": attributes}
         if rng.random() < 0.5:

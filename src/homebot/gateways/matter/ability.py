@@ -25,6 +25,7 @@ class MatterAbility:
         capability: The capability.
         read: Returns its value, by the attributes that are known; None where it is never reported.
         write: None where it cannot be set.
+        also_read: A further cluster that it is read from; None where there is none.
         is_battery: Whether it is about the battery of the endpoint rather than about what it is for.
     """
 
@@ -32,6 +33,7 @@ class MatterAbility:
     capability: Capability
     read: Callable[[MatterEndpoint], PlainValue] | None = None
     write: WriteValue | None = None
+    also_read: int | None = None
     is_battery: bool = False
 
 

@@ -12,11 +12,11 @@ from typing import Final, TypeAlias
 
 from homebot.conventions.payload import clean_text
 
-__all__ = ["AttributeWrite", "ClusterInvocation", "MatterEndpoint", "MatterOrder"]
+__all__ = ["DESCRIPTOR", "TAG_LIST", "AttributeWrite", "ClusterInvocation", "MatterEndpoint", "MatterOrder"]
 
 DESCRIPTOR: Final = 29
-_DEVICE_TYPE_LIST, _PARTS_LIST = 0, 3
-_FEATURE_MAP: Final = 0xFFFC
+_DEVICE_TYPE_LIST, _PARTS_LIST, TAG_LIST = 0, 3, 4
+_FEATURE_MAP, _ACCEPTED_COMMANDS = 0xFFFC, 0xFFF9
 
 
 class MatterEndpoint:
@@ -73,11 +73,25 @@ class MatterEndpoint:
         """Return the feature map of a cluster; 0 where it says none."""
         return self.whole(cluster, _FEATURE_MAP) or 0
 
+    def accepts(self, cluster: int, command: int) -> bool:
+        """Return whether it takes a command of a cluster; true where it does not say which it takes."""
+        accepted = self.value(cluster, _ACCEPTED_COMMANDS)
+        return command in accepted if isinstance(accepted, list) else True
+
     @property
     def device_types(self) -> tuple[int, ...]:
         """The numbers of its device types."""
         found = (one.get("0", one.get("deviceType")) for one in self.structs(DESCRIPTOR, _DEVICE_TYPE_LIST))
         return tuple(one for one in found if isinstance(one, int) and not isinstance(one, bool))
+
+    @property
+    def tags(self) -> tuple[tuple[int, int], ...]:
+        """The namespaces and numbers of its semantic tags."""
+        found = (
+            (one.get("1", one.get("namespaceID")), one.get("2", one.get("tag")))
+            for one in self.structs(DESCRIPTOR, TAG_LIST)
+        )
+        return tuple((space, tag) for space, tag in found if isinstance(space, int) and isinstance(tag, int))
 
     @property
     def children(self) -> tuple[int, ...]:

@@ -262,7 +262,7 @@ class MatterGateway(Gateway):
         """Report what a part reads from one cluster of its endpoint, or from each; always all of a cluster at once."""
         values: dict[int, dict[str, PlainValue]] = {}
         for _, ability in device.abilities[part]:
-            if ability.read is not None and (cluster is None or ability.cluster == cluster):
+            if ability.read is not None and cluster in {None, ability.cluster, ability.also_read}:
                 values.setdefault(ability.cluster, {})[ability.capability.name] = ability.read(endpoint)
         for of_cluster in values.values():
             await self.devices.report(device.device.key, of_cluster, part, retained=is_old)

@@ -17,7 +17,7 @@ from homebot.gateways.matter.endpoint import ClusterInvocation, MatterEndpoint, 
 
 __all__ = ["light_abilities"]
 
-ON_OFF, LEVEL, COLOR = 6, 8, 768
+ON_OFF, LEVEL, LOCK, COLOR = 6, 8, 257, 768
 
 _ON_OFF_VALUE = 0
 _CURRENT_LEVEL, _MIN_LEVEL, _MAX_LEVEL = 0, 2, 3
@@ -40,7 +40,7 @@ _NO_OPTIONS: Final = {"optionsMask": 0, "optionsOverride": 0}
 
 def light_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
     """Yield on and off, level and colour, as the endpoint has them."""
-    if endpoint.has(ON_OFF, _ON_OFF_VALUE):
+    if endpoint.has(ON_OFF, _ON_OFF_VALUE) and not endpoint.has(LOCK):  # that of a lock may well move its bolt
         yield MatterAbility(ON_OFF, Capability(name="on_off", settable=True), _read_on, _write_on)
     if endpoint.has(LEVEL, _CURRENT_LEVEL):
         name = "volume" if _SPEAKER in endpoint.device_types else "level"

@@ -23,8 +23,11 @@ from homebot.devices.part import Part
 from homebot.errors import UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.matter.ability import MatterAbility, WriteValue
+from homebot.gateways.matter.appliance_clusters import appliance_abilities
 from homebot.gateways.matter.climate_clusters import climate_abilities
+from homebot.gateways.matter.closure_clusters import closure_abilities
 from homebot.gateways.matter.endpoint import MatterEndpoint
+from homebot.gateways.matter.endpoint_name import name_of
 from homebot.gateways.matter.light_clusters import light_abilities
 from homebot.gateways.matter.opening_clusters import opening_abilities
 from homebot.gateways.matter.other_clusters import other_abilities
@@ -46,13 +49,37 @@ _BRIDGED_NODE: Final = 0x0013
 _PATH: Final = re.compile(r"([0-9]{1,5})/([0-9]{1,10})/([0-9]{1,10})")
 _SERVICE_TYPES: Final[Mapping[int, str]] = {number: one.name for one in DEVICE_TYPES.values() for number in one.matter}
 _METERS: Final = frozenset({"electrical_meter"})
-_CLUSTER_TYPES: Final = {"occupancy": "occupancy_sensor", "on_off": "switch", "press": "generic_switch"}
+_CAPABILITY_TYPES: Final = {
+    "occupancy": "occupancy_sensor",
+    "movement": "closure",
+    "position": "closure",
+    "tilt": "closure",
+    "option": "x_setting",  # of an appliance too: what turns all switches off shall not stop a freezer
+    "on_off": "switch",
+    "press": "generic_switch",
+    "power": "electrical_meter",
+    "energy": "electrical_meter",
+    "temperature": "temperature_sensor",
+    "humidity": "humidity_sensor",
+}
+"""By what it can do: the type of an endpoint whose device types are not known."""
+
+
+_FINDERS: Final = (
+    light_abilities,
+    opening_abilities,
+    closure_abilities,
+    climate_abilities,
+    appliance_abilities,
+    sensor_abilities,
+    other_abilities,
+)
 
 
 def find_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
     """Yield everything that an endpoint can do and report, each capability once."""
     seen: set[str] = set()
-    for find in (light_abilities, opening_abilities, climate_abilities, sensor_abilities, other_abilities):
+    for find in _FINDERS:
         for ability in find(endpoint):
             if ability.capability.name not in seen:
                 seen.add(ability.capability.name)
@@ -152,7 +179,7 @@ class MatterNode:
 
     def _owners(self) -> dict[int, int]:
         """Return the bridged endpoint that each endpoint of a bridged device belongs to."""
-        bridged = [one for one in self._sorted() if one.id and _is_bridged(one)]
+        bridged = [one for one in self._sorted() if one.id and _BRIDGED_NODE in one.device_types]
         owners = {one.id: one.id for one in bridged}
         for one in bridged:
             pending = list(one.children)
@@ -221,10 +248,6 @@ def node_id_of(value: object) -> int:
     return value
 
 
-def _is_bridged(endpoint: MatterEndpoint) -> bool:
-    return endpoint.has(BRIDGED) or _BRIDGED_NODE in endpoint.device_types
-
-
 def parts_of(endpoint: MatterEndpoint) -> Iterator[tuple[Part, tuple[MatterAbility, ...]]]:
     """Yield the parts that an endpoint is: what it is for, and its battery."""
     abilities = tuple(find_abilities(endpoint))
@@ -235,6 +258,7 @@ def parts_of(endpoint: MatterEndpoint) -> Iterator[tuple[Part, tuple[MatterAbili
         yield (
             Part(
                 id=str(endpoint.id),
+                name=name_of(endpoint),
                 service_type=service_type,
                 advertised=", ".join(f"0x{one:04X}" for one in endpoint.device_types[:5]),
                 guessed=is_guessed,
@@ -258,7 +282,7 @@ def _service_type(endpoint: MatterEndpoint, abilities: tuple[MatterAbility, ...]
     for one in (*(one for one in found if one not in _METERS), *found):
         return one, False
     names = [one.capability.name for one in abilities]
-    return next((kind for name, kind in _CLUSTER_TYPES.items() if name in names), "x_sensor"), True
+    return next((kind for name, kind in _CAPABILITY_TYPES.items() if name in names), "x_sensor"), True
 
 
 def _identifiers(root: MatterEndpoint, cluster: int) -> tuple[str, ...]:

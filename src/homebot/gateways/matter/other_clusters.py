@@ -1,6 +1,6 @@
-"""The other clusters: Switch, Mode Select and Identify. Pure.
+"""The other clusters: Switch and Identify. Pure.
 
-Source: Matter 1.4 Application Clusters, 1.2 (Identify), 1.13 (Switch), 1.9 (Mode Select).
+Source: Matter 1.4 Application Clusters, 1.2 (Identify), 1.13 (Switch).
 """
 
 from __future__ import annotations
@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from homebot.conventions.command_values import require_option
-from homebot.conventions.payload import as_fields, clean_text
+from homebot.conventions.payload import as_fields
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.gateways.matter.ability import MatterAbility
@@ -17,7 +16,7 @@ from homebot.gateways.matter.endpoint import ClusterInvocation, MatterEndpoint, 
 
 __all__ = ["SWITCH", "other_abilities", "press_of"]
 
-IDENTIFY, SWITCH, MODE_SELECT = 3, 59, 80
+IDENTIFY, SWITCH = 3, 59
 
 _POSITIONS: Final = 0
 _LATCHES, _TELLS_RELEASE, _TELLS_LONG, _COUNTS = 1 << 0, 1 << 2, 1 << 3, 1 << 4
@@ -25,19 +24,14 @@ _LATCHED, _PRESSED, _LONG, _SHORT_RELEASE, _LONG_RELEASE, _COUNTED = 0, 1, 2, 3,
 _COUNT_NAMES: Final = {1: "single", 2: "double", 3: "triple", 4: "quadruple"}
 _MOST_POSITIONS: Final = 20
 
-_MODES, _MODE = 2, 3
 _IDENTIFY_SECONDS: Final = 10
 
 
 def other_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
-    """Yield presses, options and whether it can make itself known."""
+    """Yield presses and whether it can make itself known."""
     if endpoint.has(SWITCH, _POSITIONS):
         yield MatterAbility(SWITCH, Capability(name="press", options=_presses(endpoint)))
-    labels = _mode_labels(endpoint)
-    if labels and endpoint.has(MODE_SELECT, _MODE):
-        capability = Capability(name="option", settable=True, options=tuple(labels.values()))
-        yield MatterAbility(MODE_SELECT, capability, _read_option, _write_option)
-    if endpoint.has(IDENTIFY, 0) and endpoint.whole(IDENTIFY, 1) != 0:
+    if endpoint.has(IDENTIFY, 0) and endpoint.whole(IDENTIFY, 1):
         yield MatterAbility(IDENTIFY, Capability(name="locate", settable=True, readable=False), None, _write_locate)
 
 
@@ -74,29 +68,6 @@ def _presses(endpoint: MatterEndpoint) -> tuple[str, ...]:
     if features & _TELLS_LONG:
         presses += ["long", "long_release"]
     return tuple(presses)
-
-
-def _mode_labels(endpoint: MatterEndpoint) -> dict[int, str]:
-    """Return the labels of the modes that can be selected, by their numbers."""
-    found: dict[int, str] = {}
-    for one in endpoint.structs(MODE_SELECT, _MODES):
-        label, mode = one.get("0", one.get("label")), one.get("1", one.get("mode"))
-        if isinstance(label, str) and type(mode) is int and clean_text(label) and len(found) < 100:
-            found[mode] = clean_text(label)
-    return found
-
-
-def _read_option(endpoint: MatterEndpoint) -> PlainValue:
-    mode = endpoint.whole(MODE_SELECT, _MODE)
-    return None if mode is None else _mode_labels(endpoint).get(mode)
-
-
-def _write_option(
-    endpoint: MatterEndpoint, value: PlainValue, _transition: float, _code: str
-) -> tuple[MatterOrder, ...]:
-    numbers = {label: mode for mode, label in _mode_labels(endpoint).items()}
-    mode = numbers[require_option("option", value, numbers)]
-    return (ClusterInvocation(MODE_SELECT, "ChangeToMode", {"newMode": mode}),)
 
 
 def _write_locate(_at: MatterEndpoint, value: PlainValue, _transition: float, _code: str) -> tuple[MatterOrder, ...]:

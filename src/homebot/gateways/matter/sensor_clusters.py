@@ -53,6 +53,15 @@ _MEASURED: Final[Mapping[tuple[int, int], tuple[str, _Convert]]] = {
 }
 """Numbers by cluster and attribute."""
 
+ZIGBEE_METER: Final = 0x0B04
+_MULTIPLIED: Final = {
+    "voltage": (0x505, 0x600, 0x601),
+    "current": (0x508, 0x602, 0x603),
+    "power": (0x50B, 0x604, 0x605),
+}
+"""Of the cluster that Matter took over from Zigbee before it had its own: the attributes of value, multiplier and
+divisor."""
+
 _PER_MILLION: Final = {0: 1.0, 1: 1e-3, 2: 1e-6}
 _MICROGRAMS: Final = {3: 1000.0, 4: 1.0, 5: 1e-3}
 _CONCENTRATIONS: Final[Mapping[int, tuple[str, Mapping[int, float]]]] = {
@@ -80,6 +89,9 @@ def sensor_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
     for (cluster, attribute), (name, convert) in _MEASURED.items():
         if endpoint.has(cluster, attribute):
             yield MatterAbility(cluster, Capability(name=name), partial(_read_number, cluster, attribute, convert))
+    for name, attributes in _MULTIPLIED.items():
+        if endpoint.has(ZIGBEE_METER, attributes[0]):
+            yield MatterAbility(ZIGBEE_METER, Capability(name=name), partial(_read_multiplied, *attributes))
     if endpoint.has(PRESSURE, 0):
         yield MatterAbility(PRESSURE, Capability(name="pressure"), _read_pressure)
     for cluster, (name, factors) in _CONCENTRATIONS.items():
@@ -134,6 +146,14 @@ def _boolean_state(endpoint: MatterEndpoint) -> tuple[str, bool]:
 def _read_number(cluster: int, attribute: int, convert: _Convert, endpoint: MatterEndpoint) -> PlainValue:
     raw = endpoint.number(cluster, attribute)
     return None if raw is None else convert(raw)
+
+
+def _read_multiplied(attribute: int, multiplier: int, divisor: int, endpoint: MatterEndpoint) -> PlainValue:
+    raw = endpoint.number(ZIGBEE_METER, attribute)
+    if raw is None or not -32_767 <= raw <= 65_534:
+        return None
+    by, through = endpoint.number(ZIGBEE_METER, multiplier), endpoint.number(ZIGBEE_METER, divisor)
+    return round(raw * (by or 1) / (through or 1), 6)
 
 
 def _read_flag(cluster: int, attribute: int, endpoint: MatterEndpoint, *, means: bool = True) -> PlainValue:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from homebot.conventions.payload import clean_text, compact_json, parse_object, shown
+from homebot.conventions.payload import as_fields, clean_text, compact_json, parse_object, shown
 from homebot.errors import LinkError, RefusedError, WireError
 
 __all__ = [
@@ -147,7 +147,7 @@ def error_of(what: str, answer: ServerAnswer, *, is_secret: bool = False) -> Lin
 
 
 def check_result(what: str, result: object) -> None:
-    """Check the *result* of a command: a written attribute has a status of its own.
+    """Check the *result* of a command: written attributes, changes of mode and operations have a status of their own.
 
     Raises:
         RefusedError: The device refuses the value.
@@ -155,6 +155,11 @@ def check_result(what: str, result: object) -> None:
     for one in result if isinstance(result, list) else ():
         status = one.get("Status") if isinstance(one, dict) else None
         if isinstance(status, int) and status != 0:
+            raise RefusedError(what, f"the device answered with the status 0x{status:02x}", status)
+    fields = as_fields(result)
+    operation = as_fields(fields.get("commandResponseState"))
+    for status in (fields.get("status"), operation.get("errorStateID", operation.get("errorStateId"))):
+        if type(status) is int and status != 0:
             raise RefusedError(what, f"the device answered with the status 0x{status:02x}", status)
 
 

@@ -1,0 +1,151 @@
+"""Appliances, closures and meters of a Matter server, in payloads that hold what those of products hold."""
+
+from __future__ import annotations
+
+import pytest
+from tests.gateways.matter.test_node import LOCK, only_device, orders, readings
+
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+from homebot.gateways.matter.server_messages import check_result
+
+MODES = [
+    {"0": "Rest", "1": 5, "2": [{"1": 16384}]},
+    {"0": "Clean", "1": 6, "2": [{"0": None, "1": 16385}, {"1": 0}]},
+    {"0": "Clean again", "1": 7, "2": [{"1": 16385}]},
+]
+VACUUM = {
+    "1/29/0": [{"0": 0x0074, "1": 1}],
+    "1/84/0": MODES,
+    "1/84/1": 5,
+    "1/85/0": [{"0": "Quiet", "1": 0, "2": []}, {"0": "Max", "1": 1, "2": []}],
+    "1/85/1": 1,
+    "1/97/4": 0,
+    "1/97/65529": [0, 3, 128],
+}
+CLOSURE = {
+    "1/29/0": [{"0": 0x0230, "1": 1}],
+    "1/260/1": 0,
+    "1/260/3": {"0": 1, "1": False},
+    "1/260/4": {"0": None},
+    "1/260/65529": [0, 1],
+    "1/260/65532": 1,
+}
+PANEL = {"1/29/0": [{"0": 0x0231, "1": 1}], "1/261/0": {"0": 2500}, "1/261/65532": 3}
+WASHER = {
+    "1/29/0": [{"0": 0x0073, "1": 1}],
+    "1/6/0": True,
+    "1/81/0": [{"0": "Cotton", "1": 3, "2": [{"1": 0}]}, {"0": "Wool", "1": 4}],
+    "1/81/1": 4,
+    "1/96/4": 1,
+}
+PLUG = {"1/29/0": [{"0": 266, "1": 2}], "1/6/0": True}
+METER = {"1/2820/1285": 2301, "1/2820/1536": 1, "1/2820/1537": 10, "1/2820/1288": 250, "1/2820/1539": 1000}
+
+
+@pytest.mark.parametrize(
+    ("attributes", "service_type", "values"),
+    [
+        (VACUUM, "robotic_vacuum_cleaner", {"vacuum": "idle", "option": "Max"}),
+        ({**VACUUM, "1/84/1": 7, "1/97/4": 1}, "robotic_vacuum_cleaner", {"vacuum": "cleaning"}),
+        ({**VACUUM, "1/97/4": 64}, "robotic_vacuum_cleaner", {"vacuum": "returning"}),
+        ({**VACUUM, "1/97/4": 65}, "robotic_vacuum_cleaner", {"vacuum": "docked"}),
+        ({**VACUUM, "1/97/4": 3}, "robotic_vacuum_cleaner", {"vacuum": "error"}),
+        (CLOSURE, "closure", {"movement": "open"}),
+        ({**CLOSURE, "1/260/3": {"0": 0}}, "closure", {"movement": "closed"}),
+        ({**CLOSURE, "1/260/1": 1, "1/260/4": {"0": 0}}, "closure", {"movement": "closing"}),
+        ({**CLOSURE, "1/260/3": None}, "closure", {"movement": None}),
+        (PANEL, "closure", {"position": 75.0}),
+        ({**PANEL, "1/29/4": [{"0": None, "1": 0x45, "2": 1}]}, "closure", {"tilt": 75.0}),
+        (WASHER, "x_setting", {"running": True, "problem": False, "option": "Wool", "on_off": True}),
+        ({**PLUG, **METER}, "plug", {"voltage": 230.1, "current": 0.25, "on_off": True}),
+        ({"1/2820/1291": -400, "1/2820/1541": 8}, "electrical_meter", {"power": -50.0}),
+        ({"1/153/0": 3}, "x_sensor", {"plugged_in": True}),
+        ({"1/153/0": 6}, "x_sensor", {"plugged_in": None}),
+    ],
+)
+def test_attributes_become_readings(
+    attributes: dict[str, object], service_type: str, values: dict[str, PlainValue]
+) -> None:
+    device = only_device(attributes)
+    (part,) = device.device.parts
+    assert part.service_type == service_type
+    assert readings(device).items() >= values.items()
+
+
+@pytest.mark.parametrize(
+    ("attributes", "capability", "value", "cluster", "command", "payload"),
+    [
+        (VACUUM, "vacuum", "cleaning", 84, "ChangeToMode", {"newMode": 6}),
+        ({**VACUUM, "1/97/4": 2}, "vacuum", "cleaning", 97, "Resume", {}),
+        (VACUUM, "vacuum", "idle", 84, "ChangeToMode", {"newMode": 5}),
+        (VACUUM, "vacuum", "returning", 97, "GoHome", {}),
+        (VACUUM, "vacuum", "paused", 97, "Pause", {}),
+        (VACUUM, "option", "Quiet", 85, "ChangeToMode", {"newMode": 0}),
+        (WASHER, "option", "Cotton", 81, "ChangeToMode", {"newMode": 3}),
+        (CLOSURE, "movement", "closed", 260, "MoveTo", {"position": 0}),
+        ({**CLOSURE, "1/260/65532": 3}, "movement", "open", 260, "MoveTo", {"position": 1, "latch": False}),
+        (CLOSURE, "movement", "stopped", 260, "Stop", {}),
+        (PANEL, "position", 25.0, 261, "SetTarget", {"position": 7500, "latch": False}),
+    ],
+)
+def test_commands_become_those_of_the_cluster(
+    attributes: dict[str, object],
+    capability: str,
+    value: PlainValue,
+    cluster: int,
+    command: str,
+    payload: dict[str, object],
+) -> None:
+    (args,) = orders(attributes, capability, value)
+    assert (args["cluster_id"], args["command_name"], args["payload"]) == (cluster, command, payload)
+
+
+def test_what_a_vacuum_cleaner_does_not_take_is_refused() -> None:
+    with pytest.raises(RefusedError, match="cleaning"):
+        orders({**VACUUM, "1/97/65529": [0]}, "vacuum", "returning")
+
+
+def test_a_mode_that_cannot_be_changed_is_only_reported() -> None:
+    (part,) = only_device({**WASHER, "1/81/65529": []}).device.parts
+    assert not next(one for one in part.capabilities if one.name == "option").settable
+
+
+@pytest.mark.parametrize(
+    "result", [{"status": 1, "statusText": "no"}, {"commandResponseState": {"errorStateID": 3}}, [{"Status": 135}]]
+)
+def test_a_command_that_an_appliance_answers_with_an_error_is_refused(result: object) -> None:
+    with pytest.raises(RefusedError):
+        check_result("vacuum", result)
+
+
+@pytest.mark.parametrize("result", [None, {}, {"status": 0}, {"commandResponseState": {"errorStateID": 0}}])
+def test_a_command_that_succeeds_is_not(result: object) -> None:
+    check_result("vacuum", result)
+
+
+def test_a_lock_is_only_moved_as_a_lock() -> None:
+    assert "on_off" not in readings(only_device({**LOCK, "1/6/0": True}))
+
+
+@pytest.mark.parametrize(
+    ("attributes", "name"),
+    [
+        ({"1/65/0": [{"0": "room", "1": "hall"}, {"0": "name", "1": "Left lamp"}]}, "Left lamp"),
+        ({"1/64/0": [{"0": "Button", "1": "Up"}]}, "Up"),
+        ({"1/29/4": [{"0": None, "1": 7, "2": 2}, {"0": None, "1": 8, "2": 2}]}, "2 top"),
+        (
+            {"1/29/4": [{"1": 8, "2": 6, "3": "1"}, {"1": 0x43, "2": 3}, {"1": 0x43, "2": 8, "3": "wheel"}]},
+            "column 1 up wheel",
+        ),
+        ({"1/29/4": [{"1": 8, "2": 99}, {"1": 99, "2": 1}, 7, {"1": None}]}, ""),
+    ],
+)
+def test_a_part_is_named_by_its_labels_or_tags(attributes: dict[str, object], name: str) -> None:
+    (part,) = only_device({"1/59/0": 2, "1/59/65532": 2, **attributes}).device.parts
+    assert part.name == name
+
+
+def test_an_endpoint_of_no_bridge_is_of_its_node() -> None:
+    device = only_device({**PLUG, "1/57/17": True})
+    assert [one.id for one in device.device.parts] == ["1"]
