@@ -238,14 +238,15 @@ class Directory:
             while True:
                 await self._happened.wait()
                 self._happened, self._is_idle = anyio.Event(), True
-                while self.index.is_behind and (self._publish_some(_FEW) or self._sort_some()):
+                while self.index.is_behind and (self._publish_some(_FEW) or await self._sort_some()):
                     await anyio.lowlevel.checkpoint()
 
-    def _sort_some(self) -> bool:
+    async def _sort_some(self) -> bool:
         """Make a few devices findable, unless more was heard, perhaps of them; return whether some are left.
 
         Who asks meanwhile has all made findable first; see :meth:`DeviceIndex.find`.
         """
+        await anyio.lowlevel.checkpoint()  # what the gateway is handling now is heard first
         return not self._happened.is_set() and self.index.sort(_FEW)
 
     async def _expire(self) -> None:
