@@ -19,6 +19,7 @@ from homebot.strict_json import duplicate_key_hook
 
 __all__ = [
     "MAX_ANNOUNCEMENT_BYTES",
+    "MAX_DEPTH",
     "MAX_LONG_STATE_BYTES",
     "MAX_STATE_BYTES",
     "NO_READINGS",
@@ -26,11 +27,15 @@ __all__ = [
     "JsonMessage",
     "Readings",
     "as_fields",
+    "check_depth",
+    "check_surrogates",
     "clean_text",
     "compact_json",
     "fields_of",
     "is_unknown",
+    "json_decoder",
     "meaning_reader",
+    "note_duplicate",
     "number_of",
     "numbers_of",
     "parse_json",
@@ -55,7 +60,9 @@ MAX_LONG_STATE_BYTES = 1024 * 1024
 """The same on a topic of announcements, whose messages are long: the ``bridge/info`` of a large Zigbee house tells
 states as well."""
 
-_MAX_DEPTH = 64
+MAX_DEPTH = 64
+"""Levels of lists and objects in JSON."""
+
 _MAX_SHOWN = 60
 
 
@@ -78,15 +85,15 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
         raise WireError(f"a payload of {len(payload)} bytes is longer than {limit}")
     try:
         text = payload.decode() if isinstance(payload, bytes) else payload
-        value = _decode(_UNIQUE if unique else _DECODER if _noted.get() is None else _NOTING, text)
+        value = _decode(_UNIQUE if unique else json_decoder(), text)
     except RecursionError:
-        raise WireError(f"JSON is nested deeper than {_MAX_DEPTH} levels") from None
+        raise WireError(f"JSON is nested deeper than {MAX_DEPTH} levels") from None
     except ValueError as error:
         raise WireError(f"{shown(payload)} is not JSON: {error}") from None
-    if text.count("[") + text.count("{") > _MAX_DEPTH:
-        _check_depth(value)
+    if text.count("[") + text.count("{") > MAX_DEPTH:
+        check_depth(value)
     if "\\u" in text:
-        _check_surrogates(value)
+        check_surrogates(value)
     return value
 
 
@@ -106,11 +113,11 @@ def parse_list(payload: bytes, limit: int) -> Iterator[object]:
             _check_end(text, at + 1)
             return
         while True:
-            value, end = (_DECODER if _noted.get() is None else _NOTING).raw_decode(text, at)
-            if text.count("[", at, end) + text.count("{", at, end) > _MAX_DEPTH:
-                _check_depth([value])
+            value, end = json_decoder().raw_decode(text, at)
+            if text.count("[", at, end) + text.count("{", at, end) > MAX_DEPTH:
+                check_depth([value])
             if text.find("\\u", at, end) >= 0:
-                _check_surrogates(value)
+                check_surrogates(value)
             yield value
             at = _after_spaces(text, end)
             if text[at : at + 1] == "]":
@@ -120,7 +127,7 @@ def parse_list(payload: bytes, limit: int) -> Iterator[object]:
                 raise json.JSONDecodeError("Expecting ',' delimiter", text, at)
             at = _after_spaces(text, at + 1)
     except RecursionError:
-        raise WireError(f"JSON is nested deeper than {_MAX_DEPTH} levels") from None
+        raise WireError(f"JSON is nested deeper than {MAX_DEPTH} levels") from None
     except ValueError as error:
         raise WireError(f"{shown(payload)} is not JSON: {error}") from None
 
@@ -214,7 +221,8 @@ class DuplicateKeys:
         _noted.reset(self._token)
 
 
-def _note(key: str) -> None:
+def note_duplicate(key: str) -> None:
+    """Note that a key of an object is there twice, where :class:`DuplicateKeys` asks for that."""
     keys = _noted.get()
     if keys is not None and len(keys) < _MOST_NOTED:
         keys.append(key)
@@ -225,11 +233,16 @@ def _refuse(key: str) -> NoReturn:
 
 
 _NOTING = json.JSONDecoder(
-    parse_float=_finite, parse_constant=_refuse_constant, object_pairs_hook=duplicate_key_hook(_note)
+    parse_float=_finite, parse_constant=_refuse_constant, object_pairs_hook=duplicate_key_hook(note_duplicate)
 )
 _UNIQUE = json.JSONDecoder(
     parse_float=_finite, parse_constant=_refuse_constant, object_pairs_hook=duplicate_key_hook(_refuse)
 )
+
+
+def json_decoder() -> json.JSONDecoder:
+    """Return the decoder of :func:`parse_json`, which notes keys that are there twice if somebody wants to know."""
+    return _DECODER if _noted.get() is None else _NOTING
 
 
 def _decode(decoder: json.JSONDecoder, text: str) -> object:
@@ -242,9 +255,14 @@ def _decode(decoder: json.JSONDecoder, text: str) -> object:
     return decoder.decode(text)
 
 
-def _check_depth(value: object) -> None:
+def check_depth(value: object, levels: int = MAX_DEPTH) -> None:
+    """Check that lists and objects in *value*, of JSON, are nested in at most *levels*.
+
+    Raises:
+        WireError: They are nested deeper.
+    """
     level = [value]
-    for _ in range(_MAX_DEPTH):
+    for _ in range(levels):
         level = [
             child
             for one in level
@@ -253,10 +271,15 @@ def _check_depth(value: object) -> None:
         ]
         if not level:
             return
-    raise WireError(f"JSON is nested deeper than {_MAX_DEPTH} levels")
+    raise WireError(f"JSON is nested deeper than {MAX_DEPTH} levels")
 
 
-def _check_surrogates(value: object) -> None:
+def check_surrogates(value: object) -> None:
+    """Check that no text in *value*, of JSON, contains half of a surrogate pair.
+
+    Raises:
+        WireError: One does.
+    """
     try:
         json.dumps(value, ensure_ascii=False).encode()
     except UnicodeEncodeError:

@@ -100,6 +100,15 @@ async def test_a_malformed_description_is_counted_once_and_the_others_are_listed
     assert found.devices.counters.rejected <= 6
 
 
+async def test_a_description_that_is_too_long_is_refused_and_the_others_are_listed() -> None:
+    directory = ThingDirectoryServer(has_events=False)
+    directory.register(description(1, description="x" * 300_000))
+    directory.register(description(2))
+    async with served(directory), gateway(directory.url) as (found, _):
+        await until(lambda: found.devices.keys == ("urn:dev:lamp:2",))
+        assert found.devices.counters.rejected == 1
+
+
 async def test_ten_thousand_fake_things_take_no_more_room_than_is_allowed() -> None:
     """The directory stays usable, and one that was known before goes on."""
     lamp = ServedThing(SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "hall"), lambda _: None)

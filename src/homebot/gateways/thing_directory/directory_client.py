@@ -16,9 +16,10 @@ from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.http_address import parse_url
 from homebot.gateways.http_client import EventStream, HttpClient
-from homebot.gateways.thing_directory.documents import next_page
+from homebot.gateways.long_json import parse_long_json
+from homebot.gateways.thing_directory.documents import members_of, next_page
 
-__all__ = ["MAX_PAGE_BYTES", "DirectoryReader"]
+__all__ = ["DirectoryReader"]
 
 PAGE: Final = 50
 """Things of one page, where the directory can count."""
@@ -46,8 +47,8 @@ class DirectoryReader:
         self._origin = parse_url(url).origin()
         self._client = client
 
-    async def pages(self) -> AsyncIterator[bytes]:
-        """Yield all pages of the list.
+    async def pages(self) -> AsyncIterator[list[object]]:
+        """Yield what each page lists, until the last.
 
         Raises:
             LinkError: The directory does not answer.
@@ -67,8 +68,9 @@ class DirectoryReader:
                     raise
                 answer = await self._client.get(f"{self._url}/things", accept=_ACCEPTED, max_bytes=MAX_PAGE_BYTES)
             is_first = False
-            yield answer.body
-            where = self._resolved(where, next_page(answer.body, answer.headers, MAX_PAGE_BYTES))
+            page = await parse_long_json(answer.body, MAX_PAGE_BYTES)
+            yield members_of(page)
+            where = self._resolved(where, next_page(page, answer.headers))
 
     async def retrieve(self, thing_id: str) -> bytes | None:
         """Return the description of one thing; None where the directory has it no longer.

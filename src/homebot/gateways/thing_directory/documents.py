@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias, cast
 
-from homebot.conventions.payload import as_fields, parse_list, parse_object, shown
+from homebot.conventions.payload import as_fields, parse_object, shown
 from homebot.errors import WireError
 from homebot.numbers import to_number
 
@@ -21,9 +21,9 @@ __all__ = [
     "DirectoryEvent",
     "id_of",
     "lifetime_of",
+    "members_of",
     "next_page",
     "read_event",
-    "read_page",
     "text_of",
 ]
 
@@ -52,34 +52,25 @@ class DirectoryEvent:
     description: Mapping[str, object]
 
 
-def read_page(body: bytes, limit: int) -> Iterator[object]:
-    """Yield what a page lists: an array of descriptions, or a collection that has them as its members.
+def members_of(page: object) -> list[object]:
+    """Return what a page lists: an array of descriptions, or a collection that has them as its members.
 
     Raises:
-        WireError: It is neither, or longer than *limit* bytes.
+        WireError: It is neither.
     """
-    if body.lstrip().startswith(b"{"):
-        members = parse_object(body, limit).get("members")
-        if not isinstance(members, list):
-            raise WireError("a collection of things has no members")
-        yield from members
-    else:
-        yield from parse_list(body, limit)
+    members = as_fields(page).get("members") if isinstance(page, dict) else page
+    if not isinstance(members, list):
+        raise WireError(f"{shown(page)} is no page of a list of things")
+    return members
 
 
-def next_page(body: bytes, headers: Mapping[str, str], limit: int) -> str:
-    """Return the address of the next page, as it is written; empty where there is none.
-
-    Raises:
-        WireError: As :func:`read_page`.
-    """
+def next_page(page: object, headers: Mapping[str, str]) -> str:
+    """Return the address of the next page, as it is written; empty where there is none."""
     for link in _LINK.finditer(headers.get("link", "")[:_LONGEST_HEADER]):
         if _NEXT.search(link[2]):
             return link[1]
-    if body.lstrip().startswith(b"{"):
-        following = parse_object(body, limit).get("next")
-        return following if isinstance(following, str) else ""
-    return ""
+    following = as_fields(page).get("next")
+    return following if isinstance(following, str) else ""
 
 
 def read_event(kind: str, data: str) -> DirectoryEvent | None:

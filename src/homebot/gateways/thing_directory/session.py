@@ -20,20 +20,20 @@ from yarl import URL
 
 from homebot.addresses import is_loopback
 from homebot.clock import Clock
-from homebot.conventions.payload import parse_json
+from homebot.conventions.long_json import is_longer_than
+from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
 from homebot.devices.gateway_messages import Command
 from homebot.errors import HomebotError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.http_client import HttpClient
 from homebot.gateways.http_login import HttpLogin
-from homebot.gateways.thing_directory.directory_client import MAX_PAGE_BYTES, DirectoryReader
+from homebot.gateways.thing_directory.directory_client import DirectoryReader
 from homebot.gateways.thing_directory.documents import (
     DirectoryEvent,
     id_of,
     lifetime_of,
     read_event,
-    read_page,
     text_of,
 )
 from homebot.gateways.thing_directory.listed_thing import ListedThing
@@ -159,8 +159,8 @@ class DirectorySession:
         """Read the whole list; what is in it no longer was taken away."""
         listed: set[str] = set()
         is_whole, number = True, 0
-        async for body in reader.pages():
-            for document in read_page(body, MAX_PAGE_BYTES):
+        async for documents in reader.pages():
+            for document in documents:
                 number += 1
                 if number % _TURN == 0:
                     await anyio.lowlevel.checkpoint()
@@ -203,12 +203,16 @@ class DirectorySession:
 
     def _take(self, document: object) -> str:
         """List a thing; one that is described as before is left as it is. Return its key, empty for none."""
+        if is_longer_than(document, MAX_ANNOUNCEMENT_BYTES):
+            problem = f"the description of a thing has more than {MAX_ANNOUNCEMENT_BYTES} characters"
+            self._devices.reject(self._settings.url, b"", problem)
+            return ""
+        text = text_of(document)
         try:
             key = id_of(document)
         except WireError as exc:
-            self._devices.reject(self._settings.url, text_of(document), str(exc))
+            self._devices.reject(self._settings.url, text, str(exc))
             return ""
-        text = text_of(document)
         digest = blake2b(text, digest_size=16).digest()
         if digest in {self._known.get(key), self._invalid.get(key)}:
             return key
