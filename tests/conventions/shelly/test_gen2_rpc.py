@@ -90,6 +90,19 @@ def test_a_transition_is_sent_along() -> None:
     assert call.params == {"id": 0, "on": True, "transition_duration": 2.5}
 
 
+@pytest.mark.parametrize(
+    ("loads", "expected"), [(["", "Lights"], "light"), (["light", ""], "switch"), (["light"], "switch"), (7, "switch")]
+)
+def test_a_relay_is_a_light_where_its_owner_says_that_it_feeds_one(loads: object, expected: str) -> None:
+    device = Gen2RpcDevice("shellyplus2pm-a8032abe54dc")
+    device.keep("config", {"sys": {"device": {}, "ui_data": {"consumption_types": loads}}}, 100)
+    device.keep("status", {"sys": {"uptime": 1}, "switch:1": {"id": 1, "output": True}}, 100)
+    described = device.describe()
+    assert described is not None
+    assert [one.part.service_type for one in described.parts] == [expected]
+    assert device.calls("switch:1", "on_off", False, 0.0) == (RpcCall("Switch.Set", {"id": 1, "on": False}),)
+
+
 def test_a_part_that_is_gone_is_refused() -> None:
     device = asked(MODELS["Plus 1"])
     device.describe()

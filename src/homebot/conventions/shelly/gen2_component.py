@@ -65,12 +65,14 @@ class ShellyComponent:
         key: Its name, for example ``switch:0``.
         status: What it reported when it was asked.
         config: How it is set up; empty where that is not known.
+        load: What people say that it feeds: ``light``; empty where they say nothing.
     """
 
     topics: Gen2Topics
     key: str
     status: Fields
     config: Fields = field(default_factory=dict)
+    load: str = ""
 
     @property
     def kind(self) -> str:

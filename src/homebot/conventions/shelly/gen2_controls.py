@@ -38,8 +38,9 @@ _MODES = ("off", "heat")
 
 
 def build_switch(component: ShellyComponent) -> tuple[JsonPart, ...]:
-    """Describe a relay: a plug where it is a socket."""
-    part = component.part("", "plug" if component.topics.is_plug else "switch")
+    """Describe a relay: a light where people say that it feeds one, else a plug where it is a socket."""
+    is_light = component.load.startswith("light")
+    part = component.part("", "light" if is_light else "plug" if component.topics.is_plug else "switch")
     component.read_status(part, flag("output", "on_off"))
     component.add_command_topic(part)
     writer = bool_writer("on_off", lambda on: component.call("Switch.Set", on=on))

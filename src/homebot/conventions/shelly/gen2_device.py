@@ -124,7 +124,7 @@ _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
     "cover": (build_cover, *_LOAD),
     **dict.fromkeys(LIGHTS, (build_light, *_LOAD)),
     **dict.fromkeys(("pm1", "em", "em1"), (build_meters,)),
-    **dict.fromkeys(SENSORS, (build_sensor,)),
+    **dict.fromkeys(SENSORS, (build_sensor, build_own_temperature)),
     "blutrv": (build_radiator_valve,),
     "bthomesensor": (build_bluetooth_sensor,),
     "bthomedevice": (build_bluetooth_device,),
@@ -142,8 +142,16 @@ def _components(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[She
         if len(found) >= MAX_COMPONENTS:
             break
         if isinstance(fields, dict) and _KEY.fullmatch(key) and key.partition(":")[0] in _RANKS:
-            found.append(ShellyComponent(topics, key, fields, as_fields(config.get(key))))
+            load = _load(config, key) if key.startswith("switch:") else ""
+            found.append(ShellyComponent(topics, key, fields, as_fields(config.get(key)), load))
     return tuple(sorted(found, key=lambda one: (_RANKS[one.kind], one.index)))
+
+
+def _load(config: Fields, key: str) -> str:
+    """Return what people say in the device's own pages that a relay feeds."""
+    loads = as_fields(as_fields(config.get("sys")).get("ui_data")).get("consumption_types")
+    index = int(key.partition(":")[2])
+    return text_of(loads[index]).casefold() if isinstance(loads, list) and index < len(loads) else ""
 
 
 @dataclass(slots=True)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from functools import partial
 
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, clean_text, percent_of
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, flag, measured
 from homebot.conventions.units import sensor_type
 from homebot.devices.value import PlainValue
@@ -19,7 +19,7 @@ from homebot.numbers import to_number
 __all__ = ["PRESSES", "SENSORS", "build_input", "build_meters", "build_own_temperature", "build_power", "build_sensor"]
 
 
-_FLAGS = frozenset({"smoke", "water_leak", "occupancy"})
+_FLAGS = frozenset({"smoke", "water_leak", "occupancy", "power_detected"})
 
 SENSORS: Mapping[str, tuple[str, str]] = {
     "smoke": ("alarm", "smoke"),
@@ -29,6 +29,7 @@ SENSORS: Mapping[str, tuple[str, str]] = {
     "humidity": ("rh", "humidity"),
     "illuminance": ("lux", "illuminance"),
     "voltmeter": ("voltage", "voltage"),
+    "cb": ("output", "power_detected"),  # a circuit breaker, which is no switch that an app may turn off
 }
 """The components that are one sensor each: the field of its value, and the capability."""
 
@@ -43,17 +44,30 @@ PRESSES: Mapping[str, str] = {
 def build_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a component that is one sensor."""
     field, capability = SENSORS[component.kind]
+    if component.kind == "illuminance" and field not in component.status and "illumination" in component.status:
+        field, capability = "illumination", "value"
     part = component.part("", sensor_type(capability))
-    component.read_status(part, (flag if capability in _FLAGS else measured)(field, capability))
+    component.read_status(part, partial(_decode_sensor, field, capability))
     part.add_capability(capability)
     return (part,)
 
 
+def _decode_sensor(field: str, capability: str, status: Fields) -> Readings:
+    if status.get("errors"):
+        return {capability: None}  # a number beside them is none: a display without sensor reports -275 °C
+    if capability == "value":
+        text = status.get(field)
+        return {capability: clean_text(text)} if isinstance(text, str) else NO_READINGS
+    if capability == "occupancy" and field not in status:
+        field = "value"  # the name of the field in firmware from 1.8 on
+    return (flag if capability in _FLAGS else measured)(field, capability)(status)
+
+
 def build_power(component: ShellyComponent) -> tuple[JsonPart, ...]:
-    """Describe a battery, where the device has one."""
+    """Describe a battery, where the device has one, and whether it is plugged in."""
     part = component.part("", "x_battery", category="diagnostic")
     has = {
-        "battery": True,
+        "battery": "battery" in component.status or "external" not in component.status,
         "voltage": "V" in as_fields(component.status.get("battery")),
         "plugged_in": isinstance(component.status.get("external"), dict),
     }

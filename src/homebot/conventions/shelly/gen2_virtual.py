@@ -40,9 +40,10 @@ def build_virtual(component: ShellyComponent) -> tuple[JsonPart, ...]:
     if component.kind == "boolean" and _ZONE.fullmatch(role):
         return (_build_zone(component),)
     access = component.config.get("access")
-    if role in _WATCHED or (isinstance(access, str) and "w" not in access):
+    if (role in _WATCHED and component.kind == "number") or (isinstance(access, str) and "w" not in access):
         return (_build_watched(component, role),)
-    capability = VIRTUAL[component.kind]
+    is_number = component.kind == "number"
+    service_type, capability = (_SETPOINTS.get(role) if is_number else None) or ("x_setting", VIRTUAL[component.kind])
     options = _options(component.config)
     bounds = _bounds(component.config)
     least, most = bounds or (-_MOST, _MOST)
@@ -64,13 +65,13 @@ def build_virtual(component: ShellyComponent) -> tuple[JsonPart, ...]:
             case _:
                 return component.call(method, value=_require_text(capability, value))
 
-    part = component.part("", "x_setting", category="config")
+    part = component.part("", service_type, category="config" if service_type == "x_setting" else "")
     component.read_status(part, decode)
     component.add_command_topic(part)
     part.add_capability(
         capability,
         writer=write,
-        bounds=bounds if component.kind == "number" else (),
+        bounds=bounds if is_number else (),
         options=options if component.kind == "enum" else (),
     )
     return (part,)
@@ -93,7 +94,7 @@ def _build_zone(component: ShellyComponent) -> JsonPart:
 
 def _build_watched(component: ShellyComponent, role: str) -> JsonPart:
     """Describe a value that is only reported."""
-    capability, unit = _WATCHED.get(role, (_READ_ONLY[component.kind], ""))
+    capability, unit = _WATCHED.get(role if component.kind == "number" else "", (_READ_ONLY[component.kind], ""))
 
     def decode(status: Fields) -> Readings:
         value = _plain(component.kind, status.get("value"))
@@ -111,8 +112,17 @@ _READ_ONLY: Mapping[str, str] = {"boolean": "state", "number": "measurement", "t
 _WATCHED: Mapping[str, tuple[str, str]] = {
     "average_temperature": ("temperature", ""),
     "last_precipitation": ("measurement", "mm"),
+    "current_temperature": ("temperature", ""),
+    "current_humidity": ("humidity", ""),
 }
 """Capabilities of the numbers of a maker's service, by their roles."""
+
+
+_SETPOINTS: Mapping[str, tuple[str, str]] = {
+    "target_temperature": ("thermostat", "heating_setpoint"),
+    "target_humidity": ("x_humidifier", "humidity_setpoint"),
+}
+"""Types and capabilities of the numbers of a maker's service that people set, by their roles."""
 
 
 def _role(config: Fields) -> str:
