@@ -6,12 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
-from pydantic import BaseModel, SecretStr, model_validator
+from pydantic import BaseModel, SecretStr
 
 from homebot.addresses import is_loopback
 from homebot.apps import App
+from homebot.bridges.access_settings import AccessSettings
 from homebot.bridges.rosbridge import DoorSettings
 from homebot.config import Config, FilePath, Table, parse_settings, read_secret
 from homebot.discovery import DirectorySettings
@@ -30,23 +31,6 @@ class DoorTable(DoorSettings):
     """
 
     token_file: FilePath | None = None
-
-    @model_validator(mode="after")
-    def _check_token(self) -> DoorTable:
-        if self.token is not None and self.token_file is not None:
-            raise ValueError("give token or token_file, not both")
-        return self
-
-    def settings(self) -> DoorSettings:
-        """Return the door's settings, with the token read from where it is kept.
-
-        Raises:
-            UsageError: The file cannot be read, or its first line is empty.
-        """
-        values = {name: value for name, value in self if name != "token_file"}
-        if self.token_file is not None:
-            values["token"] = SecretStr(read_secret(self.token_file))
-        return DoorSettings(**values)
 
 
 GATEWAYS = "homebot.gateways"
@@ -163,20 +147,28 @@ def _discovery(config: Config) -> DirectorySettings:
 
 def _door(config: Config) -> DoorSettings:
     """Return the door's settings, with the token read from where it is kept."""
-    source = config.source
-    given = parse_settings(DoorTable, config.door, source, "door", config.folder)
-    try:
-        door = given.settings()
-    except UsageError as exc:
-        raise ConfigError(source, "door.token_file", str(exc)) from exc
-    if door.token is None and not is_loopback(door.host):
+    given = parse_settings(DoorTable, config.door, config.source, "door", config.folder)
+    return DoorSettings(**_access(given, given.token_file, config.source, "door", "HOMEBOT_DOOR_TOKEN"))
+
+
+def _access(table: AccessSettings, token_file: Path | None, source: str, key: str, variable: str) -> dict[str, Any]:
+    """Return the values of the *table* of a server, with the token read from where it is kept."""
+    values = {name: value for name, value in table if name != "token_file"}
+    if token_file is not None:
+        if table.token is not None:
+            raise ConfigError(source, key, "give token or token_file, not both")
+        try:
+            values["token"] = SecretStr(read_secret(token_file))
+        except UsageError as exc:
+            raise ConfigError(source, f"{key}.token_file", str(exc)) from exc
+    if values["token"] is None and not is_loopback(table.host):
         raise ConfigError(
             source,
-            "door.host",
-            f"{door.host} can be reached by others, so it needs a token: give token_file, or HOMEBOT_DOOR_TOKEN in the "
+            f"{key}.host",
+            f"{table.host} can be reached by others, so it needs a token: give token_file, or {variable} in the "
             "environment, or listen on 127.0.0.1",
         )
-    return door
+    return values
 
 
 def _component(

@@ -21,13 +21,13 @@ from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
 from homebot.addresses import is_loopback
-from homebot.bridges.rosbridge.admission import is_token, refusal, token_of
+from homebot.bridges.admission import refusal, token_of
 from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.connection import DoorConnection
-from homebot.bridges.rosbridge.guards import TokenGuard
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import ClientErrorLog, DoorCounters, ExpectedTopics, SharedState
 from homebot.bridges.rosbridge.turns import Turns
+from homebot.bridges.token_check import TokenCheck
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.network_service import NetworkService
 from homebot.errors import ConfigError, LinkError, UsageError
@@ -77,7 +77,7 @@ class Door:
         self._backlog = DoorBacklog(settings.max_waiting_bytes_of_all)
         self._turns = Turns()
         self._expected = ExpectedTopics(node.graph)
-        self._guard = TokenGuard()
+        self._tokens = TokenCheck(settings, node.graph.clock)
         self._shared = SharedState(
             node, settings, self._turns, self._backlog, self._expected, self._counters, self._error_log
         )
@@ -98,11 +98,15 @@ class Door:
 
     def health(self, _request: HealthRequest) -> HealthResponse:
         """Return what was counted, and who guesses tokens; the answer of the service ``health``."""
-        counts = {**asdict(self._counters), "messages_lost": self._backlog.lost, "clients_now": len(self._sessions)}
-        guessing = self._guard.throttled_addresses(self._node.graph.clock.monotonic())
-        troubles = (f"wrong tokens were received from {', '.join(guessing[:5])}",) if guessing else ()
+        counts = {
+            **asdict(self._counters),
+            "wrong_tokens": self._tokens.wrong,
+            "messages_lost": self._backlog.lost,
+            "clients_now": len(self._sessions),
+        }
         return HealthResponse(
-            counts=tuple(Count(name=name, count=count) for name, count in counts.items()), troubles=troubles
+            counts=tuple(Count(name=name, count=count) for name, count in counts.items()),
+            troubles=self._tokens.problems(),
         )
 
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
@@ -177,21 +181,11 @@ class Door:
         return None
 
     async def _check_token(self, connection: ServerConnection, token: str) -> Response | None:
-        address, now = _address_of(connection).rpartition(":")[0], self._node.graph.clock.monotonic
-        wait = self._guard.begin(address, now())
-        if wait is None:
+        is_right = await self._tokens.check(_address_of(connection).rpartition(":")[0], token)
+        if is_right is None:
             problem = "too many wrong tokens from this address; try again in a second"
             return self._turn_away(connection, HTTPStatus.TOO_MANY_REQUESTS, problem)
-        is_wrong = False
-        try:
-            await anyio.sleep(wait)
-            is_wrong = not is_token(self._settings, token)
-        finally:
-            self._guard.end(address, now(), waited=wait > 0, was_wrong=is_wrong)
-        if not is_wrong:
-            return None
-        self._counters.wrong_tokens += 1
-        return self._turn_away(connection, HTTPStatus.UNAUTHORIZED, "a valid token is needed")
+        return None if is_right else self._turn_away(connection, HTTPStatus.UNAUTHORIZED, "a valid token is needed")
 
     def _turn_away(self, connection: ServerConnection, status: HTTPStatus, problem: str) -> Response:
         client = _address_of(connection)

@@ -14,7 +14,7 @@ import anyio
 from anyio.abc import TaskGroup
 
 from homebot.bridges.rosbridge.backlog import Backlog
-from homebot.bridges.rosbridge.guards import FrameRate
+from homebot.bridges.rosbridge.frame_rate import FrameRate
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
     ActionOperation,

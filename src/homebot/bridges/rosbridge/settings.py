@@ -4,23 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, SecretStr
+from pydantic import Field
+
+from homebot.bridges.access_settings import AccessSettings, Count
 
 __all__ = ["DoorSettings"]
 
-Count = Annotated[int, Field(ge=1)]
 
-
-class DoorSettings(BaseModel):
+class DoorSettings(AccessSettings):
     """The settings of the door.
 
     Attributes:
-        host: Name or address to listen on. Any other than a loopback one needs a token.
-        port: TCP port; 0 takes a free one.
-        token: What a client must show, as ``Authorization: Bearer TOKEN`` or, for browsers, as ``?token=TOKEN``.
-        allowed_origins: Web pages that may connect besides those of the same host and of loopback, for example
-            ``https://panel.example.org``; ``null`` is a page opened from a file.
-        max_clients: Clients at a time; one more is turned away.
         max_frame_bytes: Largest frame taken from a client; a larger one closes its connection.
         queue_depth: Messages of one topic that may wait for a slow client (on a keyed topic: of each key); then the
             oldest is dropped and counted.
@@ -35,13 +29,7 @@ class DoorSettings(BaseModel):
         max_calls: Service calls of one client under way at a time; one more fails at once.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    host: str = "127.0.0.1"
     port: Annotated[int, Field(ge=0, le=65535)] = 9090
-    token: Annotated[SecretStr, Field(min_length=1)] | None = None
-    allowed_origins: tuple[str, ...] = ()
-    max_clients: Count = 64
     max_frame_bytes: Count = 1_048_576
     queue_depth: Count = 1000
     max_waiting_bytes: Count = 8_388_608

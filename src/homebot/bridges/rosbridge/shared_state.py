@@ -25,7 +25,6 @@ class DoorCounters:
     Attributes:
         clients: Clients that were let in.
         turned_away: Connections that were not: too many, a foreign page, a wrong token.
-        wrong_tokens: Tokens that were not the right one.
         frames: Frames that clients sent.
         requests_refused: Of those, what was refused.
         slowed_down: Frames that had to wait because their client sends too many.
@@ -34,7 +33,6 @@ class DoorCounters:
 
     clients: int = 0
     turned_away: int = 0
-    wrong_tokens: int = 0
     frames: int = 0
     requests_refused: int = 0
     slowed_down: int = 0

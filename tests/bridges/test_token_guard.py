@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.bridges.rosbridge.guards import TokenGuard
+from homebot.bridges.token_guard import TokenGuard
 
 
 def guess(guard: TokenGuard, address: str, now: float) -> float | None:

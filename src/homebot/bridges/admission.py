@@ -12,18 +12,18 @@ from collections.abc import Sequence
 from urllib.parse import parse_qs, urlsplit
 
 from homebot.addresses import is_loopback
-from homebot.bridges.rosbridge.settings import DoorSettings
+from homebot.bridges.access_settings import AccessSettings
 
-__all__ = ["refusal", "token_of"]
+__all__ = ["is_token", "refusal", "token_of"]
 
 
-def refusal(settings: DoorSettings, hosts: Sequence[str], origins: Sequence[str]) -> str | None:
+def refusal(settings: AccessSettings, hosts: Sequence[str], origins: Sequence[str]) -> str | None:
     """Return why a client with these Host and Origin headers is turned away, or None."""
     if len(hosts) != 1 or len(origins) > 1:
         return "exactly one Host and at most one Origin header are expected"
     host = _host_of(f"//{hosts[0]}")
     if not _is_ours(settings, host):
-        return f"this rosbridge server does not accept the host name {host[:100]!r}"
+        return f"this server does not accept the host name {host[:100]!r}"
     if origins and origins[0] not in settings.allowed_origins:
         origin = _host_of(origins[0])
         if origin != host and not is_loopback(origin):
@@ -40,14 +40,14 @@ def token_of(path: str, authorizations: Sequence[str]) -> str:
     return parse_qs(urlsplit(path).query).get("token", [""])[-1]
 
 
-def is_token(settings: DoorSettings, token: str) -> bool:
+def is_token(settings: AccessSettings, token: str) -> bool:
     """Return whether *token* is the right one; takes as long for a wrong one."""
     if settings.token is None:
         return True
     return hmac.compare_digest(token.encode(errors="replace"), settings.token.get_secret_value().encode())
 
 
-def _is_ours(settings: DoorSettings, host: str) -> bool:
+def _is_ours(settings: AccessSettings, host: str) -> bool:
     if is_loopback(host) or host == settings.host.lower():
         return True
     try:

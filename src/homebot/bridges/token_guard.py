@@ -1,4 +1,4 @@
-"""Guards against clients that ask too much: a delay for guessed tokens, and a limit on frames. No I/O.
+"""A delay for clients that guess tokens. No I/O.
 
 The right token and wrong ones wait alike, else whoever guesses would only have to hang up early. An address may be
 wrong a few times for nothing. After that each of its tokens waits, longer with each wrong one, and only a few may wait
@@ -13,7 +13,7 @@ from typing import final
 
 from homebot.addresses import network_of
 
-__all__ = ["FrameRate", "TokenGuard"]
+__all__ = ["TokenGuard"]
 
 _FREE_ATTEMPTS = 5
 _FIRST_DELAY, _LONGEST_DELAY = 0.1, 1.0
@@ -93,22 +93,3 @@ class TokenGuard:
             return None
         attempts.wrong = max(0.0, attempts.wrong)
         return attempts
-
-
-@final
-class FrameRate:
-    """Computes how long a client's next frame has to wait so that it sends no more than *limit* a second on average.
-
-    A client that was quiet may send the frames of a whole second at once.
-    """
-
-    def __init__(self, limit: int, now: float) -> None:
-        self._limit = limit
-        self._tokens = float(limit)
-        self._filled_at = now
-
-    def take(self, now: float) -> float:
-        """Count one frame; return the seconds to wait before it is handled, mostly 0."""
-        self._tokens = min(float(self._limit), self._tokens + (now - self._filled_at) * self._limit) - 1
-        self._filled_at = now
-        return max(0.0, -self._tokens / self._limit)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.bridges.rosbridge.guards import FrameRate
+from homebot.bridges.rosbridge.frame_rate import FrameRate
 
 
 def test_a_whole_second_may_come_at_once_and_then_each_frame_waits() -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from pydantic import SecretStr
 
+from homebot.bridges.admission import is_token, refusal, token_of
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.bridges.rosbridge.admission import is_token, refusal, token_of
 
 LOCAL = DoorSettings()
 NAMED = DoorSettings(host="hub.lan", token=SecretStr("t"))

@@ -1,0 +1,32 @@
+"""Settings of a server for other programs: where it listens, and whom it lets in."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, SecretStr
+
+__all__ = ["AccessSettings", "Count"]
+
+Count = Annotated[int, Field(ge=1)]
+
+
+class AccessSettings(BaseModel):
+    """The settings that all servers for other programs have.
+
+    Attributes:
+        host: Name or address to listen on. Any other than a loopback one needs a token.
+        port: TCP port; 0 takes a free one.
+        token: What a client must show, as ``Authorization: Bearer TOKEN`` or, for browsers, as ``?token=TOKEN``.
+        allowed_origins: Web pages that may connect besides those of the same host and of loopback, for example
+            ``https://panel.example.org``; ``null`` is a page opened from a file.
+        max_clients: Clients at a time; one more is turned away.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    host: str = "127.0.0.1"
+    port: Annotated[int, Field(ge=0, le=65535)] = 0
+    token: Annotated[SecretStr, Field(min_length=1)] | None = None
+    allowed_origins: tuple[str, ...] = ()
+    max_clients: Count = 64
