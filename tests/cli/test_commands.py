@@ -191,6 +191,7 @@ def test_devices_are_a_list_for_programs(homebot: Any, capsys: Text) -> None:
                     "freshness": "fresh",
                     "last_seen": "1970-01-01T00:00:00.000Z",
                     "reachable": "unknown",
+                    "claimed": False,
                 }
             ],
             "metadata": {"room": "kitchen"},

@@ -113,6 +113,7 @@ class EndpointRecord(TypedDict):
     freshness: str
     last_seen: TimeRecord
     reachable: str
+    claimed: bool
 
 
 class KeyValueRecord(TypedDict):

@@ -52,6 +52,8 @@ class Endpoint(Message):
         freshness: As for :class:`Device`, by what was heard through this gateway alone.
         last_seen: The time of its latest message or announcement there.
         reachable: ``yes``, ``no`` or ``unknown``: whether it can be reached there, as it or the gateway reports it.
+        claimed: Whether nothing but its own announcement says that it is this device. It gets no commands until it has
+            reported the same changes as another endpoint, or the owner has confirmed it.
     """
 
     gateway: str
@@ -61,6 +63,7 @@ class Endpoint(Message):
     freshness: Freshness = "fresh"
     last_seen: Time = Time(sec=0, nanosec=0)
     reachable: Literal["yes", "no", "unknown"] = "unknown"
+    claimed: bool = False
 
 
 class Route(Message):

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-__all__ = ["DEVICE_TYPES", "DeviceType", "wanted_types"]
+__all__ = ["CAN_HURT", "DEVICE_TYPES", "DeviceType", "wanted_types"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +82,22 @@ _TYPES = (
 
 DEVICE_TYPES: Mapping[str, DeviceType] = MappingProxyType({one.name: one for one in _TYPES})
 """Every device type by name."""
+
+CAN_HURT = frozenset(
+    {
+        "closure",
+        "door_lock",
+        "pump",
+        "room_air_conditioner",
+        "thermostat",
+        "water_heater",
+        "water_valve",
+        "x_alarm_panel",
+        "x_lawn_mower",
+        "x_robot",
+    }
+)
+"""Types of devices that let somebody in, flood, heat or hurt when they do what nobody wants, or do not obey."""
 
 
 def wanted_types(word: str) -> frozenset[str]:

@@ -58,6 +58,8 @@ class Sighting(Message):
         whole_device: Whether each announcement of the convention is of a whole device: two of them are never about the
             same one, unless they name one radio address.
         identifiers: Identifiers of the device; see :func:`homebot.devices.identity.identifiers`.
+        authenticated: Whether the device proved to the gateway that it is one of the owner's, by a secret that it
+            shares with the owner alone, such as an encryption key. All else that it says of itself is a claim.
         area: The advertised room.
         parts: Its parts; empty where only its service type is known.
         owns: Topics that the device has for itself with all that is below them, by its own place or by its bridge
@@ -85,6 +87,7 @@ class Sighting(Message):
     native: bool = False
     whole_device: bool = False
     identifiers: tuple[str, ...] = ()
+    authenticated: bool = False
     area: str = ""
     parts: tuple[Part, ...] = ()
     owns: tuple[str, ...] = ()

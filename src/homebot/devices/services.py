@@ -227,8 +227,10 @@ class SplitDeviceResponse(Message):
 class MergeDevicesRequest(Message):
     """Make several devices one, because they are one; the directory remembers that over a restart.
 
+    All endpoints of the device may have its commands from now on.
+
     Attributes:
-        devices: Their ids, at least two.
+        devices: Their ids; one alone where an endpoint of it only claims to be it (:attr:`Endpoint.claimed`).
     """
 
     devices: tuple[str, ...]

@@ -42,7 +42,7 @@ def addresses(sources: Sequence[SourceRecord], main: DevicePart | None) -> tuple
     for source in sources:
         sighting = source.sighting
         if sighting.gateway not in found:
-            command_address = "" if main is not None else sighting.command_address
+            command_address = "" if main is not None or source.is_claimed else sighting.command_address
             found[sighting.gateway] = source.key, sighting.address, command_address
     return tuple(found.values())
 
@@ -53,7 +53,7 @@ def endpoints(
     freshness: Freshness,
     stale_gateways: frozenset[str],
 ) -> tuple[Endpoint, ...]:
-    """Return the endpoints as they are now; those that are offline or stale come last.
+    """Return the endpoints as they are now; those that are offline, stale or only claimed come last.
 
     Args:
         described: Their addresses.
@@ -73,10 +73,11 @@ def endpoints(
                 freshness=_freshness(heard, freshness, is_stale=gateway in stale_gateways),
                 last_seen=last_seen(heard),
                 reachable=reachability(heard).state,
+                claimed=all(source.is_claimed for source in heard),
             )
         )
     if len(found) > 1:
-        found.sort(key=lambda one: (one.reachable == "no", one.freshness == "stale"))
+        found.sort(key=lambda one: (one.claimed, one.reachable == "no", one.freshness == "stale"))
     return tuple(found)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from homebot.devices import (
@@ -20,7 +20,9 @@ from homebot.devices.value import PlainValue, Value
 from homebot.discovery.echoes import Echoes
 from homebot.discovery.endpoints import Addresses, addresses, endpoint_reach, endpoints, last_seen, sorted_routes
 from homebot.discovery.liveness import ReportInterval
+from homebot.discovery.merging.agreement import Agreement
 from homebot.discovery.merging.parts import NO_IDS, MergedParts, PartIds, lost_ids, main_part, merge_parts
+from homebot.discovery.merging.trust import NOBODY_TRUSTED, EndpointKey
 from homebot.discovery.reachability import offline_parts, reachability
 from homebot.discovery.source_record import SourceKey, SourceRecord, StoredValue, preference
 from homebot.discovery.topics.ownership import TopicOwnership
@@ -55,6 +57,9 @@ class Entry:
         is_denied: Whether any of its announcements says that something of it cannot be reached.
         is_shared: Whether several gateways know it.
         stale_gateways: The gateways at which it was silent for too long, of several that know it.
+        trusted: The endpoints that may have its commands, where that was ever a question; those that are gone included.
+        claimed: The endpoints that may not; see :mod:`homebot.discovery.merging.trust`.
+        agreement: What the two reported lately; None where all are trusted.
         echoes: What happened lately, and by how many routes that was reported; None where nothing happens.
     """
 
@@ -74,6 +79,9 @@ class Entry:
     is_denied: bool = False
     is_shared: bool = False
     stale_gateways: frozenset[str] = frozenset()
+    trusted: frozenset[EndpointKey] = NOBODY_TRUSTED
+    claimed: frozenset[EndpointKey] = NOBODY_TRUSTED
+    agreement: Agreement | None = None
     echoes: Echoes | None = None
     _description: _Description | None = None
     _device: Device | None = None
@@ -159,7 +167,7 @@ class Entry:
         """Return whether it can be reached, as its parts are together."""
         for source in self.sources.values():
             if source.reach:
-                return reachability(self.sources.values())
+                return reachability(self._believed().values())
         return _NOT_REPORTED
 
     def endpoint_reach(self) -> tuple[str, ...]:
@@ -178,13 +186,20 @@ class Entry:
         """Return the ids of its parts that cannot be reached."""
         if not self.is_denied:
             return ()
-        return offline_parts(self.sources, merged.places, {number: one.id for number, one in enumerate(merged.parts)})
+        ids = {number: one.id for number, one in enumerate(merged.parts)}
+        return offline_parts(self._believed(), merged.places, ids)
 
     def is_new_event(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
         """Return whether an event was not reported by another route already; see :meth:`Echoes.is_new`."""
         if self.echoes is None:
             self.echoes = Echoes()
         return self.echoes.is_new(place, capability, value, route, now)
+
+    def _believed(self) -> Mapping[SourceKey, SourceRecord]:
+        """Return the announcements by which it is judged whether it can be reached: not claimed ones beside others."""
+        if not self.claimed:
+            return self.sources
+        return {key: source for key, source in self.sources.items() if not source.is_claimed} or self.sources
 
     def _described(self, topics: TopicOwnership) -> _Description:
         if self._description is None:
@@ -204,7 +219,7 @@ class Entry:
         for (gateway, key), source in self.sources.items():
             for (part, capability), stored in (source.events if events else source.values).items():
                 place = merged.places.get((gateway, key, part))
-                if place is None:
+                if place is None or (source.is_claimed and merged.parts[place].routes):
                     continue
                 known = newest.get((place, capability))
                 if known is None or _weight(stored) > _weight(known):

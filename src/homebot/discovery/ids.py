@@ -72,6 +72,7 @@ class Tombstone:
         retained_only: Whether it was forgotten, though its announcements may still be kept by the broker: these alone
             do not bring it back.
         at: When it went, in seconds since the Unix epoch.
+        trusted: The endpoints that had its commands; see :mod:`homebot.discovery.merging.trust`.
     """
 
     id: str
@@ -79,6 +80,7 @@ class Tombstone:
     hardware: tuple[str, ...]
     retained_only: bool
     at: float
+    trusted: tuple[tuple[str, str], ...] = ()
 
 
 @final

@@ -58,7 +58,7 @@ class DeviceIndex:
         self.next_deadline = self._liveness.next_deadline
         self._merger = DeviceMerger(table, self._liveness, self._pending)
         self._intake = SightingIntake(table, self._liveness, self._merger, self._pending, max_devices)
-        self._states = StateRecorder(table, self._liveness)
+        self._states = StateRecorder(table, self._liveness, self._merger.trust)
 
     def __len__(self) -> int:
         return len(self._table.entries)
@@ -269,15 +269,17 @@ class DeviceIndex:
     def merge(self, device_ids: Iterable[str], now: float) -> str:
         """Make several devices one, because the owner says so; return the id that it has, that of the oldest.
 
+        All endpoints of it may have its commands from now on.
+
         Args:
-            device_ids: The devices, at least two.
+            device_ids: The devices; one alone where an endpoint of it only claims to be it.
             now: As for :meth:`expire`.
 
         Raises:
-            RefusedError: There is no such device, or there are too many decisions.
+            RefusedError: There is no such device, nothing is to be merged, or there are too many decisions.
         """
         entries = tuple(self._entry(device_id) for device_id in dict.fromkeys(device_ids))
-        if len(entries) < 2:
+        if not entries or (len(entries) == 1 and not entries[0].claimed):
             raise RefusedError("a merge", "it takes two different devices")
         self._liveness.now = now
         return self._merger.merge(entries).id

@@ -14,6 +14,7 @@ from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone
 from homebot.discovery.liveness import ReportInterval
 from homebot.discovery.merging.parts import PartPlace
+from homebot.discovery.merging.trust import MAX_TRUSTED
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import InvalidNameError, WireError
 from homebot.messages import Time
@@ -54,6 +55,7 @@ class _EntryRecord(BaseModel):
     first_seen: Time
     gaps: tuple[float, ...] = ()
     claims: tuple[_SavedSource, ...]
+    trusted: tuple[tuple[str, str], ...] = ()
 
 
 class _TombstoneRecord(BaseModel):
@@ -63,6 +65,7 @@ class _TombstoneRecord(BaseModel):
     hardware: tuple[str, ...] = ()
     is_ghost: bool
     at: float
+    trusted: tuple[tuple[str, str], ...] = ()
 
 
 _RecordT = TypeVar("_RecordT", bound=BaseModel)
@@ -89,7 +92,10 @@ def entry_record(entry: Entry) -> str:
     try:
         entry.id.encode()
         return _EntryRecord(
-            first_seen=entry.first_seen, gaps=entry.report_interval.gaps, claims=saved
+            first_seen=entry.first_seen,
+            gaps=entry.report_interval.gaps,
+            claims=saved,
+            trusted=tuple(sorted(entry.trusted)),
         ).model_dump_json()
     except ValueError as exc:
         raise WireError(f"{entry.id[:100]!r} cannot be stored: {exc}", b"") from exc
@@ -124,7 +130,13 @@ def read_entry(device_id: str, text: str) -> Entry:
     if not device_id or not sources:
         raise WireError("a device without an id or an announcement", text[:100].encode(errors="replace"))
     return Entry(
-        device_id, record.first_seen, "unconfirmed", sources, report_interval=ReportInterval(gaps), known_ids=ids
+        device_id,
+        record.first_seen,
+        "unconfirmed",
+        sources,
+        report_interval=ReportInterval(gaps),
+        known_ids=ids,
+        trusted=frozenset(record.trusted[:MAX_TRUSTED]),
     )
 
 
@@ -136,6 +148,7 @@ def tombstone_record(tombstone: Tombstone) -> str:
             "hardware": tombstone.hardware,
             "is_ghost": tombstone.retained_only,
             "at": tombstone.at,
+            "trusted": tombstone.trusted,
         }
     )
 
@@ -149,7 +162,7 @@ def read_tombstone(device_id: str, text: str) -> Tombstone:
     record = _read(_TombstoneRecord, text)
     if not math.isfinite(record.at):
         raise WireError("a device that went at no time", text[:100].encode(errors="replace"))
-    return Tombstone(device_id, record.keys, record.hardware, record.is_ghost, record.at)
+    return Tombstone(device_id, record.keys, record.hardware, record.is_ghost, record.at, record.trusted[:MAX_TRUSTED])
 
 
 def _as_last_seen(source: SourceRecord) -> Sighting:

@@ -83,6 +83,7 @@ class SourceRecord:
         events: What happened last, by part and capability.
         reach: Whether it can be reached, as it says, by part; the whole is ``""``. See :meth:`set_reach`.
         is_online: Whether it sent a message that it is online, so that its last will watches over it.
+        is_claimed: Whether its endpoint is not trusted with commands; see :mod:`homebot.discovery.merging.trust`.
     """
 
     sighting: Sighting
@@ -97,6 +98,7 @@ class SourceRecord:
     events: Mapping[tuple[str, str], StoredValue] = field(init=False)
     reach: Mapping[str, Reach] = field(init=False)
     is_online: bool = False
+    is_claimed: bool = False
 
     def __post_init__(self) -> None:
         self.key = (self.sighting.gateway, self.sighting.key)
@@ -127,9 +129,9 @@ class SourceRecord:
         return prefix + sighting.key
 
 
-def preference(source: SourceRecord) -> tuple[int, int]:
-    """Return what sorts sources on one device: those of its own convention first, then the older ones."""
-    return (0 if source.sighting.native else 1, source.number)
+def preference(source: SourceRecord) -> tuple[bool, bool, int]:
+    """Return what sorts sources on one device: claimed ones last, own conventions and older ones first."""
+    return source.is_claimed, not source.sighting.native, source.number
 
 
 _DESCRIPTION = itemgetter(
@@ -138,6 +140,7 @@ _DESCRIPTION = itemgetter(
     "address",
     "command_address",
     "identifiers",
+    "authenticated",
     "area",
     "owns",
     "convention",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from operator import attrgetter
-from typing import final
+from typing import TypeAlias, final
 
 from homebot.devices import State
 from homebot.devices.capabilities import EVENTS
@@ -12,6 +12,8 @@ from homebot.devices.gateway_messages import REACHABLE, Reading, Report
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
+from homebot.discovery.merging.agreement import Agreement
+from homebot.discovery.merging.trust import EndpointKey, can_hurt, endpoint_of, takes_commands
 from homebot.discovery.source_record import Reach, SourceRecord, StoredValue
 from homebot.messages import Time
 
@@ -19,6 +21,8 @@ __all__ = ["StateRecorder", "has_capability", "is_denied", "state_of", "store_re
 
 
 _NAME = attrgetter("name")
+
+Trust: TypeAlias = Callable[[Entry, frozenset[EndpointKey]], None]
 
 
 @final
@@ -28,15 +32,19 @@ class StateRecorder:
     Args:
         table: The devices.
         liveness: When each was heard.
+        trust: Lets endpoints of a device have its commands, which reported the same changes as the others.
     """
 
-    __slots__ = ("_liveness", "_table")
+    __slots__ = ("_liveness", "_table", "_trust")
 
-    def __init__(self, table: DeviceTable, liveness: Liveness) -> None:
+    def __init__(self, table: DeviceTable, liveness: Liveness, trust: Trust) -> None:
         self._table = table
         self._liveness = liveness
+        self._trust = trust
 
-    def record(self, entry: Entry, source: SourceRecord, report: Report) -> None:
+    def record(  # noqa: C901 - it runs for each message; a call more for each value costs more
+        self, entry: Entry, source: SourceRecord, report: Report
+    ) -> None:
         """Take in *report*, which came through *source*, an announcement of *entry*."""
         live, now, stamp = not report.retained, self._liveness.now, report.received_at
         shows_life = live and report.address != ""
@@ -62,6 +70,8 @@ class StateRecorder:
                 stored.told_at, stored.live, stored.heard_at = stamp, live, now
                 value, known = reading.value.plain(), stored.value
                 if known != value or type(known) is not type(value):
+                    if entry.claimed and live:
+                        self._compare(entry, source, reading)
                     stored.value, stored.since = value, stamp
                     new.append((reading, stored))
         if new:
@@ -72,6 +82,20 @@ class StateRecorder:
             entry.invalidate_device()
         if before is not None and self._reach(entry) != before:
             self._table.note("changed", entry, entry.reachability().why)
+
+    def _compare(self, entry: Entry, source: SourceRecord, reading: Reading) -> None:
+        """Note a change of a device of which an endpoint is only claimed; one that knows its changes is trusted."""
+        value = reading.value.plain()
+        number = entry.parts(self._table.topics).places.get((*source.key, reading.part))
+        if number is None or not isinstance(value, bool | str) or not takes_commands(source.sighting):
+            return
+        if can_hurt(one.sighting for one in entry.sources.values()):
+            return
+        if entry.agreement is None:
+            entry.agreement = Agreement()
+        change = number, reading.capability, value
+        if agreeing := entry.agreement.note(change, endpoint_of(source), entry.claimed, self._liveness.now):
+            self._trust(entry, agreeing)
 
     def _record_reachability(self, entry: Entry, source: SourceRecord, reading: Reading, report: Report) -> None:
         if report.address:
@@ -97,6 +121,8 @@ class StateRecorder:
             if number is None:
                 continue
             part = merged.parts[number]
+            if source.is_claimed and part.routes:
+                continue
             if is_sorted and len(part.routes) > 1:
                 is_sorted = False
                 table.outdated[entry.id] = None
@@ -114,7 +140,9 @@ class StateRecorder:
         merged = entry.parts(table.topics)
         number = merged.places.get((*source.key, reading.part))
         value = reading.value.plain()
-        if number is None or not entry.is_new_event(number, reading.capability, value, source.key, now):
+        if number is None or (source.is_claimed and merged.parts[number].routes):
+            return
+        if not entry.is_new_event(number, reading.capability, value, source.key, now):
             return
         stored = StoredValue(value, stamp, stamp, live=True, heard_at=now)
         source.events = {**source.events, (reading.part, reading.capability): stored}

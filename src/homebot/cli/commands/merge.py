@@ -18,6 +18,7 @@ __all__ = ["add_arguments"]
 
 _EXAMPLES = """\
   homebot merge 'Kitchen lamp' 'Kitchen lamp 2'
+  homebot merge 'Kitchen lamp'                    # let all its endpoints have its commands (homebot show)
 
 The directory remembers it over a restart; `homebot split` undoes it.
 """
@@ -26,7 +27,12 @@ The directory remembers it over a restart; `homebot split` undoes it.
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot merge``."""
     set_client_command(parser, _merge, _EXAMPLES)
-    parser.add_argument("devices", nargs="+", metavar="DEVICE", help="ids or names of two or more devices")
+    parser.add_argument(
+        "devices",
+        nargs="+",
+        metavar="DEVICE",
+        help="ids or names of two or more devices, or of one whose endpoints are all its own",
+    )
 
 
 def _merge(options: argparse.Namespace) -> int:
@@ -37,7 +43,10 @@ def _merge(options: argparse.Namespace) -> int:
         answer = cast("MergeResponseRecord", door.call(MERGE_DEVICES, {"devices": ids}))
         if not answer["success"]:
             raise PeerError(answer["message"])
-        print(f"{', '.join(map(printable, ids))} are one device now: {printable(answer['device'])}")
+        if len(ids) == 1:
+            print(f"all endpoints of {printable(answer['device'])} may have its commands now")
+        else:
+            print(f"{', '.join(map(printable, ids))} are one device now: {printable(answer['device'])}")
         return 0
 
     return with_client(options, run)

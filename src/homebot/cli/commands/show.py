@@ -141,6 +141,8 @@ def _capability(capability: CapabilityRecord, state: StateRecord | None, now: fl
 def _endpoint(endpoint: EndpointRecord, now: float) -> tuple[str, ...]:
     reach = {"yes": "reachable", "no": "unreachable", "unknown": ""}[endpoint["reachable"]]
     life = ", ".join(one for one in (endpoint["freshness"], reach) if one)
+    if endpoint["claimed"]:
+        life += ", unconfirmed: gets no commands"
     return endpoint["gateway"], life, f"last seen {ago(endpoint['last_seen'], now)}", f"as {endpoint['key']}"
 
 

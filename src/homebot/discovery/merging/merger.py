@@ -13,7 +13,8 @@ from homebot.discovery.ids import Tombstone, new_id
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.decisions import OWNER, MergeDecisions
 from homebot.discovery.merging.identity import IdentityGraph
-from homebot.discovery.merging.parts import NO_IDS
+from homebot.discovery.merging.parts import CONFIRM, NO_IDS
+from homebot.discovery.merging.trust import EndpointKey, command_endpoints, endpoint_of, judge
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.states import is_denied
@@ -67,6 +68,8 @@ class DeviceMerger:
         else:
             device_id = new_id(next(iter(sources.values())).sighting, table.entries, table.tombstones)
         entry = Entry(device_id, _first_seen(sources), "unconfirmed", sources, known_ids=NO_IDS)
+        if tombstone is not None and is_back:
+            entry.trusted = frozenset(tombstone.trusted)
         table.entries[device_id] = entry
         table.owners.update(dict.fromkeys(sources, entry))
         for source in sources.values():
@@ -120,7 +123,10 @@ class DeviceMerger:
         """
         table = self._table
         table.changes.note_removed(entry, why)
-        tombstone = Tombstone(entry.id, tuple(entry.sources), entry.hardware(), retained_only, at)
+        trusted = entry.trusted or command_endpoints(entry.sources.values())
+        tombstone = Tombstone(
+            entry.id, tuple(entry.sources), entry.hardware(), retained_only, at, tuple(sorted(trusted))
+        )
         self._drop(entry)
         affected: set[SourceKey] = set()
         for key, source in entry.sources.items():
@@ -184,9 +190,40 @@ class DeviceMerger:
             RefusedError: There are too many decisions.
         """
         keys = tuple(next(iter(entry.sources)) for entry in entries)
-        self.decisions.merge(keys)
-        self._decide(keys, (), "the owner merged them")
-        return self._table.owners[keys[0]]
+        if len(keys) > 1:
+            self.decisions.merge(keys)
+            self._decide(keys, (), "the owner merged them")
+        entry = self._table.owners[keys[0]]
+        if entry.claimed:
+            self._set_trusted(entry, entry.claimed, "the owner confirmed all its endpoints")
+        return entry
+
+    def trust(self, entry: Entry, endpoints: frozenset[EndpointKey]) -> None:
+        """Let *endpoints* have the commands of *entry*: they reported the same changes as others that have them."""
+        names = ", ".join(sorted(gateway for gateway, _ in endpoints))
+        self._set_trusted(entry, endpoints, f"{names} reported the same changes as its other endpoints")
+
+    def _set_trusted(self, entry: Entry, endpoints: frozenset[EndpointKey], why: str) -> None:
+        entry.trusted |= endpoints
+        self.describe(entry)
+        self._table.note("changed", entry, why)
+
+    def _judge(self, entry: Entry, new: SourceRecord | None) -> bool:
+        """Decide which endpoints of *entry* are trusted; return whether that changes what others are."""
+        sources = entry.sources.values()
+        if not (entry.trusted or entry.claimed):
+            first = next(iter(sources))
+            if len(sources) == 1:
+                first.is_claimed = False
+                return False
+            if new is not None and endpoint_of(new) == endpoint_of(first):
+                return False
+        before = entry.claimed
+        entry.trusted = judge(sources, entry.trusted)
+        entry.claimed = frozenset([endpoint_of(source) for source in sources if source.is_claimed])
+        if not entry.claimed:
+            entry.agreement = None
+        return entry.claimed != before
 
     def _decide(self, keys: Iterable[SourceKey], identifiers: Iterable[str], why: str) -> None:
         """Make the devices those that announcements *keys* are about, after a decision on them and *identifiers*."""
@@ -200,6 +237,8 @@ class DeviceMerger:
         """Bring up to date what follows from the announcements of *entry*: all changed, or *new* was added."""
         table = self._table
         entry.invalidate_description()
+        if self._judge(entry, new):
+            new = None
         sources = tuple(entry.sources.values()) if new is None else (new,)
         if new is None:
             entry.is_shared = len(sources) > 1 and len(entry.gateways()) > 1
@@ -283,11 +322,14 @@ class DeviceMerger:
         sources = self._table.sources
         for number, (identifier, keys) in enumerate(self.identities.shared(entry.sources)):
             if number >= _MAX_EVIDENCE:
-                return
+                break
             labels = " and ".join(
                 f"{sources[key].label} on {key[0]}" if entry.is_shared else sources[key].label for key in keys
             )
             yield f"the owner merged {labels}" if identifier.startswith(OWNER) else f"same {identifier} in {labels}"
+        for source in entry.sources.values():
+            if source.is_claimed:
+                yield f"{source.label} on {source.key[0]} only claims to be it, and gets no commands yet; {CONFIRM}"
 
     def _refresh_conflicts(self, concerned: Iterable[str]) -> None:
         """Look again at devices that share a topic with one that came or went."""

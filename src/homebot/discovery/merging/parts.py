@@ -18,6 +18,7 @@ from homebot.discovery.source_record import SourceRecord, preference
 from homebot.discovery.topics.ownership import TopicOwnership
 
 __all__ = [
+    "CONFIRM",
     "MAX_LOST",
     "MAX_PARTS",
     "NO_IDS",
@@ -34,6 +35,8 @@ __all__ = [
 
 MAX_PARTS = 1000
 """Parts of one device; further ones are left out."""
+
+CONFIRM = "confirm it with `homebot merge` and the name of the device, or undo it with `homebot split`"
 
 PartPlace: TypeAlias = tuple[str, str, str]
 """Gateway, key, and what the part is called there."""
@@ -113,6 +116,7 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
     groups = _groups(announced for _, _, announced in occurrences)
     numbered: dict[int, _Merged] = {}
     places: dict[PartPlace, int] = {}
+    claimed: dict[int, SourceRecord] = {}
     left_out = 0
     for source, part, announced in occurrences:
         group = groups[id(announced)]
@@ -124,13 +128,18 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
             found = numbered[group] = _Merged(part, len(numbered), source.label)
         place = (*source.key, part.id)
         found.places.append((source.number, place))
-        if conflict := topics.conflict(source, part):
+        if source.is_claimed:
+            claimed.setdefault(found.number, source)
+        elif conflict := topics.conflict(source, part):
             conflicts.append(conflict)
         else:
             found.ways.append((place, _origin(source), part))
         places[place] = found.number
     if left_out:
         conflicts.append(_left_out(left_out))
+    by_number = {one.number: one for one in numbered.values()}
+    without_way = (source for number, source in claimed.items() if not by_number[number].ways)
+    conflicts += dict.fromkeys(map(_claim_conflict, without_way))
     return MergedParts(_named(tuple(numbered.values()), known), tuple(conflicts), places)
 
 
@@ -243,7 +252,9 @@ def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) 
     for number, part in enumerate(parts):
         places[gateway, key, part.id] = number
         routes: tuple[Route, ...] = ()
-        if conflict := topics.conflict(source, part):
+        if source.is_claimed:
+            conflicts = [_claim_conflict(source)]
+        elif conflict := topics.conflict(source, part):
             conflicts.append(conflict)
         else:
             route = Route.of_checked(gateway=gateway, key=key, part=part.id, convention=convention, takes=EVERYTHING)
@@ -252,6 +263,10 @@ def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) 
     if left_out := len(source.sighting.parts) - len(parts):
         conflicts.append(_left_out(left_out))
     return MergedParts(tuple(merged), tuple(conflicts), places)
+
+
+def _claim_conflict(source: SourceRecord) -> str:
+    return f"{source.label} on {source.key[0]} only claims to be this device, and gets no commands; {CONFIRM}"
 
 
 def _left_out(count: int) -> str:

@@ -27,6 +27,7 @@ class GatewayDevice:
         parts: What can be used by itself; a device whose parts are unknown has none.
         metadata: Further facts, for example ``manufacturer`` and ``model``.
         identifiers: See :func:`homebot.devices.identity.identifiers`; what it is known by beyond this gateway.
+        authenticated: Whether it proved to the gateway that it is the owner's; see :class:`homebot.devices.Sighting`.
         area: The room that it is said to be in; empty for none.
         service_type: Its type in the protocol's own words; by default the type of its main part.
         address: Where it says the state of its main part by itself, as plain text (``on``, ``21.5``) that apps read; by
@@ -44,6 +45,7 @@ class GatewayDevice:
     parts: tuple[Part, ...] = ()
     metadata: Mapping[str, str] = field(default_factory=dict)
     identifiers: tuple[str, ...] = ()
+    authenticated: bool = False
     area: str = ""
     service_type: str = ""
     address: str = ""
@@ -68,7 +70,9 @@ class GatewayDevice:
         """Add to what is *stored* of it what no announcement says: its own addresses and expiry."""
         stored.stale_after = self.stale_after
         own = {name: getattr(self, name) for name in ("service_type", "address", "command_address")}
-        given = {name: text for name, text in own.items() if text}
+        given: dict[str, object] = {name: text for name, text in own.items() if text}
+        if self.authenticated:
+            given["authenticated"] = True
         if given:
             stored.template = stored.template.with_checked(**given)
 

@@ -205,7 +205,13 @@ class MatterNode:
         name = root.text(cluster, _LABEL) or facts["model"] or f"Matter {key.replace('-', ' ')}"
         metadata = {name: text for name, text in facts.items() if text}
         device = GatewayDevice(
-            key, name, tuple(parts), metadata, _identifiers(root, cluster), raw_address=f"matter/{key}"
+            key,
+            name,
+            tuple(parts),
+            metadata,
+            _identifiers(root, cluster),
+            authenticated=True,  # the owner commissioned it: it has a certificate
+            raw_address=f"matter/{key}",
         )
         return NodeDevice(device, abilities, root)
 

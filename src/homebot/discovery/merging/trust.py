@@ -1,0 +1,96 @@
+"""Trust in the endpoints of a device: which of them may be given its commands. Pure.
+
+A hardware address, a host name or a serial number in an announcement is a claim that anybody on a network can make. It
+is enough to list an endpoint with the device, but not to give it the device's commands: a stranger would get them as
+soon as the true endpoint is unreachable. So of several endpoints that take commands, these get them:
+
+- the one that was known first,
+- those that proved to their gateway who they are (:attr:`homebot.devices.Sighting.authenticated`),
+- those that reported the same changes as a trusted one (:mod:`homebot.discovery.merging.agreement`),
+- those that the owner confirmed.
+
+Any other is *claimed*. It gets no commands, and what it reports of a part that a trusted endpoint has is not used. When
+no trusted endpoint is left, the oldest claimed one gets the commands, unless the device is of a type that can hurt
+(:data:`homebot.devices.device_types.CAN_HURT`).
+
+An endpoint is a gateway, where the gateway's addresses belong to devices (see :mod:`homebot.discovery.topics`), and
+else one key of a gateway: with the same key it is the same endpoint, whatever its address in the network is now.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TypeAlias
+
+from homebot.devices import Sighting
+from homebot.devices.device_types import CAN_HURT
+from homebot.discovery.source_record import SourceRecord
+
+__all__ = [
+    "MAX_TRUSTED",
+    "NOBODY_TRUSTED",
+    "EndpointKey",
+    "can_hurt",
+    "command_endpoints",
+    "endpoint_of",
+    "judge",
+    "takes_commands",
+]
+
+EndpointKey: TypeAlias = tuple[str, str]
+"""Gateway and key; the key is empty where the endpoint is the gateway as a whole."""
+
+MAX_TRUSTED = 64
+"""Trusted endpoints of a device that are remembered; further ones are not."""
+
+NOBODY_TRUSTED: frozenset[EndpointKey] = frozenset()
+
+
+def endpoint_of(source: SourceRecord) -> EndpointKey:
+    """Return the endpoint that an announcement belongs to."""
+    sighting = source.sighting
+    has_addresses = (
+        sighting.announced_on
+        or sighting.is_plain_text
+        or any(part.writes or part.reads for part in sighting.parts)  # last, as it is the slowest
+    )
+    return (source.key[0], "") if has_addresses else source.key
+
+
+def takes_commands(sighting: Sighting) -> bool:
+    """Return whether an announcement offers anything that can be commanded."""
+    if not sighting.parts:
+        return bool(sighting.command_address)
+    return any(capability.settable for part in sighting.parts for capability in part.capabilities)
+
+
+def command_endpoints(sources: Iterable[SourceRecord]) -> tuple[EndpointKey, ...]:
+    """Return the endpoints that take commands, the oldest first."""
+    return tuple(dict.fromkeys(endpoint_of(source) for source in sources if takes_commands(source.sighting)))
+
+
+def judge(sources: Iterable[SourceRecord], known: frozenset[EndpointKey]) -> frozenset[EndpointKey]:
+    """Mark which of the announcements of a device are only claimed; return the endpoints that are trusted now.
+
+    Args:
+        sources: The announcements, the oldest first.
+        known: The endpoints that were trusted before, those that are gone included.
+    """
+    ordered = tuple(sources)
+    endpoints = command_endpoints(ordered)
+    proved = {endpoint_of(source) for source in ordered if source.sighting.authenticated}
+    first = frozenset(endpoints[:1]) if not known and len(endpoints) > 1 else NOBODY_TRUSTED
+    trusted = known | first | proved.intersection(endpoints)
+    claimed = [one for one in endpoints if trusted and one not in trusted]
+    if claimed and len(claimed) == len(endpoints):
+        oldest = claimed[0]
+        if not can_hurt(source.sighting for source in ordered if endpoint_of(source) == oldest):
+            del claimed[0]
+    for source in ordered:
+        source.is_claimed = bool(claimed) and endpoint_of(source) in claimed and takes_commands(source.sighting)
+    return trusted if len(trusted) <= MAX_TRUSTED else known
+
+
+def can_hurt(sightings: Iterable[Sighting]) -> bool:
+    """Return whether a device that is announced so is of a type that can hurt."""
+    return any(part.service_type in CAN_HURT for sighting in sightings for part in sighting.parts)
