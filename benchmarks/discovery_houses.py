@@ -228,7 +228,7 @@ async def _thing_house(spec: HouseSpec) -> AsyncIterator[House]:
 
 @asynccontextmanager
 async def _tag_house() -> AsyncIterator[House]:
-    from homebot.gateways.nfc.ndef_message import NdefRecord, write_ndef  # noqa: PLC0415 - an extra
+    from homebot.conventions.nfc.ndef_message import NdefRecord, write_ndef  # noqa: PLC0415 - an extra
     from homebot.house.nfc import TagField, Type4Card  # noqa: PLC0415 - likewise
 
     field = TagField()

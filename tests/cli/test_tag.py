@@ -11,11 +11,11 @@ from tests.gateways.nfc.world import UID, card
 
 from homebot.cli import main
 from homebot.clock import Clock
+from homebot.conventions.nfc.card_tag import CardTag
 from homebot.devices import FIND_DEVICES, QUERY_DEVICES, FindDevices, Found, QueryDevices
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse, QueryDevicesRequest, QueryDevicesResponse
 from homebot.gateways import GatewayContext
 from homebot.gateways.nfc import NfcGateway
-from homebot.gateways.nfc.card_tag import CardTag
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders
 from homebot.graph import Graph, Node
 from homebot.house.nfc import Type4Card

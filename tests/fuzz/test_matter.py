@@ -7,12 +7,12 @@ import math
 import random
 from typing import TYPE_CHECKING
 
+from homebot.conventions.matter.other_clusters import press_of
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.announced.value_check import can_report
 from homebot.gateways.matter.node import MatterNode, NodeDevice, parse_path
-from homebot.gateways.matter.other_clusters import press_of
 from homebot.gateways.matter.server_messages import MatterEvent, parse_frame
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.matter.clusters import DEVICE_TYPES, attributes_of

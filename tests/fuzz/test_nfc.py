@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 from tests.fuzz.conftest import Mutator
 
+from homebot.conventions.nfc.card_tag import CardTag
+from homebot.conventions.nfc.ndef_message import NdefRecord, read_ndef, write_ndef
+from homebot.conventions.nfc.tag_content import TagError
 from homebot.errors import WireError
-from homebot.gateways.nfc.card_tag import CardTag
-from homebot.gateways.nfc.ndef_message import NdefRecord, read_ndef, write_ndef
 from homebot.gateways.nfc.pointer import pointer_of_code, pointer_of_records
-from homebot.gateways.nfc.tag import TagError
 from homebot.house.nfc import Type4Card
 
 if TYPE_CHECKING:

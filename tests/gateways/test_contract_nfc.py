@@ -9,12 +9,13 @@ import anyio
 from tests.gateways.contract import PATIENCE, GatewayContract, Lamp
 from tests.gateways.nfc.world import UID, uri
 
+from homebot.conventions.nfc.tag_content import TagContent
 from homebot.errors import LinkError
 from homebot.gateways import Gateway, GatewayContext
 from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings
 from homebot.gateways.nfc.nfcpy_reader import NfcpyReader
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders
-from homebot.gateways.nfc.tag import PresentTag, TagContent
+from homebot.gateways.nfc.tag import PresentTag
 from homebot.graph import Node
 from homebot.house.nfc import TagField, Type4Card
 

@@ -22,12 +22,12 @@ import pytest
 from tests.gateways.nfc.test_gateway import HOUSE, LAMP
 from tests.gateways.nfc.world import KEPT, UID, card, uri
 
+from homebot.conventions.nfc.ndef_message import read_ndef
 from homebot.devices import FIND_DEVICES, FindDevices, GatewayState
 from homebot.devices.gateway_messages import Report
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.devices.tags import ReadTag, ReadTagRequest, TagTap, WriteTag, WriteTagRequest
 from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings
-from homebot.gateways.nfc.ndef_message import read_ndef
 from homebot.graph import Graph, Node
 from homebot.house.nfc import Type4Card
 

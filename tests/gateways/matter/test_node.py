@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import pytest
 
+from homebot.conventions.matter.ability import MatterAbility
+from homebot.conventions.matter.endpoint import MatterEndpoint
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError, WrongCodeError
 from homebot.gateways.announced.value_check import can_report
-from homebot.gateways.matter.ability import MatterAbility
-from homebot.gateways.matter.endpoint import MatterEndpoint
 from homebot.gateways.matter.node import MatterNode, NodeDevice
 
 LAMP = {

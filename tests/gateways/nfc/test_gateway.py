@@ -7,6 +7,7 @@ import json
 import pytest
 from tests.gateways.nfc.world import UID, card, tag_house, take, uri
 
+from homebot.conventions.nfc.ndef_message import NdefRecord, read_ndef, write_ndef
 from homebot.devices import FIND_DEVICES, Device, Endpoint, FindDevices, Sighting
 from homebot.devices.device import KeyValue
 from homebot.devices.gateway_messages import Report
@@ -20,7 +21,6 @@ from homebot.devices.tags import (
     WriteTag,
     WriteTagRequest,
 )
-from homebot.gateways.nfc.ndef_message import NdefRecord, read_ndef, write_ndef
 from homebot.graph import Node
 from homebot.messages.builtin_interfaces import Time
 

@@ -8,13 +8,13 @@ import anyio
 import pytest
 from tests.gateways.nfc.world import KEPT, UID, take, uri
 
+from homebot.conventions.nfc.tag_content import TagContent
 from homebot.devices import GatewayState
 from homebot.devices.tags import TagTap
 from homebot.errors import LinkError, UsageError
 from homebot.gateways import GatewayContext
 from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders
-from homebot.gateways.nfc.tag import TagContent
 from homebot.graph import Graph, Node
 
 

@@ -8,9 +8,9 @@ from typing import TypeVar
 
 import anyio
 
+from homebot.conventions.nfc.ndef_message import NdefRecord, write_ndef
 from homebot.devices.gateway_messages import GatewayState
 from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings
-from homebot.gateways.nfc.ndef_message import NdefRecord, write_ndef
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription
 from homebot.house.nfc import TagField, Type4Card
 from homebot.messages import Message

@@ -11,6 +11,9 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
+from homebot.conventions.matter.endpoint import DESCRIPTOR, MatterEndpoint
+from homebot.conventions.matter.other_clusters import SWITCH, press_of
+from homebot.conventions.matter.parts import parts_of
 from homebot.conventions.payload import as_fields, shown
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
@@ -19,7 +22,6 @@ from homebot.extras import check_extra
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
-from homebot.gateways.matter.endpoint import DESCRIPTOR, MatterEndpoint
 from homebot.gateways.matter.node import (
     BASIC,
     BRIDGED,
@@ -28,9 +30,7 @@ from homebot.gateways.matter.node import (
     find_writer,
     node_id_of,
     parse_path,
-    parts_of,
 )
-from homebot.gateways.matter.other_clusters import SWITCH, press_of
 from homebot.gateways.matter.server_link import MatterServerLink
 from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent, check_result
 from homebot.gateways.matter.settings import MatterGatewaySettings

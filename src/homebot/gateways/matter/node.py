@@ -4,7 +4,7 @@ A node is one device, whose endpoints are its parts; each bridged endpoint, with
 device of its own.
 
 Source: Matter 1.4 Core Specification, 9.2 (composition), 9.5 (Descriptor), 9.12 (Bridge), 9.13 (Bridged Device Basic
-Information), 11.1 (Basic Information), 11.12 (General Diagnostics); the tables of types are the vocabulary's.
+Information), 11.1 (Basic Information), 11.12 (General Diagnostics).
 """
 
 from __future__ import annotations
@@ -16,24 +16,16 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, Self
 
+from homebot.conventions.matter.ability import MatterAbility, WriteValue
+from homebot.conventions.matter.endpoint import MatterEndpoint
+from homebot.conventions.matter.parts import parts_of
 from homebot.conventions.payload import shown
-from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Part
 from homebot.errors import UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.matter.ability import MatterAbility, WriteValue
-from homebot.gateways.matter.appliance_clusters import appliance_abilities
-from homebot.gateways.matter.climate_clusters import climate_abilities
-from homebot.gateways.matter.closure_clusters import closure_abilities
-from homebot.gateways.matter.endpoint import MatterEndpoint
-from homebot.gateways.matter.endpoint_name import name_of
-from homebot.gateways.matter.light_clusters import light_abilities
-from homebot.gateways.matter.opening_clusters import opening_abilities
-from homebot.gateways.matter.other_clusters import other_abilities
-from homebot.gateways.matter.sensor_clusters import sensor_abilities
 
-__all__ = ["MatterNode", "NodeDevice", "find_abilities", "find_writer", "node_id_of", "parse_path", "parts_of"]
+__all__ = ["MatterNode", "NodeDevice", "find_writer", "node_id_of", "parse_path"]
 
 MAX_ATTRIBUTES: Final = 20_000
 MAX_PARTS: Final = 200
@@ -47,43 +39,6 @@ _DEFAULT_SERIALS: Final = frozenset({"", "TEST_SN", "0", "00000000", "**REDACTED
 
 _BRIDGED_NODE: Final = 0x0013
 _PATH: Final = re.compile(r"([0-9]{1,5})/([0-9]{1,10})/([0-9]{1,10})")
-_SERVICE_TYPES: Final[Mapping[int, str]] = {number: one.name for one in DEVICE_TYPES.values() for number in one.matter}
-_METERS: Final = frozenset({"electrical_meter"})
-_CAPABILITY_TYPES: Final = {
-    "occupancy": "occupancy_sensor",
-    "movement": "closure",
-    "position": "closure",
-    "tilt": "closure",
-    "option": "x_setting",  # of an appliance too: what turns all switches off shall not stop a freezer
-    "on_off": "switch",
-    "press": "generic_switch",
-    "power": "electrical_meter",
-    "energy": "electrical_meter",
-    "temperature": "temperature_sensor",
-    "humidity": "humidity_sensor",
-}
-"""By what it can do: the type of an endpoint whose device types are not known."""
-
-
-_FINDERS: Final = (
-    light_abilities,
-    opening_abilities,
-    closure_abilities,
-    climate_abilities,
-    appliance_abilities,
-    sensor_abilities,
-    other_abilities,
-)
-
-
-def find_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
-    """Yield everything that an endpoint can do and report, each capability once."""
-    seen: set[str] = set()
-    for find in _FINDERS:
-        for ability in find(endpoint):
-            if ability.capability.name not in seen:
-                seen.add(ability.capability.name)
-                yield ability
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,43 +207,6 @@ def node_id_of(value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not 0 < value < 1 << 64:
         raise WireError(f"{shown(value)} is no number of a node")
     return value
-
-
-def parts_of(endpoint: MatterEndpoint) -> Iterator[tuple[Part, tuple[MatterAbility, ...]]]:
-    """Yield the parts that an endpoint is: what it is for, and its battery."""
-    abilities = tuple(find_abilities(endpoint))
-    main = tuple(one for one in abilities if not one.is_battery)
-    if any(one.read is not None or one.capability.name == "press" for one in main):
-        service_type, is_guessed = _service_type(endpoint, main)
-        capabilities = tuple(one.capability for one in main)
-        yield (
-            Part(
-                id=str(endpoint.id),
-                name=name_of(endpoint),
-                service_type=service_type,
-                advertised=", ".join(f"0x{one:04X}" for one in endpoint.device_types[:5]),
-                guessed=is_guessed,
-                capabilities=capabilities,
-            ),
-            main,
-        )
-    if battery := tuple(one for one in abilities if one.is_battery):
-        part = Part(
-            id=f"{endpoint.id}-battery",
-            service_type="x_battery",
-            category="diagnostic",
-            capabilities=tuple(one.capability for one in battery),
-        )
-        yield part, battery
-
-
-def _service_type(endpoint: MatterEndpoint, abilities: tuple[MatterAbility, ...]) -> tuple[str, bool]:
-    """Return the type of a part, and whether it is guessed; a meter only where it is nothing else."""
-    found = [_SERVICE_TYPES[one] for one in endpoint.device_types if one in _SERVICE_TYPES]
-    for one in (*(one for one in found if one not in _METERS), *found):
-        return one, False
-    names = [one.capability.name for one in abilities]
-    return next((kind for name, kind in _CAPABILITY_TYPES.items() if name in names), "x_sensor"), True
 
 
 def _identifiers(root: MatterEndpoint, cluster: int) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
+from homebot.conventions.nfc.ndef_message import read_ndef
 from homebot.conventions.payload import clean_text
 from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers
@@ -25,7 +26,6 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.nfc.device_finder import DeviceFinder, PointedAt
-from homebot.gateways.nfc.ndef_message import read_ndef
 from homebot.gateways.nfc.pointer import Pointer, pointer_of_device, pointer_of_records
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders, read_tags
 from homebot.gateways.nfc.settings import NfcGatewaySettings, TagSettings

@@ -6,9 +6,9 @@ import logging
 import time
 from typing import TYPE_CHECKING
 
+from homebot.conventions.nfc.tag_content import MAX_MESSAGE, TagContent, TagError
 from homebot.errors import LinkError
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader
-from homebot.gateways.nfc.tag import MAX_MESSAGE, TagContent, TagError
 
 if TYPE_CHECKING:
     import nfc

@@ -11,10 +11,10 @@ from functools import partial
 from types import ModuleType
 from typing import Final
 
+from homebot.conventions.nfc.card_tag import CardTag
+from homebot.conventions.nfc.tag_content import TagError
 from homebot.errors import LinkError
-from homebot.gateways.nfc.card_tag import CardTag
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader
-from homebot.gateways.nfc.tag import TagError
 
 __all__ = ["PcscReader"]
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 from urllib.parse import quote, unquote, urlsplit
 
+from homebot.conventions.nfc.ndef_message import NdefRecord
+from homebot.conventions.nfc.setup_codes import HomekitCode, MatterCode, read_homekit_code, read_matter_code
 from homebot.conventions.payload import clean_text, parse_object
 from homebot.errors import WireError
-from homebot.gateways.nfc.ndef_message import NdefRecord
-from homebot.gateways.nfc.setup_codes import HomekitCode, MatterCode, read_homekit_code, read_matter_code
 from homebot.wot import Thing, read_thing
 
 __all__ = ["Pointer", "pointer_of_code", "pointer_of_device", "pointer_of_records", "records_for"]

@@ -13,8 +13,9 @@ import anyio
 import anyio.lowlevel
 import anyio.to_thread
 
+from homebot.conventions.nfc.tag_content import TagContent, TagError
 from homebot.errors import LinkError
-from homebot.gateways.nfc.tag import PresentTag, ReaderNews, ReadersFound, TagContent, TagError, TagLeft, TagSeen
+from homebot.gateways.nfc.tag import PresentTag, ReaderNews, ReadersFound, TagLeft, TagSeen
 
 __all__ = ["ReaderDesk", "TagReader", "TagReaders", "WriteOrder", "read_tags"]
 

@@ -5,40 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
-from homebot.devices.tags import TagProblem
-from homebot.errors import PeerError
+from homebot.conventions.nfc.tag_content import TagContent
 
-__all__ = ["MAX_MESSAGE", "PresentTag", "ReaderNews", "ReadersFound", "TagContent", "TagError", "TagLeft", "TagSeen"]
-
-MAX_MESSAGE = 8192
-"""Bytes of an NDEF message that are read from a tag."""
-
-
-class TagError(PeerError):
-    """A tag that cannot be read or written.
-
-    Attributes:
-        problem: Why, for programs.
-    """
-
-    def __init__(self, problem: TagProblem, text: str) -> None:
-        super().__init__(text)
-        self.problem: TagProblem = problem
-
-
-@dataclass(frozen=True, slots=True)
-class TagContent:
-    """The content of a tag.
-
-    Attributes:
-        message: The NDEF message, not looked into; empty for none.
-        capacity: Bytes that one may have there.
-        is_writable: Whether it may be changed.
-    """
-
-    message: bytes
-    capacity: int
-    is_writable: bool
+__all__ = ["PresentTag", "ReaderNews", "ReadersFound", "TagLeft", "TagSeen"]
 
 
 class PresentTag(Protocol):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import anyio
 
+from homebot.conventions.nfc.ndef_message import read_ndef, write_ndef
 from homebot.devices.device import KeyValue
 from homebot.devices.names import TagNames
 from homebot.devices.tags import (
@@ -21,7 +22,6 @@ from homebot.devices.tags import (
     WriteTagResponse,
 )
 from homebot.errors import WireError
-from homebot.gateways.nfc.ndef_message import read_ndef, write_ndef
 from homebot.gateways.nfc.pointer import Pointer, pointer_of_code, pointer_of_device, pointer_of_records, records_for
 from homebot.gateways.nfc.reader import ReaderDesk, WriteOrder
 from homebot.gateways.nfc.tag import TagSeen

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Final
 
+from homebot.conventions.matter.endpoint import DESCRIPTOR, TAG_LIST, MatterEndpoint
 from homebot.conventions.payload import clean_text
-from homebot.gateways.matter.endpoint import DESCRIPTOR, TAG_LIST, MatterEndpoint
 
 __all__ = ["name_of"]
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from homebot.conventions.matter.endpoint import MatterEndpoint, MatterOrder
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
-from homebot.gateways.matter.endpoint import MatterEndpoint, MatterOrder
 
 __all__ = ["FindAbilities", "MatterAbility", "WriteValue"]
 

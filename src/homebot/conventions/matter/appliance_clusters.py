@@ -11,11 +11,11 @@ from functools import partial
 from typing import Final, NamedTuple
 
 from homebot.conventions.command_values import require_option
+from homebot.conventions.matter.ability import MatterAbility
+from homebot.conventions.matter.endpoint import ClusterInvocation, MatterEndpoint, MatterOrder
 from homebot.conventions.payload import clean_text
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
-from homebot.gateways.matter.ability import MatterAbility
-from homebot.gateways.matter.endpoint import ClusterInvocation, MatterEndpoint, MatterOrder
 
 __all__ = ["appliance_abilities"]
 

@@ -10,11 +10,11 @@ from functools import partial
 from typing import Final
 
 from homebot.conventions.command_values import require_number, require_option
+from homebot.conventions.matter.ability import MatterAbility
+from homebot.conventions.matter.endpoint import AttributeWrite, MatterEndpoint, MatterOrder
+from homebot.conventions.matter.light_clusters import ON_OFF
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
-from homebot.gateways.matter.ability import MatterAbility
-from homebot.gateways.matter.endpoint import AttributeWrite, MatterEndpoint, MatterOrder
-from homebot.gateways.matter.light_clusters import ON_OFF
 
 __all__ = ["climate_abilities"]
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Final, Literal, TypeAlias
 
+from homebot.conventions.nfc.tag_content import MAX_MESSAGE
 from homebot.errors import WireError
-from homebot.gateways.nfc.tag import MAX_MESSAGE
 
 __all__ = ["NdefKind", "NdefRecord", "read_ndef", "write_ndef"]
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from homebot.conventions.matter.ability import MatterAbility
+from homebot.conventions.matter.endpoint import ClusterInvocation, MatterEndpoint, MatterOrder
 from homebot.conventions.payload import as_fields
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
-from homebot.gateways.matter.ability import MatterAbility
-from homebot.gateways.matter.endpoint import ClusterInvocation, MatterEndpoint, MatterOrder
 
 __all__ = ["SWITCH", "other_abilities", "press_of"]
 

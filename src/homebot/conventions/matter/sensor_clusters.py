@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Final, TypeAlias
 
+from homebot.conventions.matter.ability import MatterAbility
+from homebot.conventions.matter.endpoint import MatterEndpoint, number_of
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
-from homebot.gateways.matter.ability import MatterAbility
-from homebot.gateways.matter.endpoint import MatterEndpoint, number_of
 
 __all__ = ["sensor_abilities"]
 

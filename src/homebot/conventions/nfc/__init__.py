@@ -1,0 +1,1 @@
+"""NFC tags, their NDEF messages, and setup codes. Pure."""
