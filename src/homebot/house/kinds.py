@@ -17,6 +17,7 @@ from homebot.house.robot import Robot
 from homebot.house.rooms import Rooms
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
+from homebot.house.tag import SimulatedTag
 
 __all__ = ["FAULTS", "KINDS", "FaultSettings", "KindSettings", "Surroundings"]
 
@@ -138,6 +139,14 @@ class _Thermostat(KindSettings):
     rated_watts: NotNegative | None = None
 
 
+class _Tag(KindSettings):
+    makes = SimulatedTag
+
+    text: Annotated[str, Field(min_length=1, max_length=200)] | None = None
+    hold: Moment | None = None
+    every: NotNegative | None = None
+
+
 class _Robot(KindSettings):
     makes = Robot
 
@@ -210,6 +219,7 @@ KINDS: dict[str, type[KindSettings]] = {
     "power_meter": _Meter,
     "thermostat": _Thermostat,
     "robot": _Robot,
+    "tag": _Tag,
 }
 """Kinds of devices."""
 

@@ -10,17 +10,22 @@ from __future__ import annotations
 import importlib
 import socket
 from collections.abc import AsyncIterator, Callable, Iterable, Mapping
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from random import Random
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
+
+import anyio
 
 from homebot.ble_backend import BleBackend
 from homebot.extras import check_extra
 from homebot.house.connected_device import ConnectedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS
+
+if TYPE_CHECKING:
+    from homebot.house.matter import SimulatedMatterServer
 
 __all__ = ["FAMILIES", "HouseNetwork", "ServedFamily", "kinds_of"]
 
@@ -49,6 +54,9 @@ class ServedFamily:
     options: Mapping[str, object] = field(default_factory=dict)
 
 
+_ALL_BUT_ROBOTS = frozenset(
+    {"contact", "cover", "lamp", "lock", "lux", "motion", "power_meter", "thermostat", "window"}
+)
 _FOUND_BY_MDNS: Mapping[str, object] = MappingProxyType({"announced": True})
 
 FAMILIES: Mapping[str, ServedFamily] = MappingProxyType(
@@ -71,13 +79,36 @@ FAMILIES: Mapping[str, ServedFamily] = MappingProxyType(
             ("aiocoap",),
         ),
         "esphome": ServedFamily(
-            frozenset({"contact", "cover", "lamp", "lock", "lux", "motion", "power_meter", "thermostat", "window"}),
+            _ALL_BUT_ROBOTS,
             "homebot.house.esphome:EsphomeServedDevice",
             "mdns",
             "mdns",
             ("aioesphomeapi", "zeroconf"),
             _FOUND_BY_MDNS,
         ),
+        "matter": ServedFamily(
+            _ALL_BUT_ROBOTS,
+            "homebot.house.matter:ServedMatterNode",
+            "matter",
+            "matter",
+            ("aiohttp",),
+        ),
+        "matter_bridge": ServedFamily(
+            _ALL_BUT_ROBOTS,
+            "homebot.house.matter:BridgedMatterDevice",
+            "matter",
+            "matter",
+            ("aiohttp",),
+        ),
+        "matter_plug": ServedFamily(
+            frozenset({"lamp"}),
+            "homebot.house.matter:ServedMatterNode",
+            "matter",
+            "matter",
+            ("aiohttp",),
+            MappingProxyType({"kind": "plug"}),
+        ),
+        "nfc": ServedFamily(frozenset({"tag"}), "homebot.house.nfc:ServedTag", "nfc", "nfc", ("ndef", "nfc")),
         "shelly_http": ServedFamily(
             frozenset({"cover", "lamp", "window"}),
             "homebot.house.http.shelly:ServedShelly",
@@ -115,8 +146,8 @@ class HouseNetwork:
 
     def __init__(self, families: Iterable[str]) -> None:
         self._families = {name: FAMILIES[name] for name in families if name in FAMILIES}
-        self._coap_directory = ""
-        self._radio: object = None
+        self._ports: dict[str, int] = {}
+        self._options: dict[str, dict[str, object]] = {}
 
     @asynccontextmanager
     async def running(self, random: Random | None) -> AsyncIterator[tuple[object, ...]]:
@@ -125,14 +156,31 @@ class HouseNetwork:
         Args:
             random: The source of random numbers; None for one of its own.
         """
-        if not any(family.gateway == "ble" for family in self._families.values()):
-            yield ()
-            return
-        from homebot.house.virtual_radio import VirtualRadio  # noqa: PLC0415 - an extra
+        gateways = {family.gateway for family in self._families.values()}
+        needed: tuple[object, ...] = ()
+        async with AsyncExitStack() as stack:
+            if "ble" in gateways:
+                from homebot.house.virtual_radio import VirtualRadio  # noqa: PLC0415 - an extra
 
-        async with VirtualRadio(random or Random()).running() as radio:  # noqa: S311 - no secret
-            self._radio = radio
-            yield (BleBackend(radio.scanner, radio.client),)
+                radio = VirtualRadio(random or Random())  # noqa: S311 - no secret
+                await stack.enter_async_context(radio.running())
+                self._options["ble"] = {"radio": radio}
+                needed = (BleBackend(radio.scanner, radio.client),)
+            if "coap" in gateways:
+                self._options["coap"] = {"directory": f"coap://{LOOPBACK}:{self._port('coap')}"}
+            if "matter" in gateways:
+                from homebot.house.matter import SimulatedMatterServer  # noqa: PLC0415 - likewise
+
+                server = SimulatedMatterServer(LOOPBACK, self._port("matter"))
+                await stack.enter_async_context(_served(server))
+                self._options["matter"] = {"server": server}
+            if "nfc" in gateways:
+                from homebot.house.nfc import TagField  # noqa: PLC0415 - likewise
+
+                tags = TagField(self._port("nfc"))
+                await stack.enter_async_context(tags.served())
+                self._options["nfc"] = {"field": tags}
+            yield needed
 
     def gateways(self) -> dict[str, dict[str, object]]:
         """Return the tables of the gateways that find its devices, by the names of their plug-ins.
@@ -151,24 +199,35 @@ class HouseNetwork:
         spec = self._families[family]
         module, _, name = spec.device.partition(":")
         make: Callable[..., ConnectedDevice] = getattr(importlib.import_module(module), name)
-        return make(device, on_command, **spec.options, **self._options(spec.gateway))
+        return make(device, on_command, **spec.options, **self._options.get(spec.gateway, {}))
 
     def _settings(self, gateway: str) -> dict[str, object]:
-        if gateway == "mdns":
-            return {"interfaces": [LOOPBACK], "announce": False}
-        if gateway == "coap":
-            return {"serve_directory": self._directory()}
-        return {}
+        """Return the table of a gateway."""
+        match gateway:
+            case "mdns":
+                return {"interfaces": [LOOPBACK], "announce": False}
+            case "coap":
+                return {"serve_directory": f"{LOOPBACK}:{self._port(gateway)}"}
+            case "matter":
+                return {"url": f"ws://{LOOPBACK}:{self._port(gateway)}/ws"}
+            case "nfc":
+                return {"backend": "nfcpy", "devices": [f"udp:{LOOPBACK}:{self._port(gateway)}"]}
+            case _:
+                return {}
 
-    def _options(self, gateway: str) -> dict[str, object]:
-        if gateway == "coap":
-            return {"directory": f"coap://{self._directory()}"}
-        return {"radio": self._radio} if gateway == "ble" else {}
-
-    def _directory(self) -> str:
-        """Return where devices register themselves; a port that was free when it was asked for first."""
-        if not self._coap_directory:
-            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+    def _port(self, gateway: str) -> int:
+        """Return the port at which a gateway and its devices meet; one that was free when it was asked for first."""
+        if gateway not in self._ports:
+            kind = socket.SOCK_STREAM if gateway == "matter" else socket.SOCK_DGRAM
+            with socket.socket(socket.AF_INET, kind) as probe:
                 probe.bind((LOOPBACK, 0))
-                self._coap_directory = f"{LOOPBACK}:{probe.getsockname()[1]}"
-        return self._coap_directory
+                self._ports[gateway] = probe.getsockname()[1]
+        return self._ports[gateway]
+
+
+@asynccontextmanager
+async def _served(server: SimulatedMatterServer) -> AsyncIterator[None]:
+    async with anyio.create_task_group() as tasks:
+        await tasks.start(server.serve)
+        yield
+        tasks.cancel_scope.cancel()

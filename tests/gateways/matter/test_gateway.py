@@ -127,7 +127,7 @@ async def test_a_node_that_loses_power_is_unreachable_and_stays() -> None:
         response = await home.send("node-1", "on_off", True)
         assert (response.success, response.problem) == (False, "unreachable")
         lamp.is_available = True
-        home.server.meet(lamp)
+        home.server.reach(lamp)
         await reading(reports, "reachable", lambda one: one is True)
         assert (await home.send("node-1", "on_off", True)).success
         kinds = [one.kind for one in iter(sightings.take, None)]
@@ -139,7 +139,7 @@ async def test_a_press_of_a_button_is_one_event() -> None:
         reports = home.reports()
         button = await home.commission("contact", DeviceState(text="open"))
         button.attributes = {"1/29/0": [{"0": 15, "1": 3}], "1/59/0": 2, "1/59/2": 2, "1/59/65532": 0b11110}
-        home.server.meet(button)
+        home.server.reach(button)
         event = {"node_id": 1, "endpoint_id": 1, "cluster_id": 59, "event_id": 6, "event_number": 1, "priority": 1}
         data = {"previousPosition": 1, "totalNumberOfPressesCounted": 2}
         home.server.tell("node_event", {**event, "timestamp": 1, "timestamp_type": 1, "data": data})
@@ -151,7 +151,7 @@ async def test_a_value_that_the_device_does_not_take_is_refused() -> None:
         reports = home.reports()
         node = await home.commission("contact", DeviceState(text="open"))
         node.attributes = {"1/29/0": [{"0": 43, "1": 3}], "1/514/0": 1, "1/514/2": 10, "1/514/3": 10}
-        home.server.meet(node)
+        home.server.reach(node)
         await reading(reports, "fan_speed", lambda one: one == 10.0)
         response = await home.send("node-1", "fan_speed", 50.0)
         assert (response.success, response.problem) == (False, "refused")

@@ -30,7 +30,7 @@ class ThesisDialect(Dialect):
 
 
 _KINDS = frozenset(
-    ("lamp", "window", "cover", "lock", "contact", "motion", "lux", "power_meter", "thermostat", "robot"),
+    ("lamp", "window", "cover", "lock", "contact", "motion", "lux", "power_meter", "thermostat", "robot", "tag"),
 )
 """Those of :data:`homebot.house.kinds.KINDS`, which is not loaded for a house that nobody described."""
 

@@ -1,6 +1,7 @@
-"""A Matter server and the nodes that it has commissioned, simulated."""
+"""A simulated Matter server, with the nodes that it has commissioned and the devices behind their bridge."""
 
-from homebot.house.matter.node import ServedMatterNode
+from homebot.house.matter.bridge import MatterBridge
+from homebot.house.matter.node import BridgedMatterDevice, ServedMatterNode
 from homebot.house.matter.server import SimulatedMatterServer
 
-__all__ = ["ServedMatterNode", "SimulatedMatterServer"]
+__all__ = ["BridgedMatterDevice", "MatterBridge", "ServedMatterNode", "SimulatedMatterServer"]

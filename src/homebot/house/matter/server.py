@@ -5,8 +5,9 @@ Source: python-matter-server 8.1, ``docs/websockets_api.md`` (schema version 11)
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Final, Protocol
+from typing import Final
 
 import anyio
 from anyio.abc import TaskStatus
@@ -17,23 +18,47 @@ from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServ
 __all__ = ["CommissionedNode", "SimulatedMatterServer"]
 
 SCHEMA: Final = 11
-_FAILED, _NOT_READY, _NO_NODE, _WRONG_ARGUMENTS, _NO_COMMAND = 0, 3, 5, 8, 9
+_FAILED, _NOT_COMMISSIONED, _NOT_READY, _NO_NODE, _WRONG_ARGUMENTS, _NO_COMMAND = 0, 1, 3, 5, 8, 9
 
 
-class CommissionedNode(Protocol):
-    """A node, as its server sees it."""
+class CommissionedNode(ABC):
+    """A node, as its server sees it.
 
-    node_id: int
-    is_available: bool
+    Attributes:
+        node_id: Its number in the fabric; 0 while it is not commissioned.
+        is_available: Whether the server reaches it.
+        is_bridge: Whether it is a bridge.
+        setup_code: With which it can be commissioned; empty for one that is commissioned when the server reaches it.
+        attributes: The values that the server knows, by path.
+    """
 
-    def describe(self) -> dict[str, object]:
-        """Return what the server says of it."""
+    def __init__(self) -> None:
+        self.node_id = 0
+        self.is_available = False
+        self.is_bridge = False
+        self.setup_code = ""
+        self.attributes: dict[str, object] = {}
 
-    def invoke(self, cluster: int, command: str, payload: Mapping[str, object]) -> bool:
+    @abstractmethod
+    def invoke(self, endpoint: int, cluster: int, command: str, payload: Mapping[str, object]) -> bool:
         """Carry out a command; return false for one that it does not have."""
 
+    @abstractmethod
     def write(self, path: str, value: object) -> bool:
         """Write an attribute; return false for one that cannot be written."""
+
+    def describe(self) -> dict[str, object]:
+        """Return the node as the server lists it."""
+        return {
+            "node_id": self.node_id,
+            "date_commissioned": "2026-01-01T00:00:00.000000",
+            "last_interview": "2026-01-01T00:00:00.000000",
+            "interview_version": 6,
+            "available": self.is_available,
+            "is_bridge": self.is_bridge,
+            "attributes": self.attributes,
+            "attribute_subscriptions": [],
+        }
 
 
 class SimulatedMatterServer:
@@ -46,13 +71,14 @@ class SimulatedMatterServer:
     Attributes:
         server: The server of its WebSocket.
         nodes: Its nodes by their numbers.
-        calls: What it was told last: command and arguments.
+        calls: The newest 100 commands that it was given, with their arguments.
     """
 
     def __init__(self, address: str = "127.0.0.1", port: int = 0) -> None:
         self.server = WebServer(self, address, port)
         self.nodes: dict[int, CommissionedNode] = {}
         self.calls: list[tuple[str, Mapping[str, object]]] = []
+        self._commissionable: list[CommissionedNode] = []
         self._last_node_id = 0
 
     @property
@@ -64,31 +90,36 @@ class SimulatedMatterServer:
         """Serve until cancelled."""
         await self.server.serve(task_status=task_status)
 
-    def meet(self, node: CommissionedNode) -> None:
-        """Take a node: commission it the first time, else reach it again."""
-        is_new = node.node_id == 0
-        if is_new:
-            self._last_node_id += 1
-            node.node_id = self._last_node_id
-            self.nodes[node.node_id] = node
-        self.tell("node_added" if is_new else "node_updated", node.describe())
+    def reach(self, node: CommissionedNode) -> None:
+        """Reach a node, which is commissioned now unless it waits for its setup code."""
+        if node.node_id:
+            self.tell("node_updated", node.describe())
+        elif node.setup_code:
+            self._commissionable.append(node)
+        else:
+            self._commission(node)
 
     def miss(self, node: CommissionedNode) -> None:
         """Report that a node cannot be reached."""
         if node.node_id in self.nodes:
             self.tell("node_updated", node.describe())
+        elif node in self._commissionable:
+            self._commissionable.remove(node)
 
     def remove(self, node: CommissionedNode) -> None:
         """Remove a node from the fabric."""
         if self.nodes.pop(node.node_id, None) is not None:
             self.tell("node_removed", node.node_id)
+            node.node_id = 0
+            if node.setup_code and node.is_available:
+                self._commissionable.append(node)
 
     def report(self, node: CommissionedNode, path: str, value: object) -> None:
-        """Report the new value of an attribute."""
+        """Report that an attribute has a new value."""
         self.tell("attribute_updated", [node.node_id, path, value])
 
     def tell(self, event: str, data: object) -> None:
-        """Send an event to all who listen."""
+        """Send an event to all clients that listen."""
         frame = as_json({"event": event, "data": data})
         for peer in self.server.peers:
             if peer.name:
@@ -136,25 +167,58 @@ class SimulatedMatterServer:
         """Carry a command out; return the code of an error, if there is one, and the result or what is wrong."""
         if command in {"start_listening", "get_nodes"}:
             return None, [one.describe() for one in self.nodes.values()]
-        if command not in {"device_command", "write_attribute", "get_node"}:
+        if command == "commission_with_code":
+            return self._commission_with_code(args)
+        if command not in {"device_command", "write_attribute", "get_node", "remove_node"}:
             return _NO_COMMAND, f"Invalid Command: {command}"
         node_id = args.get("node_id")
         node = self.nodes.get(node_id) if isinstance(node_id, int) else None
         if node is None:
-            return _NO_NODE, f"Node {node_id} does not exist"
+            return _NO_NODE, f"Node {node_id} does not exist or has not been interviewed."
         if command == "get_node":
             return None, node.describe()
+        if command == "remove_node":
+            self.remove(node)
+            return None, None
         if not node.is_available:
             return _NOT_READY, f"Node {node_id} is not (yet) available."
-        if command == "write_attribute":
-            path, value = args.get("attribute_path"), args.get("value")
-            if not isinstance(path, str):
-                return _WRONG_ARGUMENTS, "attribute_path"
-            status = 0 if node.write(path, value) else 0x88
-            return None, [{"Path": {}, "Status": status}]
-        cluster, name, payload = args.get("cluster_id"), args.get("command_name"), args.get("payload")
-        if not isinstance(cluster, int) or not isinstance(name, str) or not isinstance(payload, dict):
-            return _WRONG_ARGUMENTS, "cluster_id, command_name, payload"
-        if node.invoke(cluster, name, payload):
-            return None, None
-        return _FAILED, "InteractionModelError: UnsupportedCommand (0x81)"
+        return _write(node, args) if command == "write_attribute" else _invoke(node, args)
+
+    def _commission_with_code(self, args: Mapping[str, object]) -> tuple[int | None, object]:
+        if not isinstance(args.get("code"), str):
+            return _WRONG_ARGUMENTS, ""
+        if args.get("network_only") is not True:
+            return _NOT_COMMISSIONED, "Bluetooth commissioning is not available."
+        for node in self._commissionable:
+            if node.setup_code == args["code"]:
+                self._commissionable.remove(node)
+                self._commission(node)
+                return None, node.describe()
+        self._last_node_id += 1  # the real one uses a number up each time
+        return _NOT_COMMISSIONED, f"Commission with code failed for node {self._last_node_id}."
+
+    def _commission(self, node: CommissionedNode) -> None:
+        self._last_node_id += 1
+        node.node_id = self._last_node_id
+        self.nodes[node.node_id] = node
+        self.tell("node_added", node.describe())
+
+
+def _write(node: CommissionedNode, args: Mapping[str, object]) -> tuple[int | None, object]:
+    path, value = args.get("attribute_path"), args.get("value")
+    if not isinstance(path, str):
+        return _WRONG_ARGUMENTS, "attribute_path"
+    status = 0 if node.write(path, value) else 0x88
+    return None, [{"Path": {}, "Status": status}]
+
+
+def _invoke(node: CommissionedNode, args: Mapping[str, object]) -> tuple[int | None, object]:
+    endpoint, cluster, name = args.get("endpoint_id"), args.get("cluster_id"), args.get("command_name")
+    payload = args.get("payload")
+    if not isinstance(endpoint, int) or not isinstance(cluster, int):
+        return _WRONG_ARGUMENTS, "endpoint_id, cluster_id"
+    if not isinstance(name, str) or not isinstance(payload, dict):
+        return _WRONG_ARGUMENTS, "command_name, payload"
+    if node.invoke(endpoint, cluster, name, payload):
+        return None, None
+    return _FAILED, "InteractionModelError: UnsupportedCommand (0x81)"
