@@ -211,17 +211,47 @@ async def test_the_key_of_all_does_not_keep_out_a_device_that_has_none(tmp_path:
         await run.until_reported()
 
 
-async def test_old_firmware_gets_its_password(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_old_firmware_gets_its_password_at_its_fixed_address_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ESPHOME_PASSWORD", "sesame")
-    given = EsphomeSettings(password_env="ESPHOME_PASSWORD")
     device = simulated("lamp", [], password="sesame")
+    there, elsewhere = (
+        EsphomeSettings(
+            devices={device.name: EsphomeSecrets(password_env="ESPHOME_PASSWORD", allow_plaintext_at=address)}
+        )
+        for address in ("127.0.0.1", "192.0.2.7")
+    )
     async with living(device):
-        async with driven(service_of(device), given) as run:
+        async with driven(service_of(device), there) as run:
             await run.until_reported()
+        logins = device.logins
+        error = await failure(device, elsewhere)
+        assert "it is announced at 127.0.0.1, and its allow_plaintext_at is 192.0.2.7" in error
+        assert device.logins == logins, "nothing was sent"
         monkeypatch.setenv("ESPHOME_PASSWORD", "tahini")
-        error = await failure(device, given)
+        error = await failure(device, there)
     assert "it wants another password; put the one" in error
     assert "tahini" not in error
+
+
+def test_a_password_without_encryption_is_refused_with_what_to_do() -> None:
+    for given in ({"password_env": "X"}, {"devices": {"hall": {"password_env": "X"}}}):
+        with pytest.raises(ValidationError, match="would be sent unencrypted to whoever announces the device: add"):
+            EsphomeSettings.model_validate(given)
+    with pytest.raises(ValidationError, match="allow_plaintext_at belongs to one device"):
+        EsphomeSettings(password_env="X", allow_plaintext_at="192.0.2.7")
+    with pytest.raises(ValidationError, match="names can be announced by anybody"):
+        EsphomeSecrets(password_env="X", allow_plaintext_at="hall.local")
+    with pytest.raises(ValidationError, match="remove allow_plaintext_at"):
+        EsphomeSecrets(key_env="X", allow_plaintext_at="192.0.2.7")
+
+
+async def test_a_device_proves_by_its_key_that_it_is_the_owners(tmp_path: Path) -> None:
+    for key, proves in ((KEY, True), ("", False)):
+        device = simulated("lamp", [], key=key)
+        given = settings(tmp_path, key) if key else EsphomeSettings()
+        async with living(device), driven(service_of(device), given) as run:
+            await run.until_reported()
+            assert run.host.device.authenticated is proves
 
 
 async def test_the_password_of_all_is_not_sent_in_the_clear_where_there_is_a_key_of_all(

@@ -1,6 +1,7 @@
 """A connection to an ESPHome device; the one file that imports aioesphomeapi.
 
-The library does the framing, the encryption (Noise) and the pings: a device that says nothing for 90 seconds is lost.
+The library does the framing, the encryption (Noise) and the pings: the connection to a device that says nothing for
+27 seconds is lost.
 """
 
 from __future__ import annotations
@@ -20,6 +21,9 @@ from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.drivers.esphome.settings import KEY_ADVICE, PASSWORD_ADVICE, PLAIN_ADVICE
 
 __all__ = ["EsphomeConnection", "connected"]
+
+PING_EVERY = 6.0
+"""Seconds of silence after which the device is pinged. The library waits 4.5 times that for anything to come."""
 
 _COMPONENTS: Mapping[type, str] = {info: kind for kind, info in model.COMPONENT_TYPE_TO_INFO.items()}
 _STATES: Mapping[type, str] = {state: _COMPONENTS[info] for state, info in STATE_TYPE_TO_INFO_TYPE.items()}
@@ -109,6 +113,7 @@ async def connected(
         port,
         None if password is None else password.get_secret_value(),
         client_info="homebot",
+        keepalive=PING_EVERY,
         noise_psk=None if key is None else key.get_secret_value(),
         addresses=list(addresses),
         provide_time=False,

@@ -52,6 +52,7 @@ class EsphomeDriver(Driver):
 
     def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
         super().__init__(service, settings, host)
+        self._settings = settings if isinstance(settings, EsphomeSettings) else EsphomeSettings()
         self._connection: EsphomeConnection | None = None
         self._device: EsphomeDevice | None = None
 
@@ -103,12 +104,13 @@ class EsphomeDriver(Driver):
         """Connect, and report until the connection ends; return whether the device went to sleep."""
         connected = await to_thread.run_sync(_load)
 
-        service, secrets = self.service, self._secrets()
-        async with connected(service.name, service.addresses, service.port, *secrets) as connection:
+        service, (key, password) = self.service, self._secrets()
+        addresses = self._settings.addresses_of(service.name, service.addresses)
+        async with connected(service.name, addresses, service.port, key, password) as connection:
             device = EsphomeDevice(*await connection.describe())
             if device.left_out:
                 self.host.reject(b"", f"{service.name} lists {device.left_out} entities too many; they are left out")
-            self.host.describe(self._described(device))
+            self.host.describe(self._described(device, authenticated=key is not None))
             self._connection, self._device = connection, device
             try:
                 await StateQueue(device, self.host).relay(connection)
@@ -119,35 +121,34 @@ class EsphomeDriver(Driver):
                 return True
         return False
 
-    def _described(self, device: EsphomeDevice) -> GatewayDevice:
+    def _described(self, device: EsphomeDevice, *, authenticated: bool) -> GatewayDevice:
         return GatewayDevice(
             self.service.key,
             device.name or self.service.name,
             device.parts(),
             metadata=device.metadata,
             identifiers=device.identifiers,
+            authenticated=authenticated,
             area=device.area,
             stale_after=STALE_AFTER_SLEEP if device.sleeps else 0.0,
         )
 
     def _secrets(self) -> tuple[SecretStr | None, SecretStr | None]:
-        """Return key and password of the device.
+        """Return the key and the password of the device.
 
-        The key of all is used where the device announces encryption; the key of this one always, so that nobody who
-        announces a device without encryption gets its commands. The password of all is not sent in the clear where
-        there is a key of all: any neighbour could ask for it.
+        The key of all devices is used if the device announces encryption. A key of its own is always used, so that
+        nobody can get its commands by announcing its name without encryption. A password is sent without encryption
+        only to a device with a fixed address in the settings.
         """
-        settings, name = self.settings, self.service.name
-        if not isinstance(settings, EsphomeSettings):
-            return None, None
+        name = self.service.name
         try:
-            key, password = settings.secrets_of(name)
+            key, password = self._settings.secrets_of(name)
         except UsageError as exc:  # they were there when the gateway started
             raise RefusedError(f"the connection to {name}", str(exc)) from exc
         encrypts = "api_encryption" in self.service.properties
         if encrypts and key is None:
             raise RefusedError(f"the connection to {name}", f"it wants encryption; {KEY_ADVICE.format(name)}")
-        is_own = name in settings.devices
+        is_own = name in self._settings.devices
         if key is not None and not (encrypts or is_own):
             return None, None
         return key, password

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import binascii
 from collections.abc import Mapping
+from ipaddress import ip_address
 from pathlib import Path
 
-from pydantic import BaseModel, ConfigDict, Field, SecretStr, model_validator
+from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
 
 from homebot.config import FilePath, read_password
-from homebot.errors import UsageError
+from homebot.errors import RefusedError, UsageError
 from homebot.gateways.drivers.base import DriverSettings
 
-__all__ = ["KEY_ADVICE", "PASSWORD_ADVICE", "PLAIN_ADVICE", "EsphomeSecrets", "EsphomeSettings"]
+__all__ = ["KEY_ADVICE", "PASSWORD_ADVICE", "PLAINTEXT_ADVICE", "PLAIN_ADVICE", "EsphomeSecrets", "EsphomeSettings"]
 
 _KEY_BYTES = 32
+_TABLE = "gateways.mdns.drivers.esphome"
+
+PLAINTEXT_ADVICE = (
+    'a password alone would be sent unencrypted to whoever announces the device: add "api: encryption:" to its ESPHome '
+    f"configuration and give its key_file, or its fixed IP address as allow_plaintext_at in [{_TABLE}.devices.NAME]"
+)
+"""What to do where a device has a password and no encryption key."""
 
 
 class EsphomeSecrets(BaseModel):
@@ -24,8 +32,11 @@ class EsphomeSecrets(BaseModel):
         key_file: File whose first line is the encryption key: what the device's ESPHome configuration has under
             ``api: encryption: key:``. Relative paths begin at the folder of the configuration's file.
         key_env: Environment variable that holds it.
-        password_file: Likewise for the password that old firmware wants (``api: password:``).
+        password_file: Likewise for the password that old firmware wants (``api: password:``). It needs a key, or
+            *allow_plaintext_at*: without encryption, whoever announces the device would be sent the password.
         password_env: Environment variable that holds it.
+        allow_plaintext_at: IP address at which one device without encryption is sent its password, and at no other.
+            Give the device a fixed address, and no computer that you do not trust access to its network.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -34,12 +45,26 @@ class EsphomeSecrets(BaseModel):
     key_env: str | None = None
     password_file: FilePath | None = None
     password_env: str | None = None
+    allow_plaintext_at: str | None = None
+
+    @field_validator("allow_plaintext_at")
+    @classmethod
+    def _check_address(cls, address: str | None) -> str | None:
+        try:
+            return None if address is None else str(ip_address(address))
+        except ValueError:
+            raise ValueError("it is not an IP address; names can be announced by anybody on the network") from None
 
     @model_validator(mode="after")
     def _check_sources(self) -> EsphomeSecrets:
         for name in ("key", "password"):
             if getattr(self, f"{name}_file") and getattr(self, f"{name}_env"):
                 raise ValueError(f"give {name}_file or {name}_env, not both")
+        has_key = bool(self.key_file or self.key_env)
+        if has_key and self.allow_plaintext_at:
+            raise ValueError("a device with a key is only connected to with encryption; remove allow_plaintext_at")
+        if (self.password_file or self.password_env) and not (has_key or self.allow_plaintext_at):
+            raise ValueError(PLAINTEXT_ADVICE)
         return self
 
     def key(self, table: str) -> SecretStr | None:
@@ -71,14 +96,20 @@ class EsphomeSecrets(BaseModel):
 
 
 class EsphomeSettings(EsphomeSecrets, DriverSettings):
-    """The table of the driver; its own secrets are those of every device that has no table of its own.
+    """The table of the driver. Its own secrets are used for every device that has no table of its own.
 
     Attributes:
-        devices: Secrets of single devices by their ESPHome names, such as ``kitchen-lamp``. What a device has here it
-            must prove: it is not talked to without encryption.
+        devices: Secrets of single devices by their ESPHome names, such as ``kitchen-lamp``. A device that has a key
+            here is never connected to without encryption.
     """
 
     devices: Mapping[str, EsphomeSecrets] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _check_address_of_all(self) -> EsphomeSettings:
+        if self.allow_plaintext_at:
+            raise ValueError(f"allow_plaintext_at belongs to one device, in [{_TABLE}.devices.NAME]")
+        return self
 
     def check_secrets(self) -> None:
         """Read all secrets once.
@@ -99,8 +130,20 @@ class EsphomeSettings(EsphomeSecrets, DriverSettings):
         secrets, table = (self, "") if own is None else (own, f"devices.{device}.")
         return secrets.key(table), secrets.password(table)
 
+    def addresses_of(self, device: str, found: tuple[str, ...]) -> tuple[str, ...]:
+        """Return those of the addresses *found* at which a device may be connected to; all but for some.
 
-_TABLE = "gateways.mdns.drivers.esphome"
+        Raises:
+            RefusedError: It may be at none of them; says what to do.
+        """
+        own = self.devices.get(device)
+        if own is None or own.allow_plaintext_at is None:
+            return found
+        if own.allow_plaintext_at not in found:
+            why = f"it is announced at {found[0] if found else 'no address'}, and its allow_plaintext_at is"
+            raise RefusedError(f"the connection to {device}", f"{why} {own.allow_plaintext_at}; {PLAINTEXT_ADVICE}")
+        return (own.allow_plaintext_at,)
+
 
 KEY_ADVICE = (
     f'put the key that its ESPHome configuration has under "api: encryption: key:" into a file, and name that in'
@@ -111,7 +154,7 @@ PASSWORD_ADVICE = (
     f'put the one that its ESPHome configuration has under "api: password:" into a file, and name that in'
     f' [{_TABLE}.devices."{{0}}"] as password_file'
 )
-"""What to do where a device, whose name stands in for ``{0}``, does not let homebot in."""
+"""What to do where a device does not let homebot in; ``{0}`` stands for its name."""
 
 
 def _read(table: str, name: str, file: Path | None, variable: str | None) -> SecretStr | None:
