@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
+from homebot.conventions.units import conversion_of
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Category, Part
@@ -18,6 +19,9 @@ __all__ = ["ClassifiedAffordance", "ClassifiedPart", "parts_of"]
 
 _CATEGORIES: dict[str, Category] = {"config": "config", "diagnostic": "diagnostic"}
 _KINDS = {"boolean": "bool", "integer": "number", "number": "number", "string": "text"}
+_BY_UNIT = ("temperature", "illuminance", "pressure", "power", "energy", "voltage", "current", "frequency")
+"""Capabilities of which each has units of its own."""
+
 _BY_TYPE = {name: capability for capability, name in CAPABILITY_TYPES.items()}
 _TOKEN_BREAK = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|[\s.\-]+")
 
@@ -60,6 +64,12 @@ class _One:
     part_id: str = ""
 
     @property
+    def name(self) -> str:
+        """Name of the affordance, with that of the member of its object that this is one of."""
+        member = self.affordance.schema.member if self.affordance.schema.members else ""
+        return f"{self.affordance.name}/{member}" if member else self.affordance.name
+
+    @property
     def is_settable(self) -> bool:
         return bool(self.written) and not self.affordance.read_only
 
@@ -80,7 +90,7 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
         binding: The protocol's choice among its forms; what it can use no form of can be neither read nor set.
     """
     main = next((device for name, device in THING_TYPES.items() if name in thing.types), "")
-    found = [_One(one, binding.observe_forms(one), binding.write_forms(one)) for one in thing.affordances]
+    found = [one for affordance in thing.affordances for one in _split(affordance, binding)]
     for one in found:
         _find_meaning(one, main)
     main_is_guess = not main
@@ -90,6 +100,18 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
     for one in found:
         groups.setdefault(_group(one, main, groups), []).append(one)
     return tuple(_part(thing, name, members, main, main_is_guess=main_is_guess) for name, members in groups.items())
+
+
+def _split(affordance: Affordance, binding: Binding) -> Iterator[_One]:
+    """Yield an affordance; of an object of which nothing can be set, each member that is one value."""
+    observed, written = binding.observe_forms(affordance), binding.write_forms(affordance)
+    members = affordance.schema.members
+    if affordance.kind != "property" or not members or (written and not affordance.read_only):
+        yield _One(affordance, observed, written)
+        return
+    for name, schema in members:
+        title = f"{affordance.title} {name}" if affordance.title else ""
+        yield _One(replace(affordance, title=title, schema=replace(schema, members=members)), observed, ())
 
 
 def _find_meaning(one: _One, main: str) -> None:
@@ -105,15 +127,20 @@ def _find_meaning(one: _One, main: str) -> None:
     if affordance.kind != "property":
         one.capability = "push" if affordance.kind == "action" else "press"
         return
-    for name in affordance.types:
+    for name in () if affordance.schema.members else affordance.types:
         capability = _in_context(_BY_TYPE.get(name, ""), main)
+        if capability == "heating_setpoint" and "cool" in affordance.name.casefold():
+            capability = "cooling_setpoint"  # WebThings have one type for both
         if capability and _suits(capability, affordance.schema):
             one.capability = capability
             return
     one.guessed = True
-    name = _TOKEN_BREAK.sub("_", affordance.name.rpartition("/")[2]).strip("_").lower()
+    name = _TOKEN_BREAK.sub("_", one.name.rpartition("/")[2]).strip("_").lower()
     one.capability = _in_context(NAMES.get(name, name), main)
     if one.capability in CAPABILITIES and _suits(one.capability, affordance.schema):
+        return
+    if measured := _measured(one):
+        one.capability = measured
         return
     general = {
         "bool": "on_off" if one.is_settable else "state",
@@ -121,6 +148,14 @@ def _find_meaning(one: _One, main: str) -> None:
         "text": ("option" if affordance.schema.enum else "text") if one.is_settable else "value",
     }
     one.capability = general.get(_KINDS.get(affordance.schema.type, ""), "raw")
+
+
+def _measured(one: _One) -> str:
+    """Return the capability that the unit of a number says it is, where that is only read."""
+    unit = unit_of(one.affordance.schema)
+    if one.is_settable or not unit or unit == "K" or _KINDS.get(one.affordance.schema.type) != "number":
+        return ""  # K may be that of white light
+    return next((found for found in _BY_UNIT if conversion_of(found, unit[:40]) is not None), "")
 
 
 def _in_context(capability: str, main: str) -> str:
@@ -162,10 +197,10 @@ def _group(one: _One, main: str, groups: dict[str, list[_One]]) -> str:
         other.capability != one.capability for other in groups.get("", [])
     ):
         return ""
-    number, name = 1, one.affordance.name
+    number, name = 1, one.name
     while name in groups:
         number += 1
-        name = f"{one.affordance.name} {number}"
+        name = f"{one.name} {number}"
     return name
 
 

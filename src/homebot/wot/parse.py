@@ -34,6 +34,8 @@ _TYPES: tuple[DataType, ...] = get_args(DataType)
 
 _MAX_AFFORDANCES = 300
 _MAX_FORMS = 20
+_MAX_MEMBERS = 20
+_SCALARS = frozenset({"boolean", "integer", "number", "string"})
 _EXTENSION = "homebot:"
 _METHODS = ("htv:methodName", "cov:method", "cov:methodName", "coap:method", "coap:methodName")
 """The terms for methods in the bindings of HTTP and CoAP, and in older drafts of the latter."""
@@ -220,6 +222,7 @@ def _schema(fields: Fields, *, is_member: bool = False) -> DataSchema:
     members = fields.inner("properties") if found == "object" and not is_member else None
     if members is not None and len(names := members.names()) == 1:  # an object with one member stands for that
         return replace(_schema(members.inner(names[0]), is_member=True), member=names[0])
+    several = () if members is None else tuple(_members(fields, members))
     enum = fields.listed("enum")
     if "enum" in fields and not enum:
         raise fields.problem("enum", "at least one value is expected")
@@ -232,7 +235,16 @@ def _schema(fields: Fields, *, is_member: bool = False) -> DataSchema:
         minimum=minimum,
         maximum=maximum,
         enum=tuple(one for one in enum if isinstance(one, (str, float, int, bool))),
+        members=several,
     )
+
+
+def _members(fields: Fields, members: Fields) -> Iterator[tuple[str, DataSchema]]:
+    required = fields.texts("required") or members.names()
+    for name in members.names()[:_MAX_MEMBERS]:
+        schema = _schema(members.inner(name), is_member=True)
+        if name in required and schema.type in _SCALARS:
+            yield name, replace(schema, member=name)
 
 
 def _bare(types: tuple[str, ...]) -> tuple[str, ...]:

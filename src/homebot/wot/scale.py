@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from homebot.conventions.light_color import MIRED, nearest_mired_bounds
-from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
+from homebot.conventions.units import Conversion, celsius_bounds, conversion_of, to_celsius, to_fahrenheit
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.wot.thing import Affordance, DataSchema
 from homebot.wot.vocabulary import UNITS
@@ -16,7 +16,7 @@ __all__ = ["bounds_of", "canonical", "on_the_wire", "unit_of"]
 def unit_of(schema: DataSchema) -> str:
     """Return the unit of a schema, as the vocabulary spells it: ``celsius`` and ``unit:DegreeCelsius`` are ``°C``."""
     bare = schema.unit.rpartition("/")[2].rpartition(":")[2] if ":" in schema.unit else schema.unit
-    return UNITS.get(bare.casefold().strip(), schema.unit)
+    return UNITS.get(bare.casefold().strip(), bare)
 
 
 _FRACTIONS = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
@@ -24,6 +24,7 @@ _FRACTIONS = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
 
 _PERCENT = 100.0
 _EXACT = 12
+_LONGEST_UNIT = 40
 _NO_RANGE = 1e15
 """Ends that lie so far apart are those of a number type, not of a device."""
 
@@ -39,7 +40,7 @@ def canonical(capability: str, affordance: Affordance, number: float) -> float |
         return float(round(MIRED / number)) if number >= 1 else None
     if _is_fahrenheit(capability, affordance):
         return to_celsius(number)
-    return number
+    return _conversion(capability, affordance).value(number)
 
 
 def bounds_of(capability: str, affordance: Affordance) -> tuple[float, ...]:
@@ -73,6 +74,9 @@ def on_the_wire(capability: str, affordance: Affordance, number: float) -> float
         found = MIRED / number if number >= 1 else math.nan
     elif _is_fahrenheit(capability, affordance):
         found = to_fahrenheit(number, _EXACT)
+    else:
+        conversion = _conversion(capability, affordance)
+        found = number * conversion.over / conversion.times + conversion.shift
     if not math.isfinite(found):
         return found
     least, most = affordance.schema.minimum, affordance.schema.maximum
@@ -98,3 +102,9 @@ def _ends(capability: str, affordance: Affordance) -> tuple[float, float] | None
 
 def _is_fahrenheit(capability: str, affordance: Affordance) -> bool:
     return CAPABILITIES[capability].unit == "°C" and unit_of(affordance.schema) == "°F"
+
+
+def _conversion(capability: str, affordance: Affordance) -> Conversion:
+    unit = unit_of(affordance.schema)
+    measured = "temperature" if CAPABILITIES[capability].unit == "°C" else capability
+    return (conversion_of(measured, unit[:_LONGEST_UNIT]) if unit else None) or Conversion()

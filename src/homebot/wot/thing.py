@@ -81,6 +81,7 @@ class DataSchema:
         enum: The only values, if they are listed; those that are neither texts, numbers nor booleans are left out.
         member: The name of the member of an object that has the value; empty where the value is no object, or is itself
             one. The other fields are those of the member.
+        members: Of an object with several members, those that hold one value each and are always there, by name.
     """
 
     type: DataType = ""
@@ -89,6 +90,7 @@ class DataSchema:
     maximum: float | None = None
     enum: tuple[str | float | bool, ...] = ()
     member: str = ""
+    members: tuple[tuple[str, DataSchema], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,110 @@
+"""What descriptions of real things hold beside one value a property: objects, units, two setpoints."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from homebot.wot.binding import RequestBinding
+from homebot.wot.classify import ClassifiedPart, parts_of
+from homebot.wot.parse import read_thing
+from homebot.wot.payload import decode_document, encode_document
+
+HTTP = RequestBinding(frozenset({"http"}))
+
+
+def parts(properties: dict[str, Any], types: tuple[str, ...] = ()) -> tuple[ClassifiedPart, ...]:
+    described = {
+        "@context": "https://www.w3.org/2022/wot/td/v1.1",
+        "title": "T",
+        "@type": list(types),
+        "securityDefinitions": {"none": {"scheme": "nosec"}},
+        "security": "none",
+        "properties": {name: {"forms": [{"href": f"http://h/{name}"}], **one} for name, one in properties.items()},
+    }
+    return parts_of(read_thing(described), HTTP)
+
+
+AIR = {
+    "type": "object",
+    "readOnly": True,
+    "title": "Air",
+    "properties": {
+        "temperature": {"type": "number", "unit": "Celsius"},
+        "co2": {"type": "integer"},
+        "raw": {"type": "object", "properties": {"a": {"type": "number"}, "b": {"type": "number"}}},
+    },
+}
+
+
+def test_each_value_of_an_object_that_is_only_read_is_a_part() -> None:
+    warm, air = parts({"air": AIR})
+    assert [(one.part.id, one.part.name, one.part.service_type) for one in (warm, air)] == [
+        ("air/temperature", "Air temperature", "temperature_sensor"),
+        ("air/co2", "Air co2", "air_quality_sensor"),
+    ]
+    (found,) = warm.affordances
+    document = {"temperature": 21.5, "co2": 600, "raw": {"a": 1}}
+    assert decode_document(found.capability, found.affordance, document) == (21.5,)
+    assert decode_document(found.capability, found.affordance, {"co2": 600}) is None
+    assert found.observed is not None
+    assert found.observed.href == "http://h/air"
+
+
+def test_members_that_may_be_missing_are_no_parts() -> None:
+    (found,) = parts({"air": {**AIR, "required": ["co2"]}})
+    assert found.part.id == "air/co2"
+
+
+def test_an_object_that_can_be_set_is_one_value() -> None:
+    (found,) = parts({"air": {**AIR, "readOnly": False}})
+    assert [one.name for one in found.part.capabilities] == ["raw"]
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "wire", "capability", "value"),
+    [
+        ("power", "kilowatt", 1.5, "power", 1500.0),
+        ("energy", "unit:W-HR", 250.0, "energy", 0.25),
+        ("pressure", "om2:pascal", 101_325, "pressure", 1013.25),
+        ("x", "unit:DEG_C", 20.5, "temperature", 20.5),
+        ("x", "°F", 68.0, "temperature", 20.0),
+        ("x", "mA", 250, "current", 0.25),
+        ("x", "unit:V", 230, "voltage", 230.0),
+        ("x", "parsec", 2.0, "measurement", 2.0),
+    ],
+)
+def test_a_unit_is_converted_and_says_what_is_measured(
+    name: str, unit: str, wire: float, capability: str, value: float
+) -> None:
+    (part,) = parts({name: {"type": "number", "unit": unit, "readOnly": True}})
+    (found,) = part.affordances
+    assert found.capability.name == capability
+    assert decode_document(found.capability, found.affordance, wire) == (value,)
+
+
+def test_a_setpoint_is_sent_in_the_unit_of_the_thing() -> None:
+    (part,) = parts({"targetTemperature": {"type": "number", "unit": "K"}})
+    (found,) = part.affordances
+    assert encode_document(found.capability, found.affordance, 20.0) == 293.15
+
+
+def test_a_thermostat_heats_and_cools() -> None:
+    setpoint = {"@type": "TargetTemperatureProperty", "type": "number"}
+    (found,) = parts(
+        {"heatingTargetTemperature": setpoint, "coolingTargetTemperature": setpoint, "temperature": {"type": "number"}},
+        ("Thermostat",),
+    )
+    assert [one.name for one in found.part.capabilities] == [
+        "heating_setpoint",
+        "cooling_setpoint",
+        "local_temperature",
+    ]
+
+
+def test_a_dimmer_from_zero_to_one_is_a_level() -> None:
+    (part,) = parts({"dimmer-level": {"type": "number", "unit": "om2:percent", "minimum": 0, "maximum": 1}})
+    (found,) = part.affordances
+    assert found.capability.name == "level"
+    assert decode_document(found.capability, found.affordance, 0.25) == (25.0,)
