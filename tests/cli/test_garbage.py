@@ -9,8 +9,8 @@ import pytest
 
 from homebot.cli.commands.run import COLLECT_AFTER
 
-MOST = 50_000
-"""Objects that may be looked at in one go: 0.4 µs each, or 20 ms."""
+MOST = 15_000
+"""Objects that may be looked at in one go: 0.4 µs each, or 6 ms."""
 
 
 @pytest.fixture
