@@ -85,7 +85,10 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
         raise WireError(f"a payload of {len(payload)} bytes is longer than {limit}")
     try:
         text = payload.decode() if isinstance(payload, bytes) else payload
-        value = _decode(_UNIQUE if unique else json_decoder(), text)
+        decoder = _UNIQUE if unique else _DECODER if _noted.get() is None else _NOTING
+        value, end = decoder.raw_decode(text) if text.startswith("{") else (None, -1)
+        if end != len(text):  # spaces around it, which nearly no payload has, or no object
+            value = decoder.decode(text)
     except RecursionError:
         raise WireError(f"JSON is nested deeper than {MAX_DEPTH} levels") from None
     except ValueError as error:
@@ -243,16 +246,6 @@ _UNIQUE = json.JSONDecoder(
 def json_decoder() -> json.JSONDecoder:
     """Return the decoder of :func:`parse_json`, which notes keys that are there twice if somebody wants to know."""
     return _DECODER if _noted.get() is None else _NOTING
-
-
-def _decode(decoder: json.JSONDecoder, text: str) -> object:
-    """Decode as *decoder* does, which first looks for spaces around, though nearly no payload has any."""
-    if text.startswith("{"):
-        value: object
-        value, end = decoder.raw_decode(text)
-        if end == len(text):
-            return value
-    return decoder.decode(text)
 
 
 def check_depth(value: object, levels: int = MAX_DEPTH) -> None:

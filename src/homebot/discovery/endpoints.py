@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TypeAlias
 
 from homebot.devices import DevicePart, Endpoint, Freshness, Route
@@ -63,7 +63,9 @@ def endpoints(
     """
     found: list[Endpoint] = []
     for (gateway, key), address, command_address in described:
-        heard = [source for source in sources.values() if source.key[0] == gateway]
+        heard = list(sources.values())
+        if len(heard) > 1:
+            heard = [source for source in heard if source.key[0] == gateway]
         found.append(
             Endpoint.of_checked(
                 gateway=gateway,
@@ -106,13 +108,12 @@ def sorted_routes(
     return tuple(found)
 
 
-def last_seen(sources: Iterable[SourceRecord]) -> Time:
+def last_seen(sources: Collection[SourceRecord]) -> Time:
     """Return when a device was last heard of in *sources*: when it spoke, or else was announced."""
-    known = tuple(sources)
-    if len(known) == 1:
-        return known[0].seen_at
-    confirmed = [source for source in known if source.confirmed]
-    return max(confirmed or known, key=lambda one: (one.heard_at, one.seen_at.sec, one.seen_at.nanosec)).seen_at
+    if len(sources) == 1:
+        return next(iter(sources)).seen_at
+    confirmed = [source for source in sources if source.confirmed]
+    return max(confirmed or sources, key=lambda one: (one.heard_at, one.seen_at.sec, one.seen_at.nanosec)).seen_at
 
 
 def _freshness(sources: Iterable[SourceRecord], device: Freshness, *, is_stale: bool) -> Freshness:

@@ -30,8 +30,6 @@ from homebot.messages import Time
 
 __all__ = ["MAX_FACTS", "Entry"]
 
-_NOT_REPORTED = Reachability()
-
 MAX_FACTS = 200
 """Facts of one device that are published; those of the preferred announcements first."""
 
@@ -131,8 +129,8 @@ class Entry:
         """Return the message that tells all of it; the same object as long as nothing is new."""
         if self._device is None:
             described = self._described(topics)
-            has_states = has_events = False
-            for source in self.sources.values():
+            sources, has_states, has_events = self.sources.values(), False, False
+            for source in sources:
                 has_states = has_states or bool(source.values)
                 has_events = has_events or bool(source.events)
             parts = described.merged.parts
@@ -145,7 +143,7 @@ class Entry:
                 endpoints=endpoints(described.addresses, self.sources, self.freshness, self.stale_gateways),
                 metadata=described.metadata,
                 first_seen=self.first_seen,
-                last_seen=self.last_seen(),
+                last_seen=last_seen(sources),
                 expires=Time.from_seconds(self.expires),
                 freshness=self.freshness,
                 service_types=described.service_types,
@@ -165,10 +163,7 @@ class Entry:
 
     def reachability(self) -> Reachability:
         """Return whether it can be reached, as its parts are together."""
-        for source in self.sources.values():
-            if source.reach:
-                return reachability(self._believed().values())
-        return _NOT_REPORTED
+        return reachability(self._believed().values())
 
     def endpoint_reach(self) -> tuple[str, ...]:
         """Return whether it can be reached at each of its gateways; nothing where there is only one."""
@@ -312,26 +307,35 @@ def _metadata(sources: Sequence[SourceRecord]) -> tuple[KeyValue, ...]:
 
 def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
     """Return each value once for each gateway and convention, by the first announcement that has it."""
+    if len(sources) == 1:
+        return tuple(_facts_of(sources[0]))[:MAX_FACTS]
     found: dict[tuple[str, str, str, str], Fact] = {}
     for source in sources:
-        sighting = source.sighting
-        gateway, key, convention = sighting.gateway, sighting.key, sighting.convention
-        said = [("name", sighting.name), ("area", sighting.area)]
-        for one in sighting.metadata:
-            said.append((one.key, one.value))  # noqa: PERF401 - a list within the list costs more
-        for name, value in said:
-            place = (name, value, gateway, convention)
-            if not value or place in found:
-                continue
-            said_at = source.first_seen
-            if name in source.facts and source.facts[name][0] == value:
-                said_at = source.facts[name][1]
-            found[place] = Fact.of_checked(
-                name=name, value=value, gateway=gateway, convention=convention, key=key, said_at=said_at
-            )
-            if len(found) >= MAX_FACTS:
-                return tuple(found.values())
-    return tuple(found.values())
+        for fact in _facts_of(source):
+            found.setdefault((fact.name, fact.value, fact.gateway, fact.convention), fact)
+        if len(found) >= MAX_FACTS:
+            break
+    return tuple(found.values())[:MAX_FACTS]
+
+
+def _facts_of(source: SourceRecord) -> list[Fact]:
+    sighting, first_said = source.sighting, source.facts
+    gateway, key, convention = sighting.gateway, sighting.key, sighting.convention
+    said = {("name", sighting.name): None, ("area", sighting.area): None}
+    for one in sighting.metadata:
+        said[one.key, one.value] = None
+    return [
+        Fact.of_checked(
+            name=name,
+            value=value,
+            gateway=gateway,
+            convention=convention,
+            key=key,
+            said_at=first_said[name][1] if name in first_said and first_said[name][0] == value else source.first_seen,
+        )
+        for name, value in said
+        if value
+    ]
 
 
 def _weight(stored: StoredValue) -> tuple[bool, float, int, int]:

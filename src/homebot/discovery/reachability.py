@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import TypeAlias
 
 from homebot.devices import Reachability
@@ -16,13 +16,16 @@ _SourceReach: TypeAlias = tuple[SourceRecord, str, Reach | None]
 _NOT_REPORTED = Reachability()
 
 
-def reachability(sources: Iterable[SourceRecord]) -> Reachability:
+def reachability(sources: Collection[SourceRecord]) -> Reachability:
     """Return whether a device can be reached: what its parts are together.
 
     One that can be reached is enough. Where some deny it, none affirms it, and others, of which nothing is known,
     reported since, it is unknown.
     """
-    return _combined(_source_reaches(sources))
+    for source in sources:
+        if source.reach:
+            return _combined(_source_reaches(sources))
+    return _NOT_REPORTED
 
 
 def offline_parts(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import TypeAlias
 
 from homebot.conventions.command_values import (
@@ -110,47 +110,59 @@ class LightFeatures:
             readable: Those that are reported.
             publish: Encodes a command.
         """
-        entity.add_capability("on_off", readable="on_off" in readable, writer=partial(self._on_off, publish))
+        writers = _LightWriters(self, publish)
+        entity.add_capability("on_off", readable="on_off" in readable, writer=writers.on_off)
         if self.has_level:
-            entity.add_capability("level", readable="level" in readable, writer=partial(self._level, publish))
+            entity.add_capability("level", readable="level" in readable, writer=writers.level)
         if self.has_white:
             entity.add_capability(
                 "color_temperature",
                 readable="color_temperature" in readable,
-                writer=partial(self._white, publish),
+                writer=writers.white,
                 bounds=self.white.bounds,
             )
         if self.color_mode:
-            entity.add_capability("color", readable="color" in readable, writer=partial(self._color, publish))
+            entity.add_capability("color", readable="color" in readable, writer=writers.color)
         if self.effects or self.any_effect:
-            entity.add_capability(
-                "effect", readable="effect" in readable, writer=partial(self._effect, publish), options=self.effects
-            )
+            entity.add_capability("effect", readable="effect" in readable, writer=writers.effect, options=self.effects)
 
-    def _on_off(self, publish: Publish, value: PlainValue, transition: float) -> Publications:
-        return _publish(publish, LightCommand(on=require_bool("on_off", value)), transition)
 
-    def _level(self, publish: Publish, value: PlainValue, transition: float) -> Publications:
+@dataclass(slots=True, eq=False)
+class _LightWriters:
+    """Writers of one lamp, one for each capability.
+
+    Attributes:
+        lamp: What it can do.
+        publish: Encodes a command.
+    """
+
+    lamp: LightFeatures
+    publish: Publish
+
+    def on_off(self, value: PlainValue, transition: float) -> Publications:
+        return _publish(self.publish, LightCommand(on=require_bool("on_off", value)), transition)
+
+    def level(self, value: PlainValue, transition: float) -> Publications:
         brightness = round(255 * require_number("level", value, 0, 100, "%") / 100)
         command = LightCommand(on=True, brightness=brightness) if brightness else LightCommand(on=False)
-        return _publish(publish, command, transition)
+        return _publish(self.publish, command, transition)
 
-    def _white(self, publish: Publish, value: PlainValue, transition: float) -> Publications:
-        low, high = self.white.bounds
+    def white(self, value: PlainValue, transition: float) -> Publications:
+        low, high = self.lamp.white.bounds
         kelvin = require_number(
             "color_temperature", value, min(low, _LEAST_KELVIN), max(high, _MOST_WANTED_KELVIN), "K"
         )
-        return _publish(publish, LightCommand(on=True, kelvin=int(kelvin)), transition)
+        return _publish(self.publish, LightCommand(on=True, kelvin=int(kelvin)), transition)
 
-    def _color(self, publish: Publish, value: PlainValue, transition: float) -> Publications:
+    def color(self, value: PlainValue, transition: float) -> Publications:
         hue, saturation = require_color(value)
-        color = from_hue_saturation(self.color_mode, hue, saturation, self.white.kelvins)
-        return _publish(publish, LightCommand(on=True, mode=self.color_mode, color=color), transition)
+        color = from_hue_saturation(self.lamp.color_mode, hue, saturation, self.lamp.white.kelvins)
+        return _publish(self.publish, LightCommand(on=True, mode=self.lamp.color_mode, color=color), transition)
 
-    def _effect(self, publish: Publish, value: PlainValue, transition: float) -> Publications:
-        if self.effects or not isinstance(value, str):
-            require_option("effect", value, self.effects)
-        return _publish(publish, LightCommand(on=True, effect=str(value)), transition)
+    def effect(self, value: PlainValue, transition: float) -> Publications:
+        if self.lamp.effects or not isinstance(value, str):
+            require_option("effect", value, self.lamp.effects)
+        return _publish(self.publish, LightCommand(on=True, effect=str(value)), transition)
 
 
 def _publish(publish: Publish, command: LightCommand, transition: float) -> Publications:

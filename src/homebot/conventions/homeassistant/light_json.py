@@ -38,7 +38,7 @@ def build_json_light(config: DiscoveryConfig) -> DescribedPart:
     kind.lamp.add_to(entity, _REPORTED if state_topic else (), publish)
     if state_topic:
         entity.read_from(state_topic, _State(kind.lamp, kind.scale, kind.in_kelvin, config.encoding).read)
-    entity.add_commands(command)
+    entity.add_command_topics(command.topic)
     return entity.build()
 
 

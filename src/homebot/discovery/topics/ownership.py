@@ -175,7 +175,7 @@ class TopicOwnership:
                 known, now = before or {}, node.verdicts or {}
                 self._count(known, now)
                 concerned.update(use.device for use in all_uses(node.users) if known.get(use.key) != now.get(use.key))
-            if node.is_unused:
+            if node.users is None and node.is_unused:
                 self._tidy(node)
         concerned.discard(device)
         return frozenset(concerned) if concerned else _NO_DEVICES

@@ -92,7 +92,13 @@ class AnnouncementHandler:
         self._accepted = self._offended = False
         self._counters.announcements += 1
         with DuplicateKeys() as repeated:
-            await self._take(message, conventions)
+            for convention in conventions:
+                steps = self._begin(convention, message)
+                if steps is not None:
+                    await self._take_steps(steps, convention, message)
+        if self._accepted:
+            is_valid = not self._offended
+            self._quarantine.budgets.accept(message.topic, message.payload, self._reporter.now, is_valid=is_valid)
         if repeated:
             self._counters.announcements_ambiguous += 1
             keys = ", ".join(repr(key[:40]) for key in dict.fromkeys(repeated))
@@ -126,15 +132,6 @@ class AnnouncementHandler:
     def clear(self, stored: StoredAnnouncement) -> None:
         """Take the device out: an empty message clears what the broker keeps of it."""
         self._remove(stored, "its retained message was deleted")
-
-    async def _take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
-        for convention in conventions:
-            steps = self._begin(convention, message)
-            if steps is not None:
-                await self._take_steps(steps, convention, message)
-        if self._accepted:
-            is_valid = not self._offended
-            self._quarantine.budgets.accept(message.topic, message.payload, self._reporter.now, is_valid=is_valid)
 
     def _begin(self, convention: Convention, message: MqttMessage) -> Iterator[AnnouncementEvent | None] | None:
         """Let *convention* read a message; return what is left to handle of what it tells, None where nothing is.

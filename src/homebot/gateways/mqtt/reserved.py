@@ -94,7 +94,7 @@ class ReservedTopics:
 
     def _has_reserved(self, convention: str, described: DescribedPart) -> bool:
         for topic in described.part.writes:
-            if self.why(topic, convention):
+            if self._why(topic, convention):  # each topic comes once here, so that nothing is gained by keeping it
                 return True
         asks = described.state_requests
         return bool(asks) and any(self.why(ask.topic, convention) for ask in asks)
