@@ -8,12 +8,13 @@ import random
 from typing import TYPE_CHECKING
 
 from homebot.conventions.matter.other_clusters import press_of
+from homebot.conventions.payload import parse_json
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.announced.value_check import can_report
 from homebot.gateways.matter.node import MatterNode, NodeDevice, parse_path
-from homebot.gateways.matter.server_messages import MatterEvent, parse_frame
+from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent, read_frame
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.matter.clusters import DEVICE_TYPES, attributes_of
 
@@ -87,7 +88,7 @@ def test_damaged_frames_are_refused_or_understood(fuzz: Fuzz, mutator: type[Muta
         damage = mutator(rng)
         frame = damage.damaged_bytes(json.dumps(rng.choice(frames)).encode())
         try:
-            found = parse_frame(frame)
+            found = read_frame(parse_json(frame, MAX_FRAME_BYTES))
             if isinstance(found, MatterEvent) and isinstance(found.data, list) and len(found.data) > 1:
                 parse_path(found.data[1])
         except WireError:

@@ -17,6 +17,7 @@ __all__ = [
     "QUERY_DEVICES",
     "SPLIT_DEVICE",
     "TEXT_SCHEME",
+    "CommissioningNames",
     "GatewayNames",
     "TagNames",
     "gateway_of",
@@ -82,6 +83,19 @@ class GatewayNames:
     def received_data(self, *device: str) -> str:
         """Return the topic that mirrors a device's raw messages; its name is escaped where it is no legal token."""
         return "/".join((self._received_data, *(escape_token(part) for part in device)))
+
+
+class CommissioningNames:
+    """The graph names of a gateway that commissions devices, beside those that every gateway has.
+
+    Attributes:
+        commission: Service :data:`homebot.devices.commissioning.Commission`.
+        decommission: Service :data:`homebot.devices.commissioning.Decommission`.
+    """
+
+    def __init__(self, gateway: str) -> None:
+        self.commission = f"{_GATEWAYS}{gateway}/commission"
+        self.decommission = f"{_GATEWAYS}{gateway}/decommission"
 
 
 class TagNames:

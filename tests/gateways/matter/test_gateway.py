@@ -191,7 +191,7 @@ async def test_ten_thousand_nodes_that_are_announced_at_once_stay_within_the_lim
     [
         ('{"schema_version": 2}', "version 2"),
         ('{"schema_version": 30, "min_supported_schema_version": 20}', "20"),
-        ('{"event": "x"}', "no Matter server"),
+        ('{"event": "x"}', "not a Matter server"),
         ("hello", "JSON"),
     ],
 )

@@ -17,11 +17,12 @@ from homebot.conventions.matter.parts import parts_of
 from homebot.conventions.payload import as_fields, shown
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
-from homebot.errors import LinkError, PeerError, WireError
+from homebot.errors import LinkError, PeerError, UnableError, WireError
 from homebot.extras import check_extra
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
+from homebot.gateways.matter.commissioning import CommissioningServices
 from homebot.gateways.matter.node import (
     BASIC,
     BRIDGED,
@@ -35,7 +36,7 @@ from homebot.gateways.matter.server_link import MatterServerLink
 from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent, check_result
 from homebot.gateways.matter.settings import MatterGatewaySettings
 from homebot.graph import Node
-from homebot.isolation import error_text, run_as
+from homebot.isolation import run_as
 from homebot.mqtt.backoff import LINK_BACKOFF, REFUSED_BACKOFF
 
 __all__ = ["MatterGateway"]
@@ -79,6 +80,7 @@ class MatterGateway(Gateway):
         self._listed_at = 0.0
         self._tried = anyio.Event()
         self.devices = PublishedDevices(self, self._perform, settings)
+        CommissioningServices(self, node)
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
@@ -99,6 +101,45 @@ class MatterGateway(Gateway):
             await self._tried.wait()
             task_status.started()
 
+    def connected_link(self) -> MatterServerLink:
+        """Return the connection to the server.
+
+        Raises:
+            LinkError: There is none now.
+        """
+        if self._link is None:
+            raise LinkError(f"the Matter server cannot be reached: {self._reason}")
+        return self._link
+
+    def node_of(self, key: str) -> tuple[int, str]:
+        """Return the ID of the node that has this key as a device, and its name.
+
+        Raises:
+            UnableError: There is none, or the device is behind a bridge.
+        """
+        node_id = self._node_of.get(key)
+        if node_id is None:
+            raise UnableError(f"the Matter gateway has no device {key[:100]!r}")
+        node = self._described[node_id][0].device
+        if node.key != key:
+            raise UnableError(f"{key} is behind the bridge {node.key} ({node.name}), which is what can be removed")
+        return node_id, node.name
+
+    async def take_commissioned(self, data: object) -> tuple[str, str]:
+        """Take a node as the answer to its commissioning describes it, and return its key and name.
+
+        Raises:
+            WireError: It is not a node.
+            UnableError: The gateway has as many nodes as its settings allow.
+        """
+        node_id = node_id_of(as_fields(data).get("node_id"))
+        if node_id not in self._described:  # python-matter-server announces it before it answers
+            await self._take_node(data, "it was commissioned")
+        if node_id not in self._described:
+            raise UnableError(f"node {node_id} was commissioned, but the gateway has max_nodes already")
+        device = self._described[node_id][0].device
+        return device.key, device.name
+
     async def _connect_again_and_again(self) -> None:
         failures, failing_since = 0, 0.0
         while True:
@@ -107,7 +148,7 @@ class MatterGateway(Gateway):
                 await self._converse()
             except (LinkError, PeerError) as exc:
                 backoff = LINK_BACKOFF if isinstance(exc, LinkError) else REFUSED_BACKOFF
-                self._reason = error_text(exc)
+                self._reason = str(exc)
             now = self._clock.monotonic()
             if self._link is not None and now - self._listed_at > STEADY_AFTER:
                 failures = 0
@@ -319,9 +360,7 @@ class MatterGateway(Gateway):
         ]
 
     async def _perform(self, command: Command) -> None:
-        link = self._link
-        if link is None:
-            raise LinkError(f"the Matter server cannot be reached: {self._reason}")
+        link = self.connected_link()
         node = self._nodes[self._node_of[command.key]]
         device = next(one for one in self._described[node.id] if one.device.key == command.key)
         if not node.is_reachable(device):

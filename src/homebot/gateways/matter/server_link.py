@@ -16,14 +16,16 @@ import anyio
 import anyio.lowlevel
 
 from homebot.errors import LinkError, WireError
+from homebot.gateways.long_json import parse_long_json
 from homebot.gateways.matter.server_messages import (
+    MAX_FRAME_BYTES,
     MatterEvent,
     ServerAnswer,
     ServerFrame,
     ServerInfo,
     command_frame,
     error_of,
-    parse_frame,
+    read_frame,
 )
 
 __all__ = ["MatterServerLink", "ServerSocket"]
@@ -31,13 +33,13 @@ __all__ = ["MatterServerLink", "ServerSocket"]
 GREETS_WITHIN: Final = 10.0
 LISTS_WITHIN: Final = 120.0
 ANSWERS_WITHIN: Final = 30.0
-"""All in seconds; a sleepy device on a battery is asked several times."""
+"""All in seconds; the server asks a sleepy device several times."""
 
 MOST_INVALID: Final = 100
-"""Invalid frames in a row after which the server is not listened to any longer."""
+"""Invalid frames in a row after which the connection is closed."""
 
 MOST_CALLS: Final = 100
-"""Commands that wait for their answers at once; a further one is told to come back later."""
+"""Commands that may wait for their answers at once; a further one is refused."""
 
 
 class ServerSocket(Protocol):
@@ -63,7 +65,10 @@ class MatterServerLink:
         socket: Its WebSocket.
         on_nodes: Takes the list of all nodes, before any later event.
         on_event: Takes an event, and the frame that it came in.
-        on_invalid: Is told of each frame that breaks the rules, and why.
+        on_invalid: Takes each invalid frame, and the reason.
+
+    Attributes:
+        has_bluetooth: Whether the server can commission devices over Bluetooth, as its greeting says.
     """
 
     def __init__(
@@ -73,6 +78,7 @@ class MatterServerLink:
         on_event: Callable[[MatterEvent, bytes], Awaitable[None]],
         on_invalid: Callable[[bytes, str], None],
     ) -> None:
+        self.has_bluetooth = False
         self._socket = socket
         self._on_nodes = on_nodes
         self._on_event = on_event
@@ -88,7 +94,7 @@ class MatterServerLink:
         Raises:
             LinkError: It is lost, or the server does not answer.
             RefusedError: The server does not list its nodes.
-            WireError: It is no Matter server of a known version, or breaks the rules again and again.
+            WireError: It is not a Matter server of a known version, or sent too many invalid frames.
         """
         try:
             await self._greet()
@@ -102,14 +108,23 @@ class MatterServerLink:
             for call in self._waiting.values():
                 call.answered.set()
 
-    async def call(self, what: str, command: str, args: Mapping[str, object], *, is_secret: bool = False) -> object:
+    async def call(
+        self,
+        what: str,
+        command: str,
+        args: Mapping[str, object],
+        *,
+        is_secret: bool = False,
+        within: float = ANSWERS_WITHIN,
+    ) -> object:
         """Send the server a command, and return the result.
 
         Args:
-            what: What it is for, as errors show it.
+            what: Its purpose, as errors show it.
             command: The command.
             args: Its arguments.
-            is_secret: Whether there is a code in them, so that no detail of an error is shown.
+            is_secret: Whether there is a code in them, so that errors show no details.
+            within: Seconds to wait for the answer.
 
         Raises:
             LinkError: The link is lost, there was no answer in time, or a device cannot be reached.
@@ -118,11 +133,11 @@ class MatterServerLink:
         if self._is_lost:
             raise LinkError("the connection to the Matter server was lost")
         if len(self._waiting) >= MOST_CALLS:
-            raise LinkError(f"{what}: {MOST_CALLS} commands wait for the Matter server already")
+            raise LinkError(f"{what}: {MOST_CALLS} commands are waiting for the Matter server already")
         message_id = self._next_id()
         call = self._waiting[message_id] = _WaitingCall()
         try:
-            with _limit(ANSWERS_WITHIN, f"it did not answer ({what})"):
+            with _limit(within, f"it did not answer ({what})"):
                 await self._socket.send(command_frame(message_id, command, args))
                 await call.answered.wait()
         finally:
@@ -139,21 +154,21 @@ class MatterServerLink:
         return str(self._last_id)
 
     async def _greet(self) -> None:
-        with _limit(GREETS_WITHIN, "it does not say what it is"):
-            frame = parse_frame(await self._socket.receive())
+        with _limit(GREETS_WITHIN, "it sent no greeting"):
+            frame = await _parsed(_as_bytes(await self._socket.receive()))
         if not isinstance(frame, ServerInfo):
-            raise WireError("what answers is no Matter server")
+            raise WireError("the server at this address is not a Matter server")
         frame.check()
+        self.has_bluetooth = frame.has_bluetooth
         self._listening_id = self._next_id()
         await self._socket.send(command_frame(self._listening_id, "start_listening", {}))
 
     async def _take_next(self) -> bool:
         """Take the next frame; return whether it was the list of nodes."""
         for _ in range(MOST_INVALID):
-            message = await self._socket.receive()
-            payload = message.encode(errors="replace") if isinstance(message, str) else message
+            payload = _as_bytes(await self._socket.receive())
             try:
-                return await self._take(parse_frame(payload), payload)
+                return await self._take(await _parsed(payload), payload)
             except WireError as exc:
                 self._on_invalid(payload, str(exc))
         raise WireError(f"the Matter server sent {MOST_INVALID} invalid frames in a row")
@@ -174,9 +189,18 @@ class MatterServerLink:
         return False
 
 
+def _as_bytes(message: str | bytes) -> bytes:
+    return message.encode(errors="replace") if isinstance(message, str) else message
+
+
+async def _parsed(payload: bytes) -> ServerFrame:
+    """Return the message in a frame; other tasks run while a long one is parsed."""
+    return read_frame(await parse_long_json(payload, MAX_FRAME_BYTES))
+
+
 @contextmanager
 def _limit(seconds: float, problem: str) -> Iterator[None]:
-    """Limit the time that something may take, after which the Matter server counts as unreachable."""
+    """Raise ``LinkError`` where the block takes longer."""
     try:
         with anyio.fail_after(seconds):
             yield

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from homebot.conventions.payload import as_fields, clean_text, compact_json, parse_object, shown
+from homebot.conventions.payload import as_fields, clean_text, compact_json, shown
 from homebot.errors import LinkError, RefusedError, WireError
 
 __all__ = [
@@ -24,7 +24,7 @@ __all__ = [
     "check_result",
     "command_frame",
     "error_of",
-    "parse_frame",
+    "read_frame",
 ]
 
 MAX_FRAME_BYTES: Final = 32 * 1024 * 1024
@@ -37,7 +37,7 @@ OLDEST_SCHEMA: Final = 5
 
 _NODE_NOT_READY, _NODE_NOT_RESOLVING, _SDK_STACK = 3, 4, 7
 _TIMEOUTS = ("0x00000032", "timeout", "timed out")
-"""What the details of an error without a code of its own contain where the device did not answer."""
+"""Texts in the details of an error when the device did not answer, for which there is no error code."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,24 +47,28 @@ class ServerInfo:
     Attributes:
         schema_version: The version of its messages.
         oldest_schema_version: The oldest that it still follows.
-        sdk_version: The stack behind it, as text.
+        sdk_version: The version of its Matter SDK.
+        has_bluetooth: Whether it can commission devices over Bluetooth.
     """
 
     schema_version: int
     oldest_schema_version: int
     sdk_version: str
+    has_bluetooth: bool = False
 
     def check(self) -> None:
-        """Check that its messages are understood.
+        """Check that homebot understands its messages.
 
         Raises:
             WireError: They are too old, or too new.
         """
         if self.schema_version < OLDEST_SCHEMA:
-            raise WireError(f"the server speaks version {self.schema_version}, at least {OLDEST_SCHEMA} is needed")
+            raise WireError(
+                f"the Matter server uses schema version {self.schema_version}; homebot needs {OLDEST_SCHEMA} or later"
+            )
         if self.oldest_schema_version > SCHEMA:
             raise WireError(
-                f"the server speaks no version older than {self.oldest_schema_version}; homebot knows {SCHEMA}"
+                f"the Matter server needs schema version {self.oldest_schema_version} or later; homebot knows {SCHEMA}"
             )
 
 
@@ -73,10 +77,10 @@ class ServerAnswer:
     """The answer to a command.
 
     Attributes:
-        message_id: That of the command.
-        result: The result; None for none.
-        error_code: What went wrong; None where nothing did.
-        details: The same as text.
+        message_id: The ID of the command.
+        result: The result; None where the command has none.
+        error_code: The error; None for success.
+        details: The error as text.
     """
 
     message_id: str
@@ -87,11 +91,11 @@ class ServerAnswer:
 
 @dataclass(frozen=True, slots=True)
 class MatterEvent:
-    """Something that happened.
+    """An event, which the server sends by itself.
 
     Attributes:
-        event: What: ``attribute_updated``.
-        data: What belongs to it.
+        event: Its name, such as ``attribute_updated``.
+        data: Its data, which differ from event to event.
     """
 
     event: str
@@ -101,16 +105,17 @@ class MatterEvent:
 ServerFrame: TypeAlias = ServerInfo | ServerAnswer | MatterEvent
 
 
-def parse_frame(payload: bytes | str) -> ServerFrame:
-    """Return the message that a server sent.
+def read_frame(fields: object) -> ServerFrame:
+    """Return the message in the JSON value that a server sent.
 
     Raises:
-        WireError: It is none.
+        WireError: It is not a message of a Matter server.
     """
-    fields = parse_object(payload, MAX_FRAME_BYTES)
+    if not isinstance(fields, dict):
+        raise WireError(f"{shown(fields)} is not an object")
     if "event" in fields:
         if not isinstance(fields["event"], str):
-            raise WireError(f"event is {shown(fields['event'])}, which is no text")
+            raise WireError(f"event is {shown(fields['event'])}, not a text")
         return MatterEvent(fields["event"], fields.get("data"))
     if "message_id" in fields:
         return _answer(fields)
@@ -121,12 +126,13 @@ def parse_frame(payload: bytes | str) -> ServerFrame:
             _whole("schema_version", fields["schema_version"]),
             _whole("min_supported_schema_version", oldest),
             clean_text(sdk, 40) if isinstance(sdk, str) else "",
+            fields.get("bluetooth_enabled") is True,
         )
-    raise WireError("a message is neither an event, nor an answer, nor about the server")
+    raise WireError("a message is neither an event, nor an answer, nor the server's greeting")
 
 
 def command_frame(message_id: str, command: str, args: Mapping[str, object]) -> str:
-    """Return the message that tells a server to do something."""
+    """Return the message that carries a command."""
     return compact_json({"message_id": message_id, "command": command, "args": dict(args)})
 
 
@@ -134,9 +140,9 @@ def error_of(what: str, answer: ServerAnswer, *, is_secret: bool = False) -> Lin
     """Return the error that an *answer* with an error code stands for.
 
     Args:
-        what: What was asked for, as text.
+        what: The purpose of the command, as text.
         answer: The answer.
-        is_secret: Whether its details must not be shown, as what was asked for had a code in it.
+        is_secret: Whether the command had a code in it; the details, which may repeat it, are not shown then.
     """
     details = "" if is_secret else clean_text(answer.details)
     reason = details or f"the Matter server answered with error {answer.error_code}"
@@ -166,7 +172,7 @@ def check_result(what: str, result: object) -> None:
 def _answer(fields: Mapping[str, object]) -> ServerAnswer:
     message_id = fields["message_id"]
     if not isinstance(message_id, str):
-        raise WireError(f"message_id is {shown(message_id)}, which is no text")
+        raise WireError(f"message_id is {shown(message_id)}, not a text")
     if "error_code" not in fields:
         return ServerAnswer(message_id, fields.get("result"))
     details = fields.get("details")
@@ -179,5 +185,5 @@ def _answer(fields: Mapping[str, object]) -> ServerAnswer:
 
 def _whole(name: str, value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 1 << 32:
-        raise WireError(f"{name} is {shown(value)}, which is no number from 0")
+        raise WireError(f"{name} is {shown(value)}, not a number from 0 to 4294967295")
     return value

@@ -15,8 +15,8 @@ from typing import Final
 from urllib.parse import quote, unquote, urlsplit
 
 from homebot.conventions.nfc.ndef_message import NdefRecord
-from homebot.conventions.nfc.setup_codes import HomekitCode, MatterCode, read_homekit_code, read_matter_code
 from homebot.conventions.payload import clean_text, parse_object
+from homebot.conventions.setup_codes import HomekitCode, MatterCode, read_homekit_code, read_matter_code
 from homebot.errors import WireError
 from homebot.wot import Thing, read_thing
 

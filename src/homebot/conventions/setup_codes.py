@@ -1,4 +1,4 @@
-"""Setup codes of Matter and HomeKit, as far as they tell devices apart; what is secret in them is left out. Pure.
+"""Setup codes of Matter and HomeKit: the facts in them that are not secret. Pure.
 
 Matter core specification 1.4, section 5.1.3 (QR code: ``MT:`` and base 38) and table 38 (its bits); HomeKit: the
 ``X-HM://`` URI of the HomeKit Accessory Protocol specification (R2), section 4.2.2.1 (setup payload) and 6.4 (``sh``).
@@ -13,7 +13,7 @@ from typing import Final
 
 from homebot.errors import WireError
 
-__all__ = ["HomekitCode", "MatterCode", "read_homekit_code", "read_matter_code"]
+__all__ = ["HomekitCode", "MatterCode", "check_matter_setup_code", "read_homekit_code", "read_matter_code"]
 
 _BASE38: Final = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-."
 _BASE36: Final = _BASE38[:36]
@@ -30,12 +30,12 @@ _SETUP_ID: Final = 4
 
 @dataclass(frozen=True, slots=True)
 class MatterCode:
-    """The words of a Matter code about the device, but for its passcode.
+    """The facts in a Matter QR code, without its passcode.
 
     Attributes:
-        vendor: The number of its maker.
-        product: The number of the product.
-        discriminator: By which it tells itself from others, while it can be commissioned.
+        vendor: The vendor ID.
+        product: The product ID.
+        discriminator: The number by which the device announces itself while it can be commissioned.
     """
 
     vendor: int
@@ -45,11 +45,11 @@ class MatterCode:
 
 @dataclass(frozen=True, slots=True)
 class HomekitCode:
-    """The words of a HomeKit code about the device, but for its setup code.
+    """The facts in a HomeKit QR code, without its setup code.
 
     Attributes:
-        category: The number of its category.
-        setup_id: Four characters that tell it from others; empty where the code has none.
+        category: The number of the accessory category.
+        setup_id: Four characters that identify the accessory; empty where the code has none.
     """
 
     category: int
@@ -62,37 +62,53 @@ class HomekitCode:
 
 
 def read_matter_code(text: str) -> MatterCode:
-    """Return what the Matter code *text* says; of several joined by ``*``, the first.
+    """Return the facts in the Matter QR code *text*; of several joined by ``*``, those of the first.
 
     Raises:
-        WireError: It is none.
+        WireError: It is not a Matter QR code; the message does not show it.
     """
     code = text.removeprefix("MT:").partition("*")[0]
     payload = _base38(code)
     if len(payload) < _PAYLOAD:
-        raise WireError(f"a Matter code has {len(payload)} bytes where {_PAYLOAD} belong")
+        raise WireError(f"a Matter code has {len(payload)} bytes instead of {_PAYLOAD}")
     bits = int.from_bytes(payload[:_PAYLOAD], "little")
     if bits & 0b111:
-        raise WireError(f"a Matter code is of version {bits & 0b111}; only version 0 is known")
+        raise WireError(f"a Matter code has version {bits & 0b111}; only version 0 is known")
     return MatterCode(bits >> 3 & 0xFFFF, bits >> 19 & 0xFFFF, bits >> 45 & 0xFFF)
 
 
-def read_homekit_code(text: str) -> HomekitCode:
-    """Return what the HomeKit code *text* says.
+def check_matter_setup_code(text: str) -> None:
+    """Check that *text* is a Matter setup code: the text of a QR code, or the digits that are printed below it.
 
     Raises:
-        WireError: It is none.
+        WireError: It is neither; the message does not show it.
+
+    Source: Matter core specification 1.4, 5.1.3 (QR code), 5.1.4 (manual pairing code: 11 or 21 digits).
+    """
+    if text.startswith("MT:"):
+        read_matter_code(text)
+    elif len(digits := text.replace("-", "").replace(" ", "")) not in {11, 21} or not (
+        digits.isascii() and digits.isdecimal()
+    ):
+        raise WireError("a Matter setup code is a QR code that begins with MT:, or 11 or 21 digits")
+
+
+def read_homekit_code(text: str) -> HomekitCode:
+    """Return the facts in the HomeKit QR code *text*.
+
+    Raises:
+        WireError: It is not a HomeKit QR code; the message does not show it.
     """
     code = text.upper().removeprefix(_HOMEKIT)
     digits, setup_id = code[:_HOMEKIT_DIGITS], code[_HOMEKIT_DIGITS:]
     whole = (*digits, *setup_id)
     if len(digits) < _HOMEKIT_DIGITS or len(setup_id) not in {0, _SETUP_ID} or any(one not in _BASE36 for one in whole):
-        raise WireError("a HomeKit code is not 9 digits of base 36, and perhaps a setup id of 4")
+        raise WireError("a HomeKit code must have 9 digits of base 36, and then a setup ID of 4 or nothing")
     return HomekitCode(int(digits, 36) >> 31 & 0xFF, setup_id)
 
 
 def _base38(code: str) -> bytes:
-    """Return what base 38 spells: groups of five characters for three bytes, the least significant first."""
+    """Decode base 38: groups of five characters for three bytes, the least significant character first."""
     spelled = bytearray()
     for start in range(0, len(code), 5):
         group = code[start : start + 5]
@@ -104,6 +120,6 @@ def _base38(code: str) -> bytes:
                 raise WireError(f"a Matter code has the character {character!r}, which base 38 does not have")
             value = value * 38 + digit
         if not size or value >> 8 * size:
-            raise WireError(f"a Matter code has the group {group!r}, which spells no bytes")
+            raise WireError("a Matter code has a group of characters that is not base 38")
         spelled += value.to_bytes(size, "little")
     return bytes(spelled)
