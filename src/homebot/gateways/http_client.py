@@ -40,7 +40,7 @@ MAX_ANSWER_BYTES: Final = 256 * 1024
 TIME_LIMIT: Final = 10.0
 """Seconds for an answer, a connection or one sent frame, where the caller says nothing else."""
 
-HEARTBEAT: Final = 20.0
+HEARTBEAT: Final = 16.0
 """Seconds of silence after which a WebSocket is pinged; without an answer in half of that it is lost."""
 
 _METHOD = re.compile(r"[A-Z]{1,20}(-[A-Z]{1,20})?")

@@ -16,6 +16,7 @@ from homebot.devices.gateway_messages import Command, Report, SendCommand, SendC
 from homebot.devices.value import Value
 from homebot.errors import UsageError
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
+from homebot.gateways.mdns.services import CHANGE_EVERY, CHANGES_AT_ONCE
 from homebot.graph import Graph, Node, Subscription
 
 PATIENCE = 20.0
@@ -202,6 +203,49 @@ async def test_a_device_that_lost_its_power_is_removed_when_its_record_has_run_o
         assert anyio.current_time() - begun < 5 + 3 + 5
         await home.computer.announce("Hall", 80, ttl=5)
         assert (await home.seen()).kind == "appeared"
+
+
+async def test_a_device_that_sleeps_stays_listed_and_is_connected_to_when_it_is_back() -> None:
+    lamp = LampServer()
+    async with house(sleeping={"Hall": 3600.0}) as home:
+        async with lamp.listening():
+            await home.computer.announce("Hall", lamp.port)
+            await home.reported("reachable", True)
+            awake = await home.seen()
+            assert facts(awake)["sleep"] == "awake"
+            assert awake.expires_at.to_seconds() - awake.seen_at.to_seconds() == pytest.approx(3600, abs=1)
+        await home.computer.withdraw("Hall")
+        await home.reported("reachable", None)
+        while facts(asleep := await home.seen())["sleep"] != "asleep":
+            pass
+        assert (asleep.kind, asleep.confirmed, home.gateway.devices.keys) == ("updated", False, (KEY,))
+        assert not (await home.turn_on()).success
+        async with lamp.listening():
+            await home.computer.announce("Hall", lamp.port)
+            await home.reported("reachable", True)
+            assert lamp.connections == 2
+            assert (await home.turn_on()).success
+
+
+async def test_a_device_that_sleeps_for_too_long_is_removed() -> None:
+    async with house(drivers={}, sleeping={"Hall": 3600.0}, forget_sleeping_after=0.5) as home:
+        await home.computer.announce("Hall", 80)
+        await home.seen()
+        await home.computer.withdraw("Hall")
+        gone = await home.seen(kind="removed")
+        assert gone.why == "it was not heard for 0.5 s, which is too long for sleep"
+
+
+async def test_a_device_whose_records_change_all_the_time_is_not_connected_to_all_the_time() -> None:
+    """And the changes that have to wait are counted."""
+    lamp = LampServer()
+    async with lamp.listening(), house() as home:
+        begun = anyio.current_time()
+        for number in range(20):
+            await home.computer.announce("Hall", lamp.port, {"v": str(number)})
+        await home.reported("reachable", True)
+        assert home.gateway.devices.counters.rejected >= 1
+        assert lamp.connections <= CHANGES_AT_ONCE + (anyio.current_time() - begun) / CHANGE_EVERY + 1
 
 
 async def test_a_flood_of_services_is_bounded_and_the_lamp_is_not_affected() -> None:

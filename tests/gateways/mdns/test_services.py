@@ -13,7 +13,16 @@ import pytest
 from homebot.clock import LoopClock
 from homebot.gateways.drivers import FoundService
 from homebot.gateways.mdns.network import OwnService, ResolvedService, ServiceNetwork, ServiceNews
-from homebot.gateways.mdns.services import ANSWER_WITHIN, BURST, GRACE, MAX_WAITING, PER_SECOND, Services
+from homebot.gateways.mdns.services import (
+    ANSWER_WITHIN,
+    BURST,
+    CHANGE_EVERY,
+    CHANGES_AT_ONCE,
+    GRACE,
+    MAX_WAITING,
+    PER_SECOND,
+    Services,
+)
 
 LAMP = "_lamp._tcp.local."
 OTHER = "_other._tcp.local."
@@ -88,6 +97,7 @@ class RecordingHandler:
     taken: list[str] = field(default_factory=list)
     gone: list[tuple[float, str, str]] = field(default_factory=list)
     refused: list[tuple[str, str]] = field(default_factory=list)
+    delayed: list[str] = field(default_factory=list)
     lets_in: bool = True
 
     def may_come(self, news: ServiceNews) -> bool:
@@ -104,6 +114,9 @@ class RecordingHandler:
 
     def refuse(self, name: str, why: str) -> None:
         self.refused.append((name, why))
+
+    def delay(self, name: str) -> None:
+        self.delayed.append(name)
 
 
 def service(name: str, service_type: str = LAMP, ttl: float = 120.0) -> ResolvedService:
@@ -193,6 +206,39 @@ async def test_a_change_is_taken_in_soon() -> None:
         services.hear(network.say(moved))
         await anyio.sleep(1)
         assert known.there[f"Hall.{LAMP}"].service.port == 81
+
+
+async def test_records_that_change_all_the_time_are_taken_in_now_and_then_and_the_last_ones_are() -> None:
+    network = FakeNetwork()
+    async with following(network) as (services, handler):
+        for number in range(4 * 120):
+            one = service("a")
+            services.hear(network.say(replace(one, service=replace(one.service, port=number + 1))))
+            await anyio.sleep(0.25)
+        assert len(handler.taken) <= CHANGES_AT_ONCE + 120 / CHANGE_EVERY + 1
+        assert len(handler.delayed) >= 120 / CHANGE_EVERY - 1
+        await anyio.sleep(CHANGE_EVERY + 1)
+        assert handler.there[service("a").service.key].service.port == 480
+        await anyio.sleep(10 * CHANGE_EVERY)
+        services.hear(network.say(service("a")))
+        await anyio.sleep(1)
+        assert handler.there[service("a").service.key].service.port == 80, "one that was quiet is read at once again"
+
+
+async def test_one_that_comes_and_goes_all_the_time_is_taken_in_now_and_then() -> None:
+    network = FakeNetwork()
+    async with following(network) as (services, handler):
+        for _ in range(4 * 120):
+            news = network.say(service("a"))
+            services.hear(news)
+            await anyio.sleep(0.125)
+            services.hear(ServiceNews("gone", news.service_type, news.name))
+            await anyio.sleep(0.125)
+        assert len(handler.taken) <= CHANGES_AT_ONCE + 120 / CHANGE_EVERY + 1
+        assert handler.delayed
+        services.hear(network.say(service("a")))
+        await anyio.sleep(2 * CHANGE_EVERY)
+        assert handler.there.keys() == {service("a").service.key}
 
 
 async def test_one_that_never_answers_is_counted_and_asked_once() -> None:

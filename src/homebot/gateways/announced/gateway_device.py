@@ -36,6 +36,7 @@ class GatewayDevice:
         raw_address: Where its raw messages are listened to, whatever they look like; by default *address*,
             or else its key: apps that read plain text never hear them.
         stale_after: Seconds of silence after which it counts as stale; 0 for what the gateway says of all.
+        sleeps: Whether it is off the network most of the time, to save its battery; it is there all the same.
         expiries: Values that end by themselves, by the id of the part, such as of a motion sensor that never says that
             all is quiet again.
     """
@@ -52,6 +53,7 @@ class GatewayDevice:
     command_address: str = ""
     raw_address: str = ""
     stale_after: float = 0.0
+    sleeps: bool = False
     expiries: Mapping[str, tuple[AutoExpiry, ...]] = field(default_factory=dict)
 
     @property

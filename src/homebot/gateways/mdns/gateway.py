@@ -22,14 +22,15 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.drivers import FoundService
+from homebot.gateways.drivers.driver_runner import LOST_BACKOFF, DriverRunner
 from homebot.gateways.drivers.installed_drivers import InstalledDrivers, find_drivers
-from homebot.gateways.mdns.driver_runner import LOST_BACKOFF, DriverRunner
 from homebot.gateways.mdns.interfaces import Interfaces, NetworkInterfaces
 from homebot.gateways.mdns.network import ResolvedService, ServiceNews
 from homebot.gateways.mdns.own_services import OwnServices
 from homebot.gateways.mdns.service_facts import facts_of, identifiers_of
-from homebot.gateways.mdns.services import Services
+from homebot.gateways.mdns.services import CHANGE_EVERY, Services
 from homebot.gateways.mdns.settings import MdnsGatewaySettings
+from homebot.gateways.mdns.sleepers import Sleepers
 from homebot.graph import Node
 from homebot.isolation import run_as
 
@@ -88,6 +89,7 @@ class MdnsGateway(Gateway):
         self._unavailable = "it has not started"
         self.devices = PublishedDevices(self, self._perform, settings, max_devices=settings.max_services)
         self._services = Services(self, node.graph.clock, settings.max_services)
+        self._sleepers = Sleepers(node.graph.clock, settings.forget_sleeping_after, self._remove)
         self._own = OwnServices(node, settings.announce_as) if settings.announce else None
 
     @classmethod
@@ -138,20 +140,32 @@ class MdnsGateway(Gateway):
             self._start(listed)
         else:
             listed.service = service
-            if listed.runner is not None:
+            if service.key in self._sleepers:
+                self._sleepers.discard(service.key)
+                self._start(listed)
+            elif listed.runner is not None:
                 listed.runner.change(service)
         if listed.runner is None or listed.device is not None:
             self._publish(listed, listed.device, "it is announced")
 
     def drop(self, name: str, why: str) -> None:
-        """Take out a service that is gone."""
-        self._stop(self._listed.pop(name, None))
-        self.devices.remove(name, why)
-        self._tell_problems()
+        """Take out a service that is gone; a device that sleeps stays."""
+        listed = self._listed.get(name)
+        if listed is not None and self._sleeps(listed):
+            self._stop(listed)
+            self._sleepers.add(name)
+            self._publish(listed, None, "it fell asleep", confirmed=False)
+            self.devices.report_reachable(name, reachable=None)
+        else:
+            self._remove(name, why)
 
     def refuse(self, name: str, why: str) -> None:
         """Count an announcement that is not followed, and charge it to who sent it."""
         self.devices.reject(name, b"", f"it is not followed: {why}")
+
+    def delay(self, name: str) -> None:
+        """Count a change that has to wait, and charge it to the service."""
+        self.devices.reject(name, b"", f"its records change too often; they are read every {CHANGE_EVERY:g} s now")
 
     async def _follow(self, interfaces: Interfaces, task_status: TaskStatus[None]) -> None:
         """Follow what is on the network until there is no interface to it any more.
@@ -188,7 +202,9 @@ class MdnsGateway(Gateway):
     def _begin(self, network: MdnsNetwork, tasks: TaskGroup) -> None:
         known = [one.service for one in self._listed.values()]
         for listed in self._listed.values():
-            self._start(listed)
+            if listed.service.key not in self._sleepers:
+                self._start(listed)
+        tasks.start_soon(self._sleepers.run)
         tasks.start_soon(run_as, self.node.full_name, partial(self._services.follow, network, known))
         for service_type in sorted(self._settings.types_with(frozenset(self._drivers.by_type))):
             network.browse(service_type)
@@ -223,8 +239,19 @@ class MdnsGateway(Gateway):
     def _stop(self, listed: _Listed | None) -> None:
         if listed is not None and listed.scope is not None:
             listed.scope.cancel()
+            listed.runner = listed.scope = None
 
-    def _publish(self, listed: _Listed, device: GatewayDevice | None, why: str) -> None:
+    def _remove(self, name: str, why: str) -> None:
+        self._sleepers.discard(name)
+        self._stop(self._listed.pop(name, None))
+        self.devices.remove(name, why)
+        self._tell_problems()
+
+    def _sleeps(self, listed: _Listed) -> bool:
+        known = listed.device
+        return (known is not None and known.sleeps) or listed.service.name in self._settings.sleeping
+
+    def _publish(self, listed: _Listed, device: GatewayDevice | None, why: str, *, confirmed: bool = True) -> None:
         """Publish a service as its driver describes it, and as DNS-SD does; one that nobody describes has no part."""
         if self._listed.get(listed.service.key) is not listed:
             return
@@ -233,15 +260,19 @@ class MdnsGateway(Gateway):
             service.key, service.name, service_type=service.service_type.removesuffix(".local.")
         )
         listed.device = known
+        facts = facts_of(service) | dict(known.metadata)
+        if self._sleeps(listed):
+            facts["sleep"] = "asleep" if service.key in self._sleepers else "awake"
         self._tell_problems()
         self.devices.put(
             replace(
                 known,
-                metadata=facts_of(service) | dict(known.metadata),
+                metadata=facts,
                 identifiers=tuple(dict.fromkeys((*known.identifiers, *identifiers_of(service)))),
-                stale_after=known.stale_after or listed.stale_after,
+                stale_after=known.stale_after or self._settings.sleeping.get(service.name, listed.stale_after),
             ),
             why,
+            confirmed=confirmed,
         )
 
     def _tell_problems(self) -> None:

@@ -31,6 +31,9 @@ SHORTEST = 5.0
 GRACE = 0.5
 """Seconds by which the record has run out for certain."""
 
+MAX_BUDGETS = 1000
+"""Services that went and whose changes are still counted; the oldest is forgotten."""
+
 MAX_ASKED = 32
 """Services that are asked at the same time."""
 
@@ -48,6 +51,10 @@ LOOK_AGAIN = 30.0
 
 ASK_AGAIN = 600.0
 """Seconds after which all types are asked for anew: an announcement may have been lost."""
+
+CHANGES_AT_ONCE, CHANGE_EVERY = 5.0, 10.0
+"""Changes of one service that are taken in at once, and seconds for each one after that: a device that has moved is
+connected to anew, and one whose records change all the time must not be so all the time."""
 
 TRIES_AFTER_LOSS = 5
 """Times that a service known from before is asked when the network has come back; wireless links take their time."""
@@ -68,6 +75,23 @@ class ServiceHandler(Protocol):
     def refuse(self, name: str, why: str) -> None:
         """Count an announcement that is not followed."""
 
+    def delay(self, name: str) -> None:
+        """Count a change of a service that changes too often; its last records are taken in a little later."""
+
+
+@dataclass(slots=True)
+class _ChangeBudget:
+    """The changes that may be taken in of one service."""
+
+    left: float = CHANGES_AT_ONCE
+    since: float = 0.0
+
+    def spend(self, now: float) -> float:
+        """Take one; return the seconds to wait for it."""
+        self.left = min(CHANGES_AT_ONCE, self.left + (now - self.since) / CHANGE_EVERY)
+        self.left, self.since = max(-1.0, self.left - 1.0), now
+        return max(0.0, -self.left * CHANGE_EVERY)
+
 
 @dataclass(eq=False, slots=True)
 class _Followed:
@@ -75,6 +99,7 @@ class _Followed:
     name: str
     tries: int = 1
     has_answered: bool = False
+    budget: _ChangeBudget = field(default_factory=_ChangeBudget)
     news: anyio.Event = field(default_factory=anyio.Event)
     scope: anyio.CancelScope = field(default_factory=anyio.CancelScope)
 
@@ -97,6 +122,7 @@ class Services:
         self._waiting: OrderedDict[str, OrderedDict[str, ServiceNews]] = OrderedDict()
         self._some_wait = anyio.Event()
         self._missed: set[str] = set()
+        self._budgets: OrderedDict[str, _ChangeBudget] = OrderedDict()
         self._asking = anyio.CapacityLimiter(MAX_ASKED)
 
     def hear(self, news: ServiceNews) -> None:
@@ -173,12 +199,16 @@ class Services:
             self._begin(tasks, network, _Followed(news.service_type, news.name))
 
     def _begin(self, tasks: TaskGroup, network: ServiceNetwork, one: _Followed) -> None:
+        one.budget = self._budgets.pop(one.name.lower(), one.budget)
         self._followed[one.name.lower()] = one
         self._by_type[one.service_type] = self._by_type.get(one.service_type, 0) + 1
         tasks.start_soon(self._follow_one, network, one)
 
     async def _follow_one(self, network: ServiceNetwork, one: _Followed) -> None:
         with isolated(one.name), one.scope:
+            if wait := one.budget.spend(self._clock.monotonic()):  # it comes and goes all the time
+                self._handler.delay(one.name)
+                await anyio.sleep(wait)
             while True:
                 one.news = anyio.Event()
                 found = network.resolve_cached(one.service_type, one.name) or await self._ask(network, one)
@@ -192,7 +222,14 @@ class Services:
                 self._handler.take(found)
                 with anyio.move_on_after(max(found.left + GRACE, SHORTEST)):
                     await one.news.wait()
-                    await anyio.sleep(PACE)  # most changes come in several messages
+                    await anyio.sleep(self._pause(one))
+
+    def _pause(self, one: _Followed) -> float:
+        """Return the seconds until a change is taken in, as it then is: most come in several messages."""
+        wait = one.budget.spend(self._clock.monotonic())
+        if wait > 0:
+            self._handler.delay(one.name)
+        return max(PACE, wait)
 
     async def _ask(self, network: ServiceNetwork, one: _Followed) -> ResolvedService | None:
         for _ in range(one.tries):
@@ -205,6 +242,9 @@ class Services:
     def _leave(self, one: _Followed, why: str) -> None:
         if self._followed.pop(one.name.lower(), None) is not None:
             self._by_type[one.service_type] -= 1
+            self._budgets[one.name.lower()] = one.budget
+            if len(self._budgets) > MAX_BUDGETS:
+                self._budgets.popitem(last=False)
             self._handler.drop(one.name, why)
 
     async def _look_again(self, network: ServiceNetwork) -> None:

@@ -11,6 +11,7 @@ from pydantic import Field, PrivateAttr, field_validator
 from homebot.config import folder_of
 from homebot.gateways.base import GatewaySettings
 from homebot.gateways.drivers.service_type import ENUMERATION, full_type, is_service_type
+from homebot.units import Seconds
 
 __all__ = ["KNOWN_TYPES", "MdnsGatewaySettings"]
 
@@ -50,6 +51,9 @@ class MdnsGatewaySettings(GatewaySettings):
         announce_as: The name that they see; by default that of this computer.
         drivers: The tables of drivers by their names. A driver that is installed needs none; one of your own is named
             ``module:Class``.
+        sleeping: Devices that sleep to save their battery and do not say so: the seconds of silence after which each
+            counts as stale, by the instance names of their services.
+        forget_sleeping_after: Seconds after which a sleeping device is taken out that has not come back.
         max_services: Services that may be known at once; of one type at most half of them.
     """
 
@@ -58,6 +62,8 @@ class MdnsGatewaySettings(GatewaySettings):
     announce: bool = True
     announce_as: Annotated[str, Field(max_length=63)] = ""
     drivers: Mapping[str, Mapping[str, object]] = Field(default_factory=dict)
+    sleeping: Mapping[str, Seconds] = Field(default_factory=dict)
+    forget_sleeping_after: Seconds = 604_800.0
     max_services: Annotated[int, Field(ge=2, le=10_000)] = 1000
     _folder: Path = PrivateAttr(default_factory=Path)
 

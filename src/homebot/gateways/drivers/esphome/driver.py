@@ -131,6 +131,7 @@ class EsphomeDriver(Driver):
             authenticated=authenticated,
             area=device.area,
             stale_after=STALE_AFTER_SLEEP if device.sleeps else 0.0,
+            sleeps=device.sleeps,
         )
 
     def _secrets(self) -> tuple[SecretStr | None, SecretStr | None]:

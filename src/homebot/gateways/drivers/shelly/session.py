@@ -193,6 +193,7 @@ class ShellySession:
             metadata=news.facts,
             identifiers=news.identifiers,
             stale_after=stale_after,
+            sleeps=stale_after > 0,
             expiries={one.part.id: one.expiries for one in news.parts if one.expiries},
         )
 

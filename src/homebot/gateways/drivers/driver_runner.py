@@ -23,8 +23,8 @@ from homebot.mqtt.backoff import Backoff
 
 __all__ = ["DriverRunner"]
 
-FAILED = "mdns.driver_failed"
-CRASHED = "mdns.driver_crashed"
+FAILED = "driver.failed"
+CRASHED = "driver.crashed"
 
 LOST_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=15.0, late_cap=60.0, late_after=300.0, jitter=0.5)
 """For a device that cannot be connected to: one that restarts is back within seconds."""
@@ -80,6 +80,7 @@ class DriverRunner(PublishedDriverHost):
         self._connecting = True
         self._attempt: anyio.CancelScope | None = None
         self._is_published = False
+        self._sleeps = False
 
     def change(self, service: FoundService) -> None:
         """Take what is known of the service now; the driver is run anew where it has moved, or says something else."""
@@ -121,7 +122,7 @@ class DriverRunner(PublishedDriverHost):
 
     def describe(self, device: GatewayDevice) -> None:
         """Publish what the device is, under the key of its service; it is connected now."""
-        self._is_published = True
+        self._is_published, self._sleeps = True, device.sleeps
         self.problem, self.needs_help = "", False
         self._publish(replace(device, key=self.service.key))
         self._connected.set()
@@ -155,7 +156,7 @@ class DriverRunner(PublishedDriverHost):
         self._connected.set()  # nobody is to wait for it any more
         self._connected = anyio.Event()
         self._list()
-        self.report_reachable(reachable=False)
+        self.report_reachable(reachable=None if self._sleeps else False)
 
     def _log_failure(self, event: str, exc_info: BaseException | None = None) -> None:
         message = f"{self.service.name} ({self.service.host}): {self.problem}"
