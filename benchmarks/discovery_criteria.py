@@ -50,6 +50,9 @@ def run(plan: Plan) -> Report:
             continue
         rows.append(_row(name, count, joined, noticed["noticed"], alone=alone))
         notes.append(f"{name}: {_how(noticed['noticed'])}; by the rules: {HOUSES[name].rule}.")
+        found, further = joined["further"]
+        if found < further:
+            notes.append(f"{name}: of {further} further devices, for the memory, only {found} were found.")
     if plan.quick:
         notes.append(f"Deaths were waited for no longer than {patience:.0f} s.")
     if not alone:

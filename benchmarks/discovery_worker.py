@@ -26,6 +26,9 @@ from homebot.log import configure_logging
 __all__: list[str] = []
 
 JOIN_WITHIN = 6.0
+TRACED_WITHIN = 60.0
+"""Both in seconds. Tracing allocations makes simulated devices many times slower, and no time is measured there."""
+
 SETTLE = 0.3
 """Seconds between a device's appearance and its death, in which a driver connects to it."""
 
@@ -87,9 +90,9 @@ class Watch:
             self.noticed[name] = (time.perf_counter() - self._died[name], how)
         self.news.set()
 
-    async def until_appeared(self, name: str) -> bool:
+    async def until_appeared(self, name: str, within: float = JOIN_WITHIN) -> bool:
         """Wait for a device, not for ever."""
-        with anyio.move_on_after(JOIN_WITHIN):
+        with anyio.move_on_after(within):
             while name not in self.appeared:
                 self.news = anyio.Event()
                 await self.news.wait()
@@ -117,8 +120,10 @@ async def measure(house_name: str, count: int, patience: float) -> None:
         before = _traffic()
         times = await _come_and_go(house, watch, count)
         traffic = [(after - start) / count for start, after in zip(before, _traffic(), strict=True)]
-        memory = await _memory(house, watch, min(count, 20))
-        print(json.dumps({"times": times, "traffic": traffic, "memory": memory}), flush=True)
+        further = min(count, 20)
+        memory, found = await _memory(house, watch, further)
+        facts = {"times": times, "traffic": traffic, "memory": memory, "further": [found, further]}
+        print(json.dumps(facts), flush=True)
         with anyio.move_on_after(patience):
             while len(watch.noticed) < len(times):
                 watch.news = anyio.Event()
@@ -146,8 +151,10 @@ async def _come_and_go(house: House, watch: Watch, count: int) -> list[float]:
     return times
 
 
-async def _memory(house: House, watch: Watch, count: int) -> float:
-    """Return the bytes that gateway and directory allocate for each of further devices, and what they call for it."""
+async def _memory(house: House, watch: Watch, count: int) -> tuple[float, int]:
+    """Return the bytes that gateway and directory, and what they call, allocate for each further device; and how many
+    of these were found.
+    """
     gc.collect()
     tracemalloc.start(FRAMES)
     found = 0
@@ -155,7 +162,7 @@ async def _memory(house: House, watch: Watch, count: int) -> float:
         name = f"extra{number:03}"
         joined = house.join(name)
         watch.expect(name, joined)
-        found += await watch.until_appeared(name)
+        found += await watch.until_appeared(name, TRACED_WITHIN)
         if house.is_for_one:
             watch.mourn(name)
             joined.cut_power()
@@ -165,7 +172,7 @@ async def _memory(house: House, watch: Watch, count: int) -> float:
     snapshot = tracemalloc.take_snapshot()
     tracemalloc.stop()
     size = sum(trace.size for trace in snapshot.traces if _is_ours(trace.traceback))
-    return size / max(1, found)
+    return size / max(1, found), found
 
 
 def _is_ours(traceback: tracemalloc.Traceback) -> bool:

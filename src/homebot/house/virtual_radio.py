@@ -34,9 +34,17 @@ from bumble.controller import Controller
 from bumble.core import AdvertisingData, BaseBumbleError, PhysicalTransport
 from bumble.device import AdvertisingType, Device, Peer
 from bumble.gatt import Characteristic, CharacteristicValue, Service
-from bumble.hci import Address, HCI_ErrorCode
+from bumble.hci import (
+    Address,
+    HCI_ErrorCode,
+    HCI_LE_Connection_Complete_Event,
+    HCI_LE_Create_Connection_Cancel_Command,
+    HCI_StatusReturnParameters,
+    Role,
+)
 from bumble.host import Host
 from bumble.link import LocalLink
+from bumble.ll import AdvertisingPdu, AdvExtInd, AdvInd
 from bumble.transport.common import AsyncPipeSink
 
 from homebot.isolation import is_cancelled
@@ -161,7 +169,8 @@ class VirtualRadio:
     def __init__(self, rng: Random) -> None:
         self._rng = rng
         self._link = _Link()  # type: ignore[no-untyped-call]
-        self._hub = _device(Controller("hub", link=self._link, public_address=HUB), "hub", HUB)
+        self._controller = _Controller("hub", link=self._link, public_address=HUB)
+        self._hub = _device(self._controller, "hub", HUB)
         self._rssi: dict[str, float] = {}
         self._is_plugged = True
         self.scanners: set[_VirtualScanner] = set()
@@ -240,14 +249,56 @@ class VirtualRadio:
             )
         return self._hub
 
+    def stop_connecting(self) -> None:
+        """Give up the connection that the hub is opening, if any."""
+        self._controller.pending_le_connection = None
+
     @property
     def is_plugged(self) -> bool:
         """True while the adapter is there."""
         return self._is_plugged
 
 
+class _Controller(Controller):
+    """A controller that stops connecting when it is asked to (Core 6.0, Vol 4, E 7.8.13).
+
+    bumble's own says so and goes on: after one device that did not answer, it refuses every further connection.
+    """
+
+    def on_hci_le_create_connection_cancel_command(
+        self, command: HCI_LE_Create_Connection_Cancel_Command
+    ) -> HCI_StatusReturnParameters:
+        pending, self.pending_le_connection = self.pending_le_connection, None
+        if pending is not None:
+            cancelled = HCI_LE_Connection_Complete_Event(
+                status=HCI_ErrorCode.UNKNOWN_CONNECTION_IDENTIFIER_ERROR,
+                connection_handle=0,
+                role=Role.CENTRAL,
+                peer_address_type=pending.peer_address.address_type,
+                peer_address=pending.peer_address,
+                connection_interval=0,
+                peripheral_latency=0,
+                supervision_timeout=0,
+                central_clock_accuracy=0,
+            )
+            asyncio.get_running_loop().call_soon(self.send_hci_packet, cancelled)
+        return super().on_hci_le_create_connection_cancel_command(command)
+
+
 class _Link(LocalLink):
-    """A link that names a sender by the address of its connection, as a radio does."""
+    """A link that names a sender by the address of its connection, as a radio does.
+
+    Advertisements go to the controllers that listen: bumble hands each of them to all, which costs time that grows
+    with the square of the devices.
+    """
+
+    def send_advertising_pdu(self, sender_controller: Controller, packet: AdvertisingPdu) -> None:
+        loop = asyncio.get_running_loop()
+        is_advertisement = isinstance(packet, AdvInd | AdvExtInd)
+        for one in self.controllers:
+            is_listening = one.le_scan_enable or one.pending_le_connection is not None
+            if one is not sender_controller and (is_listening or not is_advertisement):
+                loop.call_soon(one.on_ll_advertising_pdu, packet)
 
     def send_acl_data(
         self, sender_controller: Controller, destination_address: Address, transport: PhysicalTransport, data: bytes
@@ -340,6 +391,9 @@ class _VirtualClient(BaseBleakClient):
             connection = await hub.connect(self._peer_address, timeout=self._timeout)
         except (BaseBumbleError, TimeoutError) as exc:
             raise BleakDeviceNotFoundError(self.address, f"no connection was made: {exc!r}") from exc
+        except asyncio.CancelledError:
+            self.radio.stop_connecting()
+            raise
         self._connection = connection
         connection.on("disconnection", self._lose)
         self._peer = Peer(connection)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 from typing import TYPE_CHECKING
 
 import anyio
@@ -106,7 +106,7 @@ async def test_one_whose_bind_key_is_missing_is_listed_and_told_of(radio_house: 
             await anyio.sleep(11)
         assert radio_house.sightings[device.address].parts == ()
         health = await radio_house.watcher.create_client(GetHealth, gateway.names.health).call(HealthRequest())
-        assert health.troubles == (f"{device.address}: it encrypts, and its bind key is not configured",)
+        assert health.troubles == (f"{device.address}: it is encrypted, and no bind key is configured for it",)
 
 
 async def test_a_light_is_connected_to_commanded_and_reports(radio_house: RadioHouse) -> None:
@@ -205,6 +205,38 @@ async def test_more_lights_than_connections_are_all_commanded(radio_house: Radio
             await gateway._perform(command(light.address, "on_off", True))
         assert list(told.values()) == [["on"]] * 4
         tasks.cancel_scope.cancel()
+
+
+async def test_twenty_lights_take_turns_at_five_connections_and_all_are_read(radio_house: RadioHouse) -> None:
+    lights = [BluetoothLight(info(f"lamp{number}", "lamp"), lambda _: None, radio_house.radio) for number in range(20)]
+    async with radio_house.running(signal=False), anyio.create_task_group() as tasks:
+        for light in lights:
+            light.begin(DeviceState(text="on", is_on=True), has_power=True)
+            tasks.start_soon(light.live)
+        await radio_house.until(lambda: len(radio_house.sightings) == 20)
+        await radio_house.until(
+            lambda: all(radio_house.newest(light.address, "", "on_off") is True for light in lights)
+        )
+        lights[0].publish(DeviceState(text="off"))
+        await radio_house.until(lambda: radio_house.newest(lights[0].address, "", "on_off") is False)
+        reached = [radio_house.values[light.address, "", "reachable"] for light in lights]
+        assert all(set(each) == {True} for each in reached), "a light without a connection at the moment is reachable"
+        tasks.cancel_scope.cancel()
+
+
+async def test_lights_that_left_do_not_keep_others_from_being_connected(radio_house: RadioHouse) -> None:
+    """Each attempt to connect to one that is not there takes until its timeout, and there is one attempt at a time."""
+    async with radio_house.running(signal=False):
+        async with AsyncExitStack() as stack:
+            for number in range(15):
+                gone = BluetoothLight(info(f"gone{number}", "lamp"), lambda _: None, radio_house.radio)
+                await stack.enter_async_context(living(gone, DeviceState(text="off")))
+            await radio_house.until(lambda: len(radio_house.sightings) == 15)
+        await anyio.sleep(40)
+        light = BluetoothLight(info("lamp", "lamp"), lambda _: None, radio_house.radio)
+        async with living(light, DeviceState(text="off")):
+            with anyio.fail_after(7):
+                await radio_house.until(lambda: radio_house.newest(light.address, "", "on_off") is False)
 
 
 async def test_a_beacon_is_known_by_its_identity_whatever_its_address(radio_house: RadioHouse) -> None:

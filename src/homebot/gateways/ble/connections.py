@@ -1,8 +1,8 @@
-"""Connections to devices with a declared profile: a few at once, made one after the other, and made again when lost.
+"""Connections to devices with a declared profile: a few at once, opened one at a time, and reopened when lost.
 
-While one stands, what the device notifies is reported, and it counts as present although it does not advertise. A
-device that has none because there are no more to be had gets one for its next command, in place of that which was used
-least.
+While a device is connected, what it notifies is reported, and it counts as present although it does not advertise. If
+there are more devices than an adapter can connect to at once, they take turns. A command for a device without a
+connection closes the least recently used one.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from homebot.conventions.bluetooth.advertisement import full_uuid
 from homebot.conventions.bluetooth.gatt_profile import GattProfile, GattState
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.ble.connection_slots import ConnectionSlots
 from homebot.gateways.ble.known_device import BATTERY, KnownDevice
 from homebot.gateways.ble.radio import BleLink, BleRadio, BluetoothUnavailableError
 from homebot.isolation import run_as
@@ -33,13 +34,22 @@ COMMAND_WITHIN = 25.0
 """Seconds that a command waits for a connection."""
 
 LASTED = 60.0
-"""Seconds for which a connection has stood that did not fail."""
+"""Seconds after which a connection that is lost does not count as a failure."""
 
 POLL_EVERY = 10.0
-"""Seconds between two readings of a device that does not notify."""
+"""Seconds between two reads of a device that does not notify."""
+
+TURN = 10.0
+"""Seconds after which a connection that is not in use is closed if another device waits for one."""
+
+IN_USE = 60.0
+"""Seconds after a command for which its connection is in use."""
+
+IN_RANGE = 30.0
+"""Seconds of silence after which a device is not connected to, unless there is a command for it."""
 
 MAX_VALUES = 64
-"""Notified values that wait; what is above is dropped, and the state read again."""
+"""Notified values that wait to be read; more are dropped and counted as rejected messages."""
 
 BATTERY_LEVEL = full_uuid("2a19")
 DEVICE_INFORMATION = {
@@ -55,26 +65,26 @@ _FULL = 100
 
 
 class ReportReachable(Protocol):
-    """Publishes whether a device can be reached."""
+    """Publishes whether a device is reachable."""
 
     def __call__(self, key: str, *, reachable: bool | None) -> None: ...
 
 
 @dataclass(frozen=True, slots=True)
 class ConnectionHost:
-    """The gateway, as connections see it.
+    """What connections need from the gateway.
 
     Attributes:
-        owner: Its name, for errors.
+        owner: Its node's name, for errors.
         clock: Its clock.
         random: Its source of random numbers.
-        described: Called when more is known of a device.
-        report: Called with values of a part of a device, by key.
-        deliver_raw: Called with what a device notified.
-        reject: Called with what breaks its profile, and why.
-        reachable: Called with whether a device can be reached; None for unknown.
-        unavailable: Called when there is no adapter any more.
-        failed: Called with the reason for which a connection failed.
+        described: Called when the description of a device has changed.
+        report: Called with the key of a device, values by capability, and the part that they belong to.
+        deliver_raw: Called with the key of a device and the bytes that it sent.
+        reject: Called with the key of a device, bytes that do not follow its profile, and the reason.
+        reachable: Called with whether a device is reachable; None for unknown.
+        unavailable: Called when the adapter is gone.
+        failed: Called with the reason when a connection fails.
     """
 
     owner: str
@@ -91,7 +101,7 @@ class ConnectionHost:
 
 @dataclass(slots=True)
 class _Kept:
-    """One device that a connection is kept to."""
+    """A device that is to be connected."""
 
     device: KnownDevice
     profile: GattProfile
@@ -100,8 +110,8 @@ class _Kept:
     link: BleLink | None = None
     commands: anyio.Lock = field(default_factory=anyio.Lock)
     wake: anyio.Event = field(default_factory=anyio.Event)
-    used_at: float = 0.0
-    is_evicted: bool = False
+    used_at: float = float("-inf")
+    has_yielded: bool = False
     hang_up: Callable[[], None] = lambda: None
 
 
@@ -111,24 +121,20 @@ class Connections:
     Args:
         radio: The adapter.
         host: The gateway.
-        tasks: Its tasks.
-        most: Connections that may stand at once.
+        tasks: The task group of the gateway.
+        most: Connections that may exist at once.
     """
 
     def __init__(self, radio: BleRadio, host: ConnectionHost, tasks: TaskGroup, most: int) -> None:
         self._radio = radio
         self._host = host
         self._tasks = tasks
-        self._most = most
         self._kept: dict[str, _Kept] = {}
-        self._turn = anyio.Lock()
-        self._taken: set[str] = set()
-        self._urgent: set[str] = set()
-        self._changed = anyio.Event()
+        self._slots = ConnectionSlots(most)
 
     @property
     def connected(self) -> tuple[KnownDevice, ...]:
-        """The devices that are connected now."""
+        """The devices that are connected."""
         return tuple(one.device for one in self._kept.values() if one.link is not None)
 
     def keep(self, device: KnownDevice, *, is_back: bool) -> None:
@@ -136,12 +142,13 @@ class Connections:
 
         Args:
             device: The device.
-            is_back: Whether it was heard after a while: then it is tried at once, and not when it is due.
+            is_back: Whether it was silent for a while: then the next attempt is made at once.
         """
         kept = self._kept.get(device.key)
         if kept is not None:
             if is_back:
                 kept.wake.set()
+                self._slots.notify()
         elif device.profile is not None:
             kept = _Kept(device, device.profile, state=GattState.unknown(device.profile.level_max))
             self._kept[device.key] = kept
@@ -154,11 +161,11 @@ class Connections:
             kept.scope.cancel()
 
     async def perform(self, key: str, capability: str, value: PlainValue) -> None:
-        """Carry a command out, over the connection that stands, or one that is made for it.
+        """Send a command, over the connection of the device or one that is opened for it.
 
         Raises:
             LinkError: The device cannot be reached.
-            RefusedError: It refuses, or has no frame for that.
+            RefusedError: It refuses, or its profile has no frame for that.
         """
         kept = self._kept.get(key)
         if kept is None:
@@ -175,88 +182,84 @@ class Connections:
 
     async def _connect_now(self, kept: _Kept) -> BleLink:
         key = kept.device.key
-        self._urgent.add(key)
+        self._slots.prefer(key)
         try:
-            if key not in self._taken and len(self._taken) >= self._most:
-                await self._evict()
+            if self._slots.is_full_for(key):
+                await self._close_least_used()
             kept.wake.set()
-            self._tell()
             with anyio.move_on_after(COMMAND_WITHIN):
                 while kept.link is None and key in self._kept:
-                    await self._changed.wait()
+                    await self._slots.changed()
         finally:
-            self._urgent.discard(key)
+            self._slots.unprefer(key)
         if kept.link is None:
             raise LinkError(f"{key} cannot be reached: no connection was made within {COMMAND_WITHIN:g} seconds")
         return kept.link
 
-    async def _evict(self) -> None:
+    async def _close_least_used(self) -> None:
         idle = [one for one in self._kept.values() if one.link is not None and not one.commands.locked()]
         if idle:
             least = min(idle, key=lambda one: one.used_at)
-            least.is_evicted = True
+            least.has_yielded = True
             if least.link is not None:
                 await least.link.close()
-            least.hang_up()  # not every backend tells of what it was asked for
-
-    def _tell(self) -> None:
-        self._changed.set()
-        self._changed = anyio.Event()
+            least.hang_up()  # some backends do not report a disconnection that was asked for
 
     async def _keep(self, kept: _Kept) -> None:
+        """Connect whenever there is a slot, until cancelled."""
+        key = kept.device.key
         failures, since = 0, 0.0
         with kept.scope:
             while True:
-                await self._take_place(kept.device.key)
+                await self._slots.take(key, partial(self._is_in_range, kept.device))
                 kept.wake = anyio.Event()
+                kept.has_yielded = False
                 began = self._host.clock.monotonic()
                 try:
                     await self._connected(kept)
                 except BluetoothUnavailableError:
                     self._host.unavailable()
                 except (LinkError, RefusedError) as exc:
-                    self._host.failed(f"{kept.device.key}: {exc}")
+                    self._host.failed(f"{key}: {exc}")
                 finally:
-                    self._taken.discard(kept.device.key)
                     kept.link = None
-                    self._tell()
+                    self._slots.release(key)
+                if kept.has_yielded:
+                    failures = 0
+                    continue
                 now = self._host.clock.monotonic()
                 failures = 0 if now - began >= LASTED else failures + 1
                 since = now if failures <= 1 else since
-                self._host.reachable(kept.device.key, reachable=None if kept.is_evicted else False)
-                kept.is_evicted = False
+                self._host.reachable(key, reachable=False)
                 with anyio.move_on_after(self._pause(failures, since)):
                     await kept.wake.wait()
+
+    def _is_in_range(self, device: KnownDevice) -> bool:
+        return self._host.clock.monotonic() - device.presence.last_heard <= IN_RANGE
 
     def _pause(self, failures: int, since: float) -> float:
         failing_for = self._host.clock.monotonic() - since if failures else 0.0
         return _BACKOFF.delay(max(1, failures), failing_for, self._host.random)
 
-    async def _take_place(self, key: str) -> None:
-        """Wait until one more connection may be made, and it is this device's turn."""
-        while len(self._taken) >= self._most or (self._urgent and key not in self._urgent):
-            await self._changed.wait()
-        self._taken.add(key)
-
     async def _connected(self, kept: _Kept) -> None:
-        """Connect, and stay so until the connection is lost.
+        """Connect, and return when the connection is lost or given to another device.
 
         Raises:
-            LinkError: No connection can be made.
-            RefusedError: The device does not have what its profile says.
+            LinkError: The device cannot be reached.
+            RefusedError: It does not have the characteristics of its profile.
         """
         values_in, values = anyio.create_memory_object_stream[tuple[str, bytes]](MAX_VALUES)
         kept.hang_up = values_in.close
         link: BleLink | None = None
         try:
-            async with self._turn:
-                link = await self._radio.connect(kept.device.address, values_in.close)
+            link = await self._radio.connect(kept.device.address, values_in.close)
+            self._slots.opened(kept.device.key)
             if not link.has(kept.profile.command):
                 raise RefusedError(kept.device.key, f"it has no characteristic {kept.profile.command}")
             await self._learn(kept, link, values_in)
             kept.link = link
             self._host.reachable(kept.device.key, reachable=True)
-            self._tell()
+            self._slots.notify()
             async with values:
                 await self._listen(kept, link, values)
         finally:
@@ -267,7 +270,7 @@ class Connections:
                 await link.close()
 
     async def _learn(self, kept: _Kept, link: BleLink, values_in: MemoryObjectSendStream[tuple[str, bytes]]) -> None:
-        """Read what a device says of itself, and subscribe to what it notifies."""
+        """Read the device information, the battery and the state of a device, and subscribe to changes."""
         for fact, characteristic in DEVICE_INFORMATION.items():
             if link.has(characteristic, "read"):
                 text = (await link.read(characteristic)).decode(errors="replace").strip("\0 ")
@@ -287,11 +290,15 @@ class Connections:
         except anyio.WouldBlock:
             self._host.reject("", data, "it notifies faster than it can be read")
         except (anyio.ClosedResourceError, anyio.BrokenResourceError):
-            return  # it was lost
+            return  # the connection was lost
 
     async def _listen(self, kept: _Kept, link: BleLink, values: MemoryObjectReceiveStream[tuple[str, bytes]]) -> None:
         is_polled = bool(kept.profile.report) and not link.has(kept.profile.reported_by, "notify", "indicate")
+        opened = self._host.clock.monotonic()
         while link.is_open:
+            if self._should_yield(kept, opened):
+                kept.has_yielded = True
+                return
             found: tuple[str, bytes] | None = None
             with anyio.move_on_after(POLL_EVERY):
                 try:
@@ -304,6 +311,11 @@ class Connections:
                 await self._take_battery(kept.device.key, found[1])
             elif found is not None:
                 await self._take(kept, found[1])
+
+    def _should_yield(self, kept: _Kept, opened: float) -> bool:
+        now = self._host.clock.monotonic()
+        is_in_use = kept.commands.locked() or now - kept.used_at < IN_USE
+        return self._slots.is_wanted and not is_in_use and now - opened >= TURN
 
     async def _take_battery(self, key: str, data: bytes) -> None:
         if len(data) != 1 or data[0] > _FULL:

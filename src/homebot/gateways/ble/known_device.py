@@ -8,12 +8,12 @@ from homebot.conventions.bluetooth.advertisement import Advertisement
 from homebot.conventions.bluetooth.broadcast import Broadcast
 from homebot.conventions.bluetooth.distance import DISTANCE_FACTOR, SignalFilter, distance_of
 from homebot.conventions.bluetooth.gatt_profile import GattProfile
+from homebot.conventions.bluetooth.presence import Presence
 from homebot.conventions.units import sensor_type
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.ble.presence import Presence
 from homebot.gateways.ble.settings import BleDeviceSettings
 
 __all__ = ["BATTERY", "KnownDevice"]

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.conventions.bluetooth.distance import DISTANCE_FACTOR, SignalFilter, distance_of
-from homebot.gateways.ble.presence import Presence
+from homebot.conventions.bluetooth.presence import Presence
 
 
 @pytest.mark.parametrize(

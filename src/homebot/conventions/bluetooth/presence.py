@@ -1,4 +1,4 @@
-"""The time for which a device may be silent before that means something. Pure."""
+"""The time that a Bluetooth device may be silent before it counts as stale. Pure."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _APART = 1.0
 
 
 class Presence:
-    """The times at which a device was heard, and how often it is.
+    """The times at which a device was heard, and its usual interval.
 
     Attributes:
         first_heard: Seconds of the gateway's clock.
@@ -30,7 +30,7 @@ class Presence:
         self._gaps: deque[float] = deque(maxlen=_KEPT)
 
     def hear(self, now: float) -> None:
-        """Take note that it was heard; copies of one packet, within a second, count once."""
+        """Count an advertisement; copies of one packet, within a second, count once."""
         self.last_heard = now
         if now - self._counted_at >= _APART:
             self._gaps.append(now - self._counted_at)
