@@ -7,6 +7,7 @@ import pytest
 from homebot.conventions.bluetooth.advertisement import Advertisement, full_uuid
 from homebot.conventions.bluetooth.beacons import EDDYSTONE, BeaconParser
 from homebot.conventions.bluetooth.broadcast import Broadcast
+from homebot.conventions.bthome.encryption import seal
 from homebot.conventions.bthome.parser import TRIGGER_BASED, BTHomeParser
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
@@ -76,8 +77,29 @@ def test_the_example_of_the_specification_is_decrypted() -> None:
 
 
 def test_a_device_with_a_bind_key_must_encrypt() -> None:
-    with pytest.raises(WireError, match="does not encrypt"):
+    with pytest.raises(WireError, match="not encrypted"):
         read(BTHomeParser({ADDRESS: KEY}), "400161")
+
+
+def test_an_encrypted_press_that_is_sent_again_is_one_press() -> None:
+    """Without a packet id, only the counter tells a press from a copy of it; a recorded copy may come days later."""
+    parser = BTHomeParser({ADDRESS: KEY})
+    pressed = seal(KEY, bytes.fromhex(ADDRESS.replace(":", "")), 0x41, 7, b"\x3a\x01").hex()
+    assert values(read(parser, pressed)) == [("button", "single")]
+    for now in (1.0, 60.0, 86_400.0):
+        assert values(read(parser, pressed, now)) == []
+
+
+def test_a_device_that_was_forgotten_does_not_take_a_replay() -> None:
+    parser = BTHomeParser({ADDRESS: KEY})
+    old, new = (
+        seal(KEY, bytes.fromhex(ADDRESS.replace(":", "")), 0x41, counter, b"\x3a\x01").hex() for counter in (7, 200)
+    )
+    read(parser, old)
+    read(parser, new)
+    parser.forget(ADDRESS)
+    with pytest.raises(WireError, match="replay"):
+        read(parser, old, 3600.0)
 
 
 def test_without_its_bind_key_a_device_is_known_and_not_read() -> None:

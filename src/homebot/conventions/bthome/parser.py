@@ -1,8 +1,8 @@
 """Reads BTHome v2, the broadcasts of Shelly BLU and of many sensors that people build. Pure.
 
-Source: https://bthome.io/format. A device sends each packet several times; the packet id tells packets apart. One that
-is older than the last, by its id, came late, and is left out. Devices without packet ids are said to repeat a packet as
-long as its bytes are the same without a pause of four seconds (as the library ``bthome-ble`` does).
+Source: https://bthome.io/format. A device sends each packet several times; the packet id tells packets apart. A packet
+with an older id than the last one is late, and is ignored. Without packet ids, the same bytes are the same packet until
+there is a pause of four seconds, as in the library ``bthome-ble``. An encrypted packet is read once, whatever its id.
 """
 
 from __future__ import annotations
@@ -28,26 +28,25 @@ REPEATS_WITHIN = 4.0
 """Seconds."""
 
 NEWER_BY = 64
-"""Packet ids ahead of the last one, modulo 256, up to which one is newer than that."""
+"""A packet id is newer than the last one if it is ahead by less than this, modulo 256."""
 
 ON_BATTERY = 300.0
-"""Seconds for which a device on a battery may be silent: it saves power."""
+"""Seconds for which a battery-powered device may be silent."""
 
 TRIGGER_BASED = 86_400.0
-"""Seconds for which one may be silent that sends nothing until something happens."""
+"""Seconds for which a device may be silent that sends only when something happens."""
 
 MAX_PARTS = 64
-"""Parts of one device: a packet has room for fewer, but they may change."""
+"""Parts of one device over all its packets; further ones are ignored."""
 
 MAX_DEVICES = 10_000
 _TAGS: Mapping[str, str] = {"door": "door", "window": "window", "garage_door": "garage_door"}
 
 
 class _BTHomeSender:
-    """The packets of one device so far, as far as they matter."""
+    """What is kept of the packets of one device."""
 
-    def __init__(self, key: BindKey | None) -> None:
-        self.key = key
+    def __init__(self) -> None:
         self.parts: dict[str, Part] = {}
         self.metadata: dict[str, str] = {}
         self.packet_id: int | None = None
@@ -61,36 +60,39 @@ class BTHomeParser(BroadcastParser):
     """Reads BTHome v2.
 
     Args:
-        bind_keys: The keys of devices that encrypt, by address; of these, what is not encrypted is refused.
+        bind_keys: The keys of devices that encrypt, by address; their packets are refused if they are not encrypted.
     """
 
     def __init__(self, bind_keys: Mapping[str, bytes]) -> None:
         super().__init__(bind_keys)
         self._devices: dict[str, _BTHomeSender] = {}
+        self._keys: dict[str, BindKey] = {}  # kept for ever: a forgotten counter would let replays through
 
     def concerns(self, advertisement: Advertisement) -> bool:
-        """Return whether there are service data of BTHome."""
+        """Return whether it has service data of BTHome."""
         return BTHOME_UUID in advertisement.service_data
 
     def read(self, advertisement: Advertisement, now: float) -> Broadcast | None:
-        """Return the measurements and events of a packet that is new, and all parts known.
+        """Return all parts that are known, and the measurements and events of a packet that is new.
 
         Raises:
-            WireError: It is not BTHome v2, or does not open with the bind key.
+            WireError: It is not BTHome v2, cannot be decrypted with the bind key, or is a replay.
         """
         data = advertisement.service_data[BTHOME_UUID]
         frame = read_frame(data)
         known = self._devices.get(advertisement.address)
-        device = known or _BTHomeSender(self._bind_key(advertisement.address))
+        device = known or _BTHomeSender()
+        key = self._bind_key(advertisement.address)
         values: tuple[BroadcastValue, ...] = ()
         problem = ""
-        if frame.is_encrypted and device.key is None:
-            problem = "it encrypts, and its bind key is not configured"
-        elif device.key is not None and not frame.is_encrypted:
-            raise WireError("BTHome: it does not encrypt although it has a bind key", data)
+        if frame.is_encrypted and key is None:
+            problem = "it is encrypted, and no bind key is configured for it"
+        elif key is not None and not frame.is_encrypted:
+            raise WireError("BTHome: it is not encrypted, although a bind key is configured for it", data)
         elif not (device.was_read and self._is_repeated(device, data, now)):
-            body = frame.body if device.key is None else device.key.open(frame)
-            values = self._take(device, read_objects(body), now)
+            body = frame.body if key is None else key.open(frame, now)
+            if body is not None:
+                values = self._take(device, read_objects(body), now)
         device.data, device.heard_at = data, now
         if frame.is_trigger_based:
             device.silence = TRIGGER_BASED
@@ -108,26 +110,27 @@ class BTHomeParser(BroadcastParser):
         )
 
     def forget(self, address: str) -> None:
-        """Forget a device."""
+        """Forget a device, but not the counter of its bind key."""
         self._devices.pop(address, None)
 
     def _bind_key(self, address: str) -> BindKey | None:
         key = self.bind_keys.get(address)
-        if key is None:
-            return None
+        if key is None or address in self._keys:
+            return self._keys.get(address)
         from homebot.conventions.bthome.encryption import BindKey  # noqa: PLC0415 - cryptography only where it is used
 
-        digits = address.replace(":", "")
         try:
-            return BindKey(key, bytes.fromhex(digits))
-        except ValueError as exc:  # on macOS a device has no address that is known
-            raise WireError(f"BTHome: {address[:40]} is no address, so that nothing can be decrypted") from exc
+            mac = bytes.fromhex(address.replace(":", ""))
+        except ValueError as exc:  # macOS shows a UUID instead of the address
+            raise WireError(f"BTHome: {address[:40]} is not a MAC address, which decryption needs") from exc
+        found = self._keys[address] = BindKey(key, mac)
+        return found
 
     def _is_repeated(self, device: _BTHomeSender, data: bytes, now: float) -> bool:
         return data == device.data and (device.packet_id is not None or now - device.heard_at <= REPEATS_WITHIN)
 
     def _take(self, device: _BTHomeSender, packet: BTHomePacket, now: float) -> tuple[BroadcastValue, ...]:
-        """Keep what a packet says, and return its values; none where it is older than the last."""
+        """Store the parts of a packet, and return its values; none if it is older than the last one."""
         number, last = packet.packet_id, device.packet_id
         if (
             number is not None
