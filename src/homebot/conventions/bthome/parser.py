@@ -44,7 +44,7 @@ _TAGS: Mapping[str, str] = {"door": "door", "window": "window", "garage_door": "
 
 
 class _BTHomeSender:
-    """What is kept of the packets of one device."""
+    """The state of one device, over all its packets."""
 
     def __init__(self) -> None:
         self.parts: dict[str, Part] = {}

@@ -32,7 +32,7 @@ class ConnectionSlots:
 
     @property
     def is_wanted(self) -> bool:
-        """Whether a device that is in range waits for a slot."""
+        """True if a device that is in range waits for a slot."""
         return any(self._is_ready(key) for key in self._waiting)
 
     async def take(self, key: str, is_in_range: Callable[[], bool]) -> None:

@@ -72,7 +72,7 @@ class ReportReachable(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class ConnectionHost:
-    """What connections need from the gateway.
+    """The gateway, for connections: values and callbacks.
 
     Attributes:
         owner: Its node's name, for errors.
