@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
+import sys
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -120,9 +122,13 @@ class _ServedHouse(House):
         super().__init__(graph, tasks)
         self._network = network
         self._spec = spec
+        self._hosts = (f"127.0.{number // 250}.{number % 250 + 2}" for number in itertools.count())
 
     def join(self, name: str) -> Joined:
-        device = self._network.connect(self._spec.family, _info(self._spec, name), lambda _command: None)
+        options = {}
+        if self._spec.family == "coap" and sys.platform == "linux":
+            options["host"] = next(self._hosts)  # a directory bounds the registrations of one address
+        device = self._network.connect(self._spec.family, _info(self._spec, name), lambda _command: None, **options)
         mac: str = getattr(device, "mac", "")  # what a WLED announces instead of a name
         return self.live(device, name, *([mac[-6:].lower()] if mac else []))
 

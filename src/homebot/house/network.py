@@ -194,12 +194,21 @@ class HouseNetwork:
             found[family.gateway] = self._settings(family.gateway)
         return found
 
-    def connect(self, family: str, device: SimulatedDeviceInfo, on_command: OnCommand) -> ConnectedDevice:
-        """Return a device of a served family, which is on the network once it lives; inside :meth:`running`."""
+    def connect(
+        self, family: str, device: SimulatedDeviceInfo, on_command: OnCommand, **options: object
+    ) -> ConnectedDevice:
+        """Return a device of a served family, which is on the network once it lives; inside :meth:`running`.
+
+        Args:
+            family: The name of the family.
+            device: Its name and kind.
+            on_command: Gets each command for it.
+            options: Further arguments of the class of the device.
+        """
         spec = self._families[family]
         module, _, name = spec.device.partition(":")
         make: Callable[..., ConnectedDevice] = getattr(importlib.import_module(module), name)
-        return make(device, on_command, **spec.options, **self._options.get(spec.gateway, {}))
+        return make(device, on_command, **{**spec.options, **self._options.get(spec.gateway, {}), **options})
 
     def _settings(self, gateway: str) -> dict[str, object]:
         """Return the table of a gateway."""
