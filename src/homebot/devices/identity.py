@@ -17,6 +17,9 @@ _PAIRS = re.compile(
 )
 _DIGITS = re.compile(r"(?:.*[^0-9a-f])?(?:0x)?([0-9a-f]{16}|[0-9a-f]{12})", re.DOTALL)
 
+_RANDOM = re.compile(r"(?:.*[^0-9a-f])?[0-9a-f]{8}-[0-9a-f]{4}-4[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}", re.DOTALL)
+"""A UUID of version 4 (RFC 9562), of which no digit is an address; that of version 1 ends with one."""
+
 _NOBODY = frozenset({"000000000000", "ffffffffffff", "0000000000000000", "ffffffffffffffff"})
 _MAC_DIGITS = 12
 
@@ -46,6 +49,8 @@ def _address(text: str) -> str:
 
     Twelve decimal digits without separators are more likely a serial number or a time.
     """
+    if "-" in text and _RANDOM.fullmatch(text):
+        return ""
     if (":" in text or "-" in text) and (match := _PAIRS.fullmatch(text)):
         digits = match.group(1).replace(":", "").replace("-", "")
     elif match := _DIGITS.fullmatch(text):

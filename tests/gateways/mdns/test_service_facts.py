@@ -6,7 +6,7 @@ import pytest
 
 from homebot.gateways.drivers import FoundService
 from homebot.gateways.drivers.service_type import base_type, full_type, instance_label, is_service_type
-from homebot.gateways.mdns.service_facts import facts_of, identifiers_of, usable_addresses
+from homebot.gateways.mdns.service_facts import facts_of, identifiers_of, name_of, usable_addresses
 
 
 def found(name: str, service_type: str, host: str, **properties: str) -> FoundService:
@@ -42,6 +42,43 @@ def test_of_matter_the_host_is_the_hardware_address_and_the_instance_is_none() -
 
 def test_the_pairing_id_of_homekit_is_no_hardware_address() -> None:
     assert identifiers_of(HOMEKIT) == ("id:homekit A8:03:2A:BE:54:DC pairing",)
+
+
+@pytest.mark.parametrize(
+    ("name", "service_type", "properties", "expected"),
+    [
+        ("Chromecast-0123456789abcdef", "_googlecast._tcp", {"fn": "Living room"}, "Living room"),
+        ("A8032ABE54DC@Kitchen", "_raop._tcp", {}, "Kitchen"),
+        ("RINCON_A8032ABE54DC01400@Bath", "_sonos._tcp", {}, "Bath"),
+        ("me@home", "_http._tcp", {}, "me@home"),
+        ("office [a8:03:2a:be:54:dc]", "_workstation._tcp", {}, "office"),
+        ("DD200C20D25AE5F7", "_matterc._udp", {"dn": "Plug"}, "Plug"),
+        ("Lamp", "_http._tcp", {"dn": "x", "fn": ""}, "Lamp"),
+    ],
+)
+def test_a_name_is_one_for_people(name: str, service_type: str, properties: dict[str, str], expected: str) -> None:
+    assert name_of(found(name, service_type, "x.local.", **properties)) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "properties", "expected"),
+    [
+        ("nas", {"mac_address": "00:11:32:AA:BB:59|00:11:32:AA:BB:5A"}, ("mac:001132aabb59", "mac:001132aabb5a")),
+        ("office [a8:03:2a:be:54:dc]", {}, ("mac:a8032abe54dc",)),
+        ("Hue", {"bridgeid": "001788fffe1a2b3c"}, ("eui64:001788fffe1a2b3c",)),
+        ("plug", {"bssid": "a8:03:2a:be:54:dc"}, ()),
+    ],
+)
+def test_hardware_addresses_are_those_of_the_device(
+    name: str, properties: dict[str, str], expected: tuple[str, ...]
+) -> None:
+    assert identifiers_of(found(name, "_http._tcp", "x.local.", **properties)) == expected
+
+
+def test_no_address_is_found_in_what_is_random() -> None:
+    random, timed = "8d1f5f7f-2c7b-4a6f-9d1f-5f7f2c7b4a6f", "d3b8c0d0-1dd2-11b2-ac7c-f430b9ab12cd"
+    assert identifiers_of(found("Cast", "_googlecast._tcp", f"{random}.local.", id=random)) == (f"id:{random}",)
+    assert "mac:f430b9ab12cd" in identifiers_of(found("Printer", "_ipp._tcp", "x.local.", uuid=timed))
 
 
 @pytest.mark.parametrize("properties", [{"id": "1"}, {"serial": ""}, {"uuid": "lamp"}])

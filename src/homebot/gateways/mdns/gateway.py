@@ -27,7 +27,7 @@ from homebot.gateways.drivers.installed_drivers import InstalledDrivers, find_dr
 from homebot.gateways.mdns.interfaces import Interfaces, NetworkInterfaces
 from homebot.gateways.mdns.network import ResolvedService, ServiceNews
 from homebot.gateways.mdns.own_services import OwnServices
-from homebot.gateways.mdns.service_facts import facts_of, identifiers_of
+from homebot.gateways.mdns.service_facts import facts_of, identifiers_of, name_of
 from homebot.gateways.mdns.services import CHANGE_EVERY, Services
 from homebot.gateways.mdns.settings import MdnsGatewaySettings
 from homebot.gateways.mdns.sleepers import Sleepers
@@ -257,7 +257,7 @@ class MdnsGateway(Gateway):
             return
         listed.device, service = device or listed.device, listed.service
         known = listed.device or GatewayDevice(
-            service.key, service.name, service_type=service.service_type.removesuffix(".local.")
+            service.key, name_of(service), service_type=service.service_type.removesuffix(".local.")
         )
         listed.device = known
         facts = facts_of(service) | dict(known.metadata)

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import ipaddress
+import re
 from collections.abc import Iterable
 
 from homebot.devices.identity import identifiers
 from homebot.gateways.drivers import FoundService
 
-__all__ = ["facts_of", "identifiers_of", "printable", "usable_addresses"]
+__all__ = ["facts_of", "identifiers_of", "name_of", "printable", "usable_addresses"]
 
-_HARDWARE = ("mac", "macaddress", "mac_address", "deviceid", "bssid", "ethmac")
-"""Keys of TXT records that say the hardware address: of ESPHome, WLED, Tasmota, AirPlay and others."""
+_HARDWARE = ("mac", "macaddress", "mac_address", "deviceid", "ethmac", "bridgeid")
+"""Keys of TXT records that say the hardware address: of ESPHome, WLED, Tasmota, AirPlay, Hue and others. A ``bssid`` is
+that of the access point, which all devices there have."""
 
-_DECLARED = ("serial", "serialnumber", "serial_number", "sn", "uuid", "udn", "usn", "id")
+_SEPARATORS = re.compile(r"[|,;\s]+")
+"""Between the addresses of a device that says several."""
+
+_DECLARED = ("serial", "serialnumber", "serial_number", "serialnum", "sn", "uuid", "udn", "usn", "id")
 """Keys that say what the device calls itself."""
 
 _SHORTEST = 8
@@ -22,10 +27,20 @@ _SHORTEST = 8
 _PAIRING = "_hap._tcp.local."
 """HomeKit: its ``id`` looks like a hardware address, and is a random number that changes with each reset."""
 
+_NAMES = ("friendly_name", "friendlyname", "fn")
+"""Keys that say the name that people gave, of ESPHome and of Google Cast."""
+
+_COMMISSIONABLE = "_matterc._udp.local."
+_ID = re.compile(r"[0-9A-Za-z]+[_-][0-9A-Fa-f]{12,}|[0-9A-Fa-f]{12,}")
+_ADDRESS_BEHIND = re.compile(r"\s*\[([0-9A-Fa-f]{2}(?::[0-9A-Fa-f]{2}){5})\]$")
+"""Of computers: ``office [00:0e:c6:12:34:56]``."""
+
+_MOST_ADDRESSES = 8
+
 _FACTS = {
-    "manufacturer": ("manufacturer", "vendor", "mf", "usb_mfg"),
-    "model": ("model", "md", "ty", "app", "board"),
-    "sw_version": ("sw_version", "fw_version", "version", "ver", "fv"),
+    "manufacturer": ("manufacturer", "vendor", "mf", "usb_mfg", "mfg"),
+    "model": ("model", "md", "ty", "app", "board", "modelid", "product_name", "product", "usb_mdl", "am"),
+    "sw_version": ("sw_version", "fw_version", "version", "ver", "fv", "firmwareversion", "fwversion", "srcvers"),
 }
 """Facts by their names in the directory, and the keys of TXT records that say them."""
 
@@ -55,11 +70,27 @@ def identifiers_of(service: FoundService) -> tuple[str, ...]:
     named = [label] if _has_address(label, "mac:", "eui64:") else []
     # Not of 64 bits: an instance of Matter is called <fabric>-<node>, and neither is an address.
     named += [one for one in (service.name, service.name.partition("@")[0]) if _has_address(one, "mac:")]
+    named += [match[1] for match in _ADDRESS_BEHIND.finditer(service.name)]
     if service.service_type == _PAIRING:
         declared = [f"homekit {said['id']} pairing"] if "id" in said else []
     else:
         declared = [said[key] for key in _DECLARED if len(said.get(key, "")) >= _SHORTEST]
-    return identifiers([*(said[key] for key in _HARDWARE if key in said), *named, *declared])
+    hardware = [one for key in _HARDWARE if key in said for one in _SEPARATORS.split(said[key])[:_MOST_ADDRESSES]]
+    return identifiers([*hardware, *named, *declared])
+
+
+def name_of(service: FoundService) -> str:
+    """Return the name of a service for people: its instance name without the address that some put into it.
+
+    A name in the TXT record comes first: there the instance name is made of an id (Google Cast, Matter).
+    """
+    for key in (*_NAMES, *(("dn",) if service.service_type == _COMMISSIONABLE else ())):
+        if name := printable(service.properties.get(key, "")).strip():
+            return name
+    before, _, after = service.name.partition("@")
+    if after.strip() and (_has_address(before, "mac:") or _ID.fullmatch(before)):
+        return after.strip()
+    return _ADDRESS_BEHIND.sub("", service.name) or service.name
 
 
 def usable_addresses(found: Iterable[str], *, with_loopback: bool) -> tuple[str, ...]:
