@@ -28,6 +28,10 @@ from homebot.gateways.coap.link_format import MAX_LINKS, WebLink, format_links, 
             '<http://www.example.com/sensors/t123>;anchor="/sensors/temp";rel="describedby"',
             (WebLink("http://www.example.com/sensors/t123", (("anchor", "/sensors/temp"), ("rel", "describedby"))),),
         ),
+        (
+            "</a>;title=Sensor Index ;ct=0 41,</b>",
+            (WebLink("/a", (("title", "Sensor Index"), ("ct", "0 41"))), WebLink("/b")),
+        ),
         ("</a>; OBS ; ct = 50 , </b>", (WebLink("/a", (("obs", ""), ("ct", "50"))), WebLink("/b"))),
         (r'</a>;title="a \"b\", <c>;d\\"', (WebLink("/a", (("title", r'a "b", <c>;d' + "\\"),)),)),
         (

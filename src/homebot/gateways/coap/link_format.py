@@ -24,7 +24,7 @@ _MAX_TEXT = 1000
 
 _TARGET = re.compile(r"\s*<([^<>\x00-\x1f]*)>\s*")
 _NAME = re.compile(r";\s*([A-Za-z0-9!#$%&'*+.^_`|~-]+)\s*")
-_VALUE = re.compile(r"=\s*(?:\"((?:[^\"\\]|\\.)*)\"|([^\s,;\"]*)(?=\s*(?:[,;]|$)))\s*", re.DOTALL)
+_VALUE = re.compile(r"=\s*(?:\"((?:[^\"\\]|\\.)*)\"|([^,;\"]*))(?=\s*(?:[,;]|$))\s*", re.DOTALL)
 _ESCAPED = re.compile(r"\\(.)", re.DOTALL)
 
 
@@ -101,7 +101,7 @@ def _link(text: str, at: int) -> tuple[WebLink, int]:
             found = _VALUE.match(text, at)
             if found is None:
                 raise WireError(f"the value of {name[1][:40]} of a link does not end")
-            at, value = found.end(), found[2] if found[1] is None else _ESCAPED.sub(r"\1", found[1])
+            at, value = found.end(), found[2].strip() if found[1] is None else _ESCAPED.sub(r"\1", found[1])
         if len(attributes) >= _MAX_ATTRIBUTES:
             raise WireError(f"a link has more than {_MAX_ATTRIBUTES} attributes")
         attributes.append((name[1].lower()[:_MAX_TEXT], value[:_MAX_TEXT]))
