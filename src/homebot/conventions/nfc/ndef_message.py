@@ -5,7 +5,7 @@ NFC Forum: NDEF 1.0; RTD URI 1.0 (identifier codes), RTD Text 1.0, Smart Poster 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
 from typing import Final, Literal, TypeAlias
@@ -20,6 +20,7 @@ NdefKind: TypeAlias = Literal["uri", "text", "media", "external"]
 _MAX_RECORDS: Final = 32
 _EXTERNAL: Final = "urn:nfc:ext:"
 _SMART_POSTER: Final = "urn:nfc:wkt:Sp"
+_WELL_KNOWN: Final = frozenset({"urn:nfc:wkt:U", "urn:nfc:wkt:T"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,23 +53,21 @@ def read_ndef(message: bytes) -> tuple[NdefRecord, ...]:
     """Return the records of *message* that can point to something; those of other types are passed over.
 
     Raises:
-        WireError: It is not an NDEF message, or too long, or one of too many records.
+        WireError: It is not an NDEF message, or too long, or one of too many records, or none of them can be read.
     """
-    import ndef  # noqa: PLC0415 - an extra
-
     if len(message) > MAX_MESSAGE:
         raise WireError(f"an NDEF message has {len(message)} bytes; at most {MAX_MESSAGE} are read")
     if not message or message in {b"\x00", b"\xd0\x00\x00"}:
         return ()
     records: list[NdefRecord] = []
-    try:
-        decoded = list(islice(ndef.message_decoder(message, errors="strict"), _MAX_RECORDS + 1))
-        for record in decoded:
+    damaged: WireError | None = None
+    for record in _decoded(message, {}):
+        try:
             records.extend(_read(record))
-    except Exception as exc:  # the library lets through what its parsing of a damaged message comes upon
-        raise WireError(f"not an NDEF message: {exc}", message) from exc
-    if len(decoded) > _MAX_RECORDS:
-        raise WireError(f"an NDEF message has more than {_MAX_RECORDS} records")
+        except WireError as exc:
+            damaged = exc
+    if damaged is not None and not records:
+        raise damaged
     return tuple(records)
 
 
@@ -87,21 +86,58 @@ def write_ndef(*records: NdefRecord) -> bytes:
     return b"".join(ndef.message_encoder(made))
 
 
-def _read(record: object) -> Iterator[NdefRecord]:
+def _decoded(message: bytes, known: Mapping[str, object] | None = None) -> list[object]:
+    """Return the records of *message*; those that are not of a *known* type, by default the library's, undecoded.
+
+    Raises:
+        WireError: It is not an NDEF message, or one of too many records.
+    """
     import ndef  # noqa: PLC0415 - an extra
 
-    if isinstance(record, ndef.UriRecord):
-        yield NdefRecord("uri", record.iri.encode())
-    elif isinstance(record, ndef.TextRecord):
-        yield NdefRecord("text", record.text.encode())
-    elif isinstance(record, ndef.Record):
-        kind = str(record.type)
-        if kind == _SMART_POSTER:
-            for uri in getattr(record, "uri_records", ()):
-                yield NdefRecord("uri", uri.iri.encode())
-            for title in getattr(record, "titles", {}).values():
-                yield NdefRecord("text", str(title).encode())
-        elif kind.startswith(_EXTERNAL):
-            yield NdefRecord("external", bytes(record.data), kind.removeprefix(_EXTERNAL).casefold())
-        elif "/" in kind:
-            yield NdefRecord("media", bytes(record.data), kind.partition(";")[0].strip().casefold())
+    more = {} if known is None else {"known_types": dict(known)}
+    try:
+        decoded = list(islice(ndef.message_decoder(message, errors="strict", **more), _MAX_RECORDS + 1))
+    except Exception as exc:  # the library lets through what its parsing of a damaged message comes upon
+        raise WireError(f"not an NDEF message: {exc}", message) from exc
+    if len(decoded) > _MAX_RECORDS:
+        raise WireError(f"an NDEF message has more than {_MAX_RECORDS} records")
+    return decoded
+
+
+def _read(record: object) -> Iterator[NdefRecord]:
+    """Yield what an undecoded record says; only the types that can point to something are looked into.
+
+    Raises:
+        WireError: It is one of these, and damaged.
+    """
+    import ndef  # noqa: PLC0415 - an extra
+
+    if not isinstance(record, ndef.Record):
+        return
+    kind = str(record.type)
+    if kind in _WELL_KNOWN:
+        yield from _well_known(record)
+    elif kind == _SMART_POSTER:
+        inner = [one for one in _decoded(bytes(record.data), {}) if isinstance(one, ndef.Record)]
+        known = [one for one in inner if str(one.type) in _WELL_KNOWN]
+        for one in sorted(known, key=lambda one: str(one.type), reverse=True):  # the address, then the titles
+            yield from _well_known(one)
+    elif kind.startswith(_EXTERNAL):
+        yield NdefRecord("external", bytes(record.data), kind.removeprefix(_EXTERNAL).casefold())
+    elif "/" in kind:
+        yield NdefRecord("media", bytes(record.data), kind.partition(";")[0].strip().casefold())
+
+
+def _well_known(record: object) -> Iterator[NdefRecord]:
+    """Yield what an undecoded URI or text says.
+
+    Raises:
+        WireError: It is damaged.
+    """
+    import ndef  # noqa: PLC0415 - an extra
+
+    for one in _decoded(b"".join(ndef.message_encoder([record]))):
+        if isinstance(one, ndef.UriRecord):
+            yield NdefRecord("uri", one.iri.encode())
+        elif isinstance(one, ndef.TextRecord):
+            yield NdefRecord("text", one.text.encode())
