@@ -11,6 +11,8 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import NoReturn, TypeAlias, TypeVar
 
+from pydantic_core import from_json
+
 from homebot.devices.text.states import means_unknown
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
@@ -63,6 +65,7 @@ states as well."""
 MAX_DEPTH = 64
 """Levels of lists and objects in JSON."""
 
+_ENDLESS = (math.inf, -math.inf)
 _MAX_SHOWN = 60
 
 
@@ -83,6 +86,19 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
     """
     if len(payload) > limit:
         raise WireError(f"a payload of {len(payload)} bytes is longer than {limit}")
+    if not unique and isinstance(payload, bytes) and _noted.get() is None:
+        try:
+            value: object = from_json(payload, allow_inf_nan=False, cache_strings="keys")
+        except ValueError:
+            pass  # what it does not take is refused below, with the reason
+        else:
+            if _is_finite(value, MAX_DEPTH):
+                return value
+    return _parse_slowly(payload, unique=unique)
+
+
+def _parse_slowly(payload: bytes | str, *, unique: bool) -> object:
+    """Return what *payload* says, or the reason why it is no JSON; notes keys that are there twice."""
     try:
         text = payload.decode() if isinstance(payload, bytes) else payload
         decoder = _UNIQUE if unique else _DECODER if _noted.get() is None else _NOTING
@@ -98,6 +114,22 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
     if "\\u" in text:
         check_surrogates(value)
     return value
+
+
+def _is_finite(value: object, depth: int) -> bool:
+    """Return whether *value* has at most *depth* levels, and no number without an end, as which ``1e999`` is read."""
+    if isinstance(value, dict):
+        value = value.values()
+    elif not isinstance(value, list):
+        return value not in _ENDLESS
+    for one in value:
+        kind = type(one)
+        if kind is float:
+            if one in _ENDLESS:
+                return False
+        elif (kind is dict or kind is list) and (depth <= 1 or not _is_finite(one, depth - 1)):
+            return False
+    return True
 
 
 def parse_list(payload: bytes, limit: int) -> Iterator[object]:
