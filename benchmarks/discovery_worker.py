@@ -65,8 +65,9 @@ class Watch:
     async def listen(self) -> None:
         """Read changes of states until cancelled: a tag that is taken away is no longer connected."""
         async for change in self._node.create_subscription(StateChange, DEVICE_STATES, qos_profile=1000):
-            if change.state.capability == "connectivity" and change.state.value.plain() is False:
-                self._notice(change.device, "connectivity: false")
+            for state in change.states:
+                if state.capability == "connectivity" and state.value.plain() is False:
+                    self._notice(change.device, "connectivity: false")
 
     def _take(self, change: DeviceChange) -> None:
         device = change.device

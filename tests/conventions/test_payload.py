@@ -54,20 +54,25 @@ def _parsed(payload: bytes | str) -> str:
         return f"refused: {error.problem[-20:]}"
 
 
+def _parsed_strictly(payload: bytes | str) -> str:
+    with DuplicateKeys():
+        return _parsed(payload)
+
+
 json_texts = st.text(alphabet='{}[]",:\\ud8 0123456789.eE+-truefalsn\t\x00NaInity', max_size=20)
 odd_numbers = st.from_regex(r"-?(0|[1-9][0-9]{0,30})(\.[0-9]{1,30})?([eE][+-]?[0-9]{1,4})?", fullmatch=True)
 
 
 @given(json_texts | odd_numbers | odd_numbers.map(lambda number: f'{{"a": [{number}]}}') | json_values.map(json.dumps))
-def test_bytes_are_read_as_text_is(text: str) -> None:
-    """Bytes go through a faster parser, which may take nothing else and must read the same numbers."""
-    assert _parsed(text.encode()) == _parsed(text)
+def test_the_fast_parser_reads_what_the_strict_one_reads(text: str) -> None:
+    for payload in (text, text.encode()):
+        assert _parsed(payload) == _parsed_strictly(payload)
 
 
 @pytest.mark.parametrize("depth", [1, 63, 64, 65, 66, 150, 300])
-def test_bytes_are_nested_as_deep_as_text_may_be(depth: int) -> None:
+def test_the_fast_parser_takes_the_same_depth(depth: int) -> None:
     for text in ("[" * depth + "]" * depth, '{"a":' * depth + "1" + "}" * depth):
-        assert _parsed(text.encode()) == _parsed(text)
+        assert _parsed(text) == _parsed_strictly(text)
 
 
 def test_of_a_key_that_is_there_twice_the_last_counts() -> None:

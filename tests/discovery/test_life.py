@@ -224,7 +224,7 @@ def test_an_old_report_of_a_part_that_vanished_changes_nothing(
     index.take_changes()
     (device,) = index.devices()
     assert [(one.part, one.capability) for one in device.states] == [("l", "on_off")]
-    assert [one.state.capability for one in index.take_states()] == ["on_off"]
+    assert [state.capability for one in index.take_states() for state in one.states] == ["on_off"]
     assert not index.find(parse_query("level > 1"))
 
 
@@ -252,8 +252,27 @@ def test_states_are_told_where_somebody_wants_them(
     index.report(tell(lamp, "on_off", True, part="l", at=2))
     index.report(tell(lamp, "on_off", False, part="l", at=3))
     changes, states = index.take_changes(), index.take_states()
-    assert [(one.device, one.state.value.plain(), one.state.since.sec) for one in states] == [("lamp", False, 3)]
-    assert states[0].sequence == changes[-1].sequence + 1
+    (change,) = states
+    assert [(one.value.plain(), one.since.sec) for one in change.states] == [(False, 3)]
+    assert (change.device, change.sequence) == ("lamp", changes[-1].sequence + 1)
+
+
+def test_new_values_of_one_message_are_one_change(
+    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
+) -> None:
+    """With those that changed alone; the key names them, so that no newer change of others takes its place."""
+    lamp = announce("l", part("light", "on_off", "level", "effect", id="l"), ids=("id:lamp",), name="Lamp")
+    index.observe(lamp)
+    index.sort()
+    index.collects_states = True
+    for at, level in ((1, 5.0), (2, 6.0)):
+        on, off = tell(lamp, "on_off", True, part="l", at=at), tell(lamp, "level", level, part="l", at=at)
+        index.report(on.model_copy(update={"readings": (*on.readings, *off.readings)}))
+    both, level_alone = index.take_states()
+    assert [(one.capability, one.value.plain()) for one in both.states] == [("on_off", True), ("level", 5.0)]
+    assert [(one.capability, one.value.plain()) for one in level_alone.states] == [("level", 6.0)]
+    assert both.stream != level_alone.stream
+    assert index.find(parse_query("level > 5.5"))
 
 
 def test_tombstones_are_bounded_and_the_oldest_is_forgotten() -> None:

@@ -209,7 +209,8 @@ async def test_new_values_are_told_only_while_somebody_listens(lamp: Sighting, t
         await house.hears(tell(lamp, "level", 20.0, part="l", at=2.0))
         change = states.take()
         assert change is not None
-        assert (change.device, change.state.part, change.state.value.plain()) == ("desk_lamp", "l", 20.0)
+        (state,) = change.states
+        assert (change.device, state.part, state.value.plain()) == ("desk_lamp", "l", 20.0)
 
 
 async def test_a_device_that_comes_to_fit_a_live_query_appears_and_one_that_does_not_goes(

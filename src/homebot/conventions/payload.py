@@ -86,7 +86,7 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
     """
     if len(payload) > limit:
         raise WireError(f"a payload of {len(payload)} bytes is longer than {limit}")
-    if not unique and isinstance(payload, bytes) and _noted.get() is None:
+    if not unique and _noted.get() is None:
         try:
             value: object = from_json(payload, allow_inf_nan=False, cache_strings="keys")
         except ValueError:

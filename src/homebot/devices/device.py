@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal, TypeAlias
 
+from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Part
 from homebot.devices.value import Value
 from homebot.messages.builtin_interfaces import Time
@@ -237,13 +238,13 @@ class DeviceChange(Message):
 
 
 class StateChange(Message):
-    """A change of the value of a capability, or an event.
+    """The values that one message of a device changed, or an event.
 
     Attributes:
-        stream: The device, part and capability as one key: the newest change of each is never lost. Each event has a
-            key of its own, so that a slow reader loses none of the last hundred.
+        stream: The device with the parts and capabilities that changed, as one key: the newest change of the same ones
+            is never lost. Each event has a key of its own, so that a slow reader loses none of the last hundred.
         device: The id of the device.
-        state: The new value or the event.
+        states: The new values, at least one; or the event alone.
         sequence: A number that grows with every change, in one series with those of :class:`DeviceChange`.
     """
 
@@ -251,5 +252,10 @@ class StateChange(Message):
 
     stream: str
     device: str
-    state: State
+    states: tuple[State, ...]
     sequence: int
+
+    @property
+    def is_event(self) -> bool:
+        """True if it is an event, which has no duration, such as a button press."""
+        return self.states[0].capability in EVENTS

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import final
 
-from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.query import And, Not, Or, Query, StateIs, facets_of, fits
 
@@ -55,18 +54,18 @@ class LiveQueryState:
         return change.model_copy(update={"kind": "changed"}) if change.kind == "appeared" else change
 
     def take_state(self, change: StateChange) -> DeviceChange | None:
-        """Return the change for the reader of a new value: that the device matches now, or no longer.
+        """Return the change for the reader of new values: that the device matches now, or no longer.
 
         An event makes no device match.
         """
-        if change.state.capability in EVENTS:
+        if change.is_event:
             return None
         device, sequence = self._house.get(change.device, (None, 0))
         if device is None or change.sequence <= max(sequence, self._sequence):
             return None
-        state = change.state
-        others = tuple(one for one in device.states if (one.part, one.capability) != (state.part, state.capability))
-        device = device.model_copy(update={"states": (*others, state)})
+        new = {(one.part, one.capability) for one in change.states}
+        others = [one for one in device.states if (one.part, one.capability) not in new]
+        device = device.model_copy(update={"states": (*others, *change.states)})
         self._house[device.id] = device, change.sequence
         fitted, does_fit = device.id in self._known, self._wants(device)
         if does_fit:
@@ -75,7 +74,8 @@ class LiveQueryState:
             self._known.pop(device.id, None)
         if fitted == does_fit:
             return None
-        why = f"its {state.capability} is {state.value.plain()} now" if does_fit else NO_LONGER
+        told = ", ".join(f"its {one.capability} is {one.value.plain()}" for one in change.states)
+        why = f"{told} now" if does_fit else NO_LONGER
         kind: ChangeKind = "appeared" if does_fit else "removed"
         return DeviceChange(kind=kind, device=device, sequence=change.sequence, why=why)
 

@@ -69,7 +69,7 @@ class ChangeQueue:
         self._topics = topics
         self.pending: list[_PendingChange] = []
         self._last: dict[str, _PendingChange] = {}
-        self.states: list[tuple[Entry, MergedParts, State]] = []
+        self.states: list[tuple[Entry, MergedParts, tuple[State, ...]]] = []
 
     def note(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
         """Note a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one."""
@@ -89,12 +89,12 @@ class ChangeQueue:
                     one.device = device
         self.pending.append(_PendingChange("removed", entry, why, other, device))
 
-    def note_state(self, entry: Entry, parts: MergedParts, state: State) -> None:
-        """Note a new value of one of the *parts* of *entry*; while 10,000 wait, it is dropped and counted."""
+    def note_states(self, entry: Entry, parts: MergedParts, states: tuple[State, ...]) -> None:
+        """Note new values of *parts* of *entry*, or one event; while 10,000 wait, they are dropped and counted."""
         if len(self.states) >= _MAX_STATES:
             self.states_lost += 1
         else:
-            self.states.append((entry, parts, state))
+            self.states.append((entry, parts, states))
 
     def take(self, at_most: int | None) -> tuple[DeviceChange, ...]:
         """Return the oldest changes, and what they made disputed, and forget them."""
@@ -114,25 +114,24 @@ class ChangeQueue:
         taken = self.states if at_most is None else self.states[:at_most]
         self.states = [] if at_most is None else self.states[at_most:]
         found: list[StateChange] = []
-        current: MergedParts | None = None  # the values of one message follow each other
-        for entry, parts, state in taken:
-            if parts is not current or state.capability in EVENTS:
-                if not self._is_current(entry, parts, state):
-                    continue
-                current = entry.parts(self._topics)
-            found.append(self._state_change(entry, state))
+        for entry, parts, states in taken:
+            current = self._current(entry, parts, states)
+            if current:
+                found.append(self._state_change(entry, current))
         return tuple(found)
 
-    def _is_current(self, entry: Entry, parts: MergedParts, state: State) -> bool:
+    def _current(self, entry: Entry, parts: MergedParts, states: tuple[State, ...]) -> tuple[State, ...]:
+        """Return those of *states* whose part and capability did not go meanwhile."""
         if self._entries.get(entry.id) is not entry:
-            return False
+            return ()
         merged = entry.parts(self._topics)
-        if state.capability in EVENTS:
-            return any(part.id == state.part for part in merged.parts)
         if merged is parts:
-            return True
-        place = (state.part, state.capability)
-        return any((known.part, known.capability) == place for known in entry.to_device(self._topics).states)
+            return states
+        if states[0].capability in EVENTS:
+            ids = {part.id for part in merged.parts}
+            return tuple([state for state in states if state.part in ids])
+        places = {(known.part, known.capability) for known in entry.to_device(self._topics).states}
+        return tuple([state for state in states if (state.part, state.capability) in places])
 
     def _changes(self, one: _PendingChange) -> list[DeviceChange]:
         """Return the change, and what became disputed by it."""
@@ -154,13 +153,17 @@ class ChangeQueue:
         self.sequence += 1
         return DeviceChange.of_checked(kind=kind, device=device, sequence=self.sequence, why=why, other=other)
 
-    def _state_change(self, entry: Entry, state: State) -> StateChange:
+    def _state_change(self, entry: Entry, states: tuple[State, ...]) -> StateChange:
         self.sequence += 1
-        stream = f"{entry.id}\0{state.part}\0{state.capability}"
-        if state.capability in EVENTS:  # of a state the newest counts, of events each
+        names = [entry.id]
+        for state in states:
+            names += (state.part, state.capability)
+        if names[2] in EVENTS:  # of a state the newest counts, of events each
             self._events = (self._events + 1) % _EVENTS
-            stream += f"\0{self._events}"
-        return StateChange.of_checked(stream=stream, device=entry.id, state=state, sequence=self.sequence)
+            names.append(str(self._events))
+        return StateChange.of_checked(
+            stream="\0".join(names), device=entry.id, states=states, sequence=self.sequence
+        )
 
 
 class ChangeLog:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from homebot.devices import (
@@ -154,8 +154,8 @@ class Entry:
                 facts=described.facts,
                 reachable=self.reachability(),
                 offline_parts=self.offline_parts(described.merged) if self.is_denied else (),
-                states=self._newest(described.merged, events=False) if has_states else (),
-                events=self._newest(described.merged, events=True) if has_events else (),
+                states=_states(described.merged, self._newest(described.merged, events=False)) if has_states else (),
+                events=_states(described.merged, self._newest(described.merged, events=True)) if has_events else (),
                 evidence=self.evidence,
                 conflicts=described.merged.conflicts,
             )
@@ -203,7 +203,11 @@ class Entry:
                 self.known_ids = lost_ids(self.known_ids, self._description.merged.places)
         return self._description
 
-    def _newest(self, merged: MergedParts, *, events: bool) -> tuple[State, ...]:
+    def newest_values(self, topics: TopicOwnership) -> Collection[StoredValue]:
+        """Return what is kept of each of :attr:`Device.states`, in their order."""
+        return self._newest(self.parts(topics), events=False).values()
+
+    def _newest(self, merged: MergedParts, *, events: bool) -> dict[tuple[int, str], StoredValue]:
         """Return the newest of what all routes to each part reported; what came live before what the broker had kept.
 
         Args:
@@ -219,21 +223,7 @@ class Entry:
                 known = newest.get((place, capability))
                 if known is None or _weight(stored) > _weight(known):
                     newest[place, capability] = stored
-        if not newest:
-            return ()
-        return tuple(
-            [
-                State.of_checked(
-                    part=merged.parts[place].id,
-                    capability=capability,
-                    value=Value.of(stored.value),
-                    since=stored.since,
-                    told_at=stored.told_at,
-                    live=stored.live,
-                )
-                for (place, capability), stored in newest.items()
-            ]
-        )
+        return newest
 
 
 @dataclass(frozen=True, slots=True)
@@ -269,6 +259,22 @@ def _describe(sources: tuple[SourceRecord, ...], topics: TopicOwnership, known_i
         facts=_facts(ordered),
         addresses=addresses(ordered, main),
         merged=merged,
+    )
+
+
+def _states(merged: MergedParts, newest: Mapping[tuple[int, str], StoredValue]) -> tuple[State, ...]:
+    return tuple(
+        [
+            State.of_checked(
+                part=merged.parts[place].id,
+                capability=capability,
+                value=Value.of(stored.value),
+                since=stored.since,
+                told_at=stored.told_at,
+                live=stored.live,
+            )
+            for (place, capability), stored in newest.items()
+        ]
     )
 
 

@@ -14,7 +14,6 @@ from typing import final
 from homebot.devices import Device, DeviceChange, Sighting, StateChange
 from homebot.devices.gateway_messages import Report
 from homebot.devices.query import Query, facets_of, type_is
-from homebot.devices.value import PlainValue
 from homebot.discovery.device_table import DeviceTable, IndexCounters
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
@@ -22,7 +21,7 @@ from homebot.discovery.merging.decisions import MergeDecisions
 from homebot.discovery.merging.intake import SightingIntake
 from homebot.discovery.merging.merger import DeviceMerger
 from homebot.discovery.pending import PendingReports
-from homebot.discovery.search.postings import Postings
+from homebot.discovery.search.postings import PostedValue, Postings
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.states import StateRecorder
 from homebot.errors import RefusedError
@@ -216,11 +215,13 @@ class DeviceIndex:
         while outdated and (at_most is None or done < at_most):
             device_id = next(iter(outdated))
             del outdated[device_id]
-            device = table.entries[device_id].to_device(topics)
+            entry = table.entries[device_id]
+            device = entry.to_device(topics)
             facets = facets_of(device)
-            values: list[tuple[str, str, str, PlainValue]] = []
+            values: list[PostedValue] = []
             if device.states:
-                values = [(state.part, *value) for state, value in zip(device.states, facets.values, strict=True)]
+                found = zip(device.states, facets.values, entry.newest_values(topics), strict=True)
+                values = [(state.part, kind, name, stored) for state, (kind, name, _), stored in found]
             table.postings.put(facets, values)
             done += 1
         return bool(outdated)

@@ -6,13 +6,14 @@ from collections.abc import Callable, Iterable
 from operator import attrgetter
 from typing import TypeAlias, final
 
-from homebot.devices import State
+from homebot.devices import DevicePart, State
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.gateway_messages import REACHABLE, Reading, Report
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.agreement import Agreement
+from homebot.discovery.merging.parts import MergedParts
 from homebot.discovery.merging.trust import EndpointKey, can_hurt, endpoint_of, takes_commands
 from homebot.discovery.source_record import Reach, SourceRecord, StoredValue
 from homebot.messages import Time
@@ -63,6 +64,7 @@ class StateRecorder:
                         self._record_event(entry, source, reading, stamp)
                 elif has_capability(source, part, capability):
                     stored = source.values[place] = StoredValue(reading.value.plain(), stamp, stamp, live, now)
+                    self._post(entry, source, reading, stored)
                     new.append((reading, stored))
                 else:
                     self._table.counters.unknown_parts += 1
@@ -109,27 +111,36 @@ class StateRecorder:
         offline = entry.offline_parts(entry.parts(self._table.topics))
         return entry.reachability().state, offline, entry.endpoint_reach()
 
-    def _publish(self, entry: Entry, source: SourceRecord, new: list[tuple[Reading, StoredValue]]) -> None:
-        """Make new values findable, and publish them."""
+    def _post(self, entry: Entry, source: SourceRecord, reading: Reading, stored: StoredValue) -> None:
+        """Make a value findable; that it changes later is seen in *stored* itself, where no other route reports it."""
         table = self._table
-        is_sorted = entry.id not in table.outdated
-        if not (is_sorted or table.collects_states):
+        if entry.id in table.outdated:
+            return
+        part = _part_of(entry.parts(table.topics), source, reading.part)
+        if part is not None and len(part.routes) > 1:
+            table.outdated[entry.id] = None
+        elif part is not None:
+            table.postings.put_value(entry.id, part.id, part.part.service_type, reading.capability, stored)
+
+    def _publish(self, entry: Entry, source: SourceRecord, new: list[tuple[Reading, StoredValue]]) -> None:
+        """Publish new values."""
+        table = self._table
+        if len(entry.sources) > 1:
+            for reading, stored in new:
+                self._post(entry, source, reading, stored)
+        if not table.collects_states:
             return
         merged = entry.parts(table.topics)
+        states: list[State] = []
+        name, part = None, None
         for reading, stored in new:
-            number = merged.places.get((*source.key, reading.part))
-            if number is None:
-                continue
-            part = merged.parts[number]
-            if source.is_claimed and part.routes:
-                continue
-            if is_sorted and len(part.routes) > 1:
-                is_sorted = False
-                table.outdated[entry.id] = None
-            elif is_sorted:
-                table.postings.put_value(entry.id, part.id, part.part.service_type, reading.capability, stored.value)
-            if table.collects_states:
-                table.changes.note_state(entry, merged, state_of(part.id, reading, stored))
+            if reading.part != name:
+                name = reading.part
+                part = _part_of(merged, source, name)
+            if part is not None:
+                states.append(state_of(part.id, reading, stored))
+        if states:
+            table.changes.note_states(entry, merged, tuple(states))
 
     def _record_event(self, entry: Entry, source: SourceRecord, reading: Reading, stamp: Time) -> None:
         """Publish an event once, by however many routes it comes; it is no state, so nothing is found by it."""
@@ -147,7 +158,7 @@ class StateRecorder:
         stored = StoredValue(value, stamp, stamp, live=True, heard_at=now)
         source.events = {**source.events, (reading.part, reading.capability): stored}
         if table.collects_states:
-            table.changes.note_state(entry, merged, state_of(merged.parts[number].id, reading, stored))
+            table.changes.note_states(entry, merged, (state_of(merged.parts[number].id, reading, stored),))
 
 
 def has_capability(source: SourceRecord, part_id: str, capability: str) -> bool:
@@ -183,6 +194,12 @@ def is_denied(sources: Iterable[SourceRecord]) -> bool:
             if reach.value is False:
                 return True
     return False
+
+
+def _part_of(merged: MergedParts, source: SourceRecord, part_id: str) -> DevicePart | None:
+    """Return the part of the device whose values those of *part_id* of *source* are; None where they are not shown."""
+    part = merged.part_of(source, part_id)
+    return None if part is None or (source.is_claimed and part.routes) else part
 
 
 def state_of(part_id: str, reading: Reading, stored: StoredValue) -> State:

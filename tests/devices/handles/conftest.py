@@ -171,7 +171,7 @@ class House:
         told = state(part_id, capability, value, told_at)
         stream = f"{device_id} {part_id} {capability}"
         number = self._sequence if sequence is None else sequence
-        self._states.publish(StateChange(stream=stream, device=device_id, state=told, sequence=number))
+        self._states.publish(StateChange(stream=stream, device=device_id, states=(told,), sequence=number))
 
     def _find(self, request: FindDevicesRequest) -> FindDevicesResponse:
         query = read_terms(request.query)

@@ -10,7 +10,6 @@ from typing import Generic, Literal, Self, TypeVar
 import anyio
 import anyio.lowlevel
 
-from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import Device, State, StateChange
 from homebot.devices.follow import Follow
 from homebot.devices.handles.handle import Handle
@@ -143,7 +142,7 @@ class FollowHandles(Generic[HandleT]):
 
     def _on_state(self, change: StateChange) -> None:
         device_id = change.device
-        if change.state.capability not in EVENTS:
+        if not change.is_event:
             if device_id not in self._changed:
                 self._mark_changed(device_id)
         elif device_id in self._tracked:
@@ -168,8 +167,9 @@ class FollowHandles(Generic[HandleT]):
 
     def _report_event(self, change: StateChange) -> None:
         reported = self._reported.get(change.device, {})
-        if (handle := reported.get(change.state.part)) is not None:
-            self._ready.append(HandleChange("event", handle, change.state))
+        (event,) = change.states
+        if (handle := reported.get(event.part)) is not None:
+            self._ready.append(HandleChange("event", handle, event))
 
     def _mark_changed(self, device_id: str) -> None:
         if device_id in self._tracked:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 from weakref import WeakValueDictionary
 
-from homebot.devices.capabilities import EVENTS, MOMENTARY
+from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.device import EVERYTHING, Device, DeviceChange, DevicePart, State, StateChange
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES, GatewayNames
@@ -24,7 +24,7 @@ __all__ = ["CommandSender", "Handles", "TrackedDevice", "Watcher"]
 
 HandleT = TypeVar("HandleT", bound="Handle")
 Watcher: TypeAlias = Callable[[StateChange], None]
-"""Called with each new value and event."""
+"""Called with the new values of each message, and with each event."""
 
 
 class TrackedDevice:
@@ -53,15 +53,15 @@ class TrackedDevice:
         self._sequence, self.device, self.is_gone = sequence, device, is_gone
         parts = {part.id for part in device.parts}
         self._states = {name: stored for name, stored in self._states.items() if stored[1].part in parts}
-        for state in device.states:
-            self.update_state(state, sequence)
+        self.update_states(device.states, sequence)
 
-    def update_state(self, state: State, sequence: int) -> None:
-        """Store a state in place of an older one by its number: the clock of its stamp may have been set back."""
-        place = state.part, state.capability
-        stored = self._states.get(place)
-        if stored is None or stored[0] <= sequence:
-            self._states[place] = sequence, state
+    def update_states(self, states: Iterable[State], sequence: int) -> None:
+        """Store states in place of older ones by their number: the clock of their stamps may have been set back."""
+        for state in states:
+            place = state.part, state.capability
+            stored = self._states.get(place)
+            if stored is None or stored[0] <= sequence:
+                self._states[place] = sequence, state
 
     def part(self, part_id: str) -> DevicePart | None:
         """Return the part, or None where the device has none of that id, or no longer."""
@@ -210,10 +210,10 @@ class Handles:
             tracked.update(change.device, change.sequence, is_gone=change.kind == "removed")
 
     def _on_state(self, change: StateChange) -> None:
-        tracked, state = self._tracked.get(change.device), change.state
-        if state.capability not in EVENTS:
+        if not change.is_event:
+            tracked = self._tracked.get(change.device)
             if tracked is None:
                 return
-            tracked.update_state(state, change.sequence)
+            tracked.update_states(change.states, change.sequence)
         for watcher in self._watchers:
             watcher(change)

@@ -97,6 +97,11 @@ class MergedParts:
     conflicts: tuple[str, ...]
     places: dict[PartPlace, int]
 
+    def part_of(self, source: SourceRecord, part: str) -> DevicePart | None:
+        """Return which part of the device *part* of *source* is; None where it was left out."""
+        number = self.places.get((*source.key, part))
+        return None if number is None else self.parts[number]
+
     def ids(self) -> dict[PartPlace, str]:
         """Return which id the part has that each part of a source is."""
         return {place: self.parts[number].id for place, number in self.places.items()}

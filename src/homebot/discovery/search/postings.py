@@ -31,10 +31,14 @@ from homebot.devices.query import (
 from homebot.devices.query.folding import fold, is_typo, may_be_typo
 from homebot.devices.query.matching import compares
 from homebot.devices.value import PlainValue
+from homebot.discovery.source_record import StoredValue
 
-__all__ = ["Found", "Postings"]
+__all__ = ["Found", "PostedValue", "Postings"]
 
 Found: TypeAlias = frozenset[str] | set[str]
+PostedValue: TypeAlias = tuple[str, str, str, StoredValue]
+"""Part, type of the part, capability, and what is kept of the value, in which later values are seen."""
+
 _Key: TypeAlias = tuple[object, ...]
 
 _NONE: frozenset[str] = frozenset()
@@ -46,7 +50,7 @@ _FEW = 200
 @dataclass(slots=True)
 class _Posted:
     facets: Facets
-    values: dict[tuple[str, str], tuple[str, PlainValue]] = field(default_factory=dict)
+    values: dict[tuple[str, str], tuple[str, StoredValue]] = field(default_factory=dict)
 
 
 @final
@@ -57,15 +61,15 @@ class Postings:
         self._posted: dict[str, _Posted] = {}
         self._sets: dict[_Key, set[str]] = {}
         self._values_of: dict[str, set[_Key]] = {}
-        self._columns: dict[tuple[str, str], dict[tuple[str, str], PlainValue]] = {}
+        self._columns: dict[tuple[str, str], dict[tuple[str, str], StoredValue]] = {}
         self._types_with: dict[str, set[str]] = {}
         self._words = _Words()
 
     def __len__(self) -> int:
         return len(self._posted)
 
-    def put(self, facets: Facets, values: Iterable[tuple[str, str, str, PlainValue]]) -> None:
-        """Let a device be found by its facets, and by *values*: part, type of the part, capability, value."""
+    def put(self, facets: Facets, values: Iterable[PostedValue]) -> None:
+        """Let a device be found by its facets, and by *values*."""
         device_id = facets.id
         before = self._posted.get(device_id)
         if before is None:
@@ -84,20 +88,20 @@ class Postings:
                 self._join(key, device_id)
             self._discard_values(device_id, before)
         self._posted[device_id] = _Posted(facets)
-        for part, service_type, capability, value in values:
-            self.put_value(device_id, part, service_type, capability, value)
+        for part, service_type, capability, stored in values:
+            self.put_value(device_id, part, service_type, capability, stored)
 
-    def put_value(self, device_id: str, part: str, service_type: str, capability: str, value: PlainValue) -> None:
-        """Note that a part has a value; of a device that can be found already."""
+    def put_value(self, device_id: str, part: str, service_type: str, capability: str, stored: StoredValue) -> None:
+        """Note where a part has a value; of a device that can be found already."""
         posted = self._posted.get(device_id)
         if posted is None:
             return
-        posted.values[part, capability] = (service_type, value)
+        posted.values[part, capability] = (service_type, stored)
         column = self._columns.get((service_type, capability))
         if column is None:
             column = self._columns[service_type, capability] = {}
             self._types_with.setdefault(capability, set()).add(service_type)
-        column[device_id, part] = value
+        column[device_id, part] = stored
 
     def discard(self, device_id: str) -> None:
         """Let the device be found no longer."""
@@ -113,10 +117,10 @@ class Postings:
 
     def value(self, device_id: str, term: StateIs) -> PlainValue:
         """Return the value by which the device fits *term*; None where it does not."""
-        for (_, capability), (service_type, value) in self._posted[device_id].values.items():
+        for (_, capability), (service_type, stored) in self._posted[device_id].values.items():
             is_meant = capability == term.capability and (not term.types or service_type in term.types)
-            if is_meant and compares(term, value):
-                return value
+            if is_meant and compares(term, stored.value):
+                return stored.value
         return None
 
     def values_of(self, name: str) -> frozenset[str]:
@@ -250,15 +254,15 @@ class Postings:
             self._columns[service_type, capability].pop((device_id, part), None)
 
 
-def _fitting(column: dict[tuple[str, str], PlainValue], term: StateIs) -> set[str]:
+def _fitting(column: dict[tuple[str, str], StoredValue], term: StateIs) -> set[str]:
     """Return the devices that fit; numbers and flags, most of all, are compared without a call for each."""
-    wanted = term.value
+    wanted, items = term.value, column.items()
     if isinstance(wanted, bool) and term.operator == "=":
-        return {place[0] for place, value in column.items() if value is wanted}
+        return {place[0] for place, stored in items if stored.value is wanted}
     if isinstance(wanted, float):
         holds = _HOLDS[term.operator]
-        return {place[0] for place, value in column.items() if isinstance(value, float) and holds(value, wanted)}
-    return {place[0] for place, value in column.items() if compares(term, value)}
+        return {place[0] for place, stored in items if isinstance(stored.value, float) and holds(stored.value, wanted)}
+    return {place[0] for place, stored in items if compares(term, stored.value)}
 
 
 _HOLDS: dict[str, Callable[[float, float], bool]] = {
