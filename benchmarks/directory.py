@@ -15,10 +15,10 @@ from typing import TypeVar
 
 from homebot.cli.commands.run import COLLECT_AFTER
 from homebot.devices import KeyValue, Sighting
-from homebot.devices.gateway_messages import Reading, Report
+from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import parse_query
-from homebot.devices.value import Value
+from homebot.devices.value import Reading, Value
 from homebot.discovery import DeviceIndex
 from homebot.discovery.search.rank import rank, reasons
 from homebot.messages import Time

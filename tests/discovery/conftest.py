@@ -9,9 +9,9 @@ from typing import Literal
 import pytest
 
 from homebot.devices import KeyValue, Sighting
-from homebot.devices.gateway_messages import Reading, Report
+from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Capability, Category, Part
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue, Reading, Value
 from homebot.messages import Time
 
 Announce = Callable[..., Sighting]

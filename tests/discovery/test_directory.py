@@ -19,8 +19,8 @@ from homebot.devices import (
     GetIndexData,
     Sighting,
 )
-from homebot.devices.gateway_messages import REACHABLE, Reading, Report
-from homebot.devices.value import Value
+from homebot.devices.gateway_messages import REACHABLE, Report
+from homebot.devices.value import Reading, Value
 from homebot.discovery import Directory, DirectorySettings
 from homebot.graph import Graph, Node, Subscription, qos_profile_latched
 from homebot.messages import String, Time

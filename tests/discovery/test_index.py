@@ -7,9 +7,9 @@ from typing import Literal
 import pytest
 
 from homebot.devices import DeviceChange, KeyValue, Sighting, StateChange
-from homebot.devices.gateway_messages import Reading, Report
+from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Capability, Part
-from homebot.devices.value import Value
+from homebot.devices.value import Reading, Value
 from homebot.discovery import DeviceIndex
 from homebot.messages import Time
 

@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.devices import Sighting
-from homebot.devices.gateway_messages import REACHABLE, Reading, Report
+from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import And
-from homebot.devices.value import Value
+from homebot.devices.value import Reading, Value
 from homebot.discovery import DeviceIndex
 from homebot.discovery.record import entry_record, read_entry
 from homebot.messages import Time

@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.devices import KeyValue, Sighting
-from homebot.devices.gateway_messages import REACHABLE, Reading, Report
+from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import AreaIs, NameIs, Not, Query, facets_of, fits, parse_query
-from homebot.devices.value import Value
+from homebot.devices.value import Reading, Value
 from homebot.discovery import DeviceIndex
 from homebot.discovery.search.rank import rank, reasons
 from homebot.messages import Time

@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.devices import Device, Sighting
-from homebot.devices.gateway_messages import REACHABLE, Reading, Report
+from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.part import Part
 from homebot.devices.query import parse_query
-from homebot.devices.value import Value
+from homebot.devices.value import Reading, Value
 from homebot.discovery import DeviceIndex
 from homebot.messages import Time
 

@@ -16,12 +16,12 @@ import pytest
 
 from homebot.devices import GatewayState, RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.exposure import ExposedDevice, ExposedState
-from homebot.devices.gateway_messages import Command, Reading, Report, SendCommand, SendCommandResponse
+from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse, Quarantine
 from homebot.devices.names import text_address
 from homebot.devices.part import Capability, Part
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue, Reading, Value
 from homebot.gateways import Gateway
 from homebot.gateways.base import Delivery
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription

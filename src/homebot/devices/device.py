@@ -6,7 +6,7 @@ from typing import ClassVar, Literal, TypeAlias
 
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Part
-from homebot.devices.value import Value
+from homebot.devices.value import Reading, Value
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 
@@ -244,7 +244,9 @@ class StateChange(Message):
         stream: The device with the parts and capabilities that changed, as one key: the newest change of the same ones
             is never lost. Each event has a key of its own, so that a slow reader loses none of the last hundred.
         device: The id of the device.
-        states: The new values, at least one; or the event alone.
+        readings: The new values, at least one; or the event alone.
+        told_at: The time of the report.
+        live: Whether the device itself reported them; False if they are known only from a retained message.
         sequence: A number that grows with every change, in one series with those of :class:`DeviceChange`.
     """
 
@@ -252,10 +254,28 @@ class StateChange(Message):
 
     stream: str
     device: str
-    states: tuple[State, ...]
+    readings: tuple[Reading, ...]
+    told_at: Time
+    live: bool
     sequence: int
 
     @property
     def is_event(self) -> bool:
         """True if it is an event, which has no duration, such as a button press."""
-        return self.states[0].capability in EVENTS
+        return self.readings[0].capability in EVENTS
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        """The new values, or the event, as states of the device."""
+        return tuple([self.state_of(reading) for reading in self.readings])
+
+    def state_of(self, reading: Reading) -> State:
+        """Return the state that *reading*, one of :attr:`readings`, tells."""
+        return State.of_checked(
+            part=reading.part,
+            capability=reading.capability,
+            value=reading.value,
+            since=self.told_at,
+            told_at=self.told_at,
+            live=self.live,
+        )

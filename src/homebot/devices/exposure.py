@@ -11,10 +11,10 @@ from collections.abc import AsyncIterator
 from types import TracebackType
 from typing import ClassVar, Self
 
-from homebot.devices.gateway_messages import Command, Reading
+from homebot.devices.gateway_messages import Command
 from homebot.devices.names import GatewayNames
 from homebot.devices.part import Part
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue, Reading, Value
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.messages.message import Message
 

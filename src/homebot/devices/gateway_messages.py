@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field
 from homebot.devices.device import KeyValue
 from homebot.devices.names import is_text_address
 from homebot.devices.part import Part
-from homebot.devices.value import Value
+from homebot.devices.value import Reading, Value
 from homebot.errors import WireError
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType, UInt8
@@ -21,7 +21,6 @@ __all__ = [
     "GatewayState",
     "RawCommand",
     "RawMessage",
-    "Reading",
     "Report",
     "SendCommand",
     "SendCommandResponse",
@@ -101,20 +100,6 @@ class Sighting(Message):
     def is_plain_text(self) -> bool:
         """True if it publishes text on an address of its own, as in the thesis's layout."""
         return bool(self.address) and not is_text_address(self.address)
-
-
-class Reading(Message):
-    """One value of one part.
-
-    Attributes:
-        part: The id of the part; see :class:`homebot.devices.part.Part`.
-        capability: The name of the capability.
-        value: The value, in the unit of the vocabulary.
-    """
-
-    part: str
-    capability: str
-    value: Value
 
 
 class Report(Message):

@@ -1,4 +1,4 @@
-"""Value of a capability, in a report or a command."""
+"""Value of a capability, in a report or a command, and the reading that names its part and capability."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pydantic import Field
 
 from homebot.messages.message import Message, UInt8
 
-__all__ = ["UNKNOWN", "PlainValue", "Value"]
+__all__ = ["UNKNOWN", "PlainValue", "Reading", "Value"]
 
 PlainValue: TypeAlias = bool | float | str | tuple[float, ...] | None
 """A value in plain Python; None is *unknown*, which is a value of its own. Numbers are always ``float``."""
@@ -63,6 +63,20 @@ class Value(Message):
                 return self.numbers
             case _:
                 return None
+
+
+class Reading(Message):
+    """One value of one part.
+
+    Attributes:
+        part: The id of the part; see :class:`homebot.devices.part.Part`.
+        capability: The name of the capability.
+        value: The value, in the unit of the vocabulary.
+    """
+
+    part: str
+    capability: str
+    value: Value
 
 
 @lru_cache(maxsize=10_000)

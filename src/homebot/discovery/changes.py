@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import final
+from typing import NamedTuple, final
 
-from homebot.devices import Device, DeviceChange, State, StateChange
+from homebot.devices import Device, DeviceChange, StateChange
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import ChangeKind
 from homebot.devices.part import size_of_texts, texts_of
+from homebot.devices.value import Reading
 from homebot.discovery.entry import Entry
 from homebot.discovery.merging.parts import MergedParts
 from homebot.discovery.topics.ownership import TopicOwnership
+from homebot.messages import Time
 
-__all__ = ["MAX_SIZE", "REMEMBERED", "ChangeLog", "ChangeQueue"]
+__all__ = ["MAX_SIZE", "REMEMBERED", "ChangeLog", "ChangeQueue", "NewStates"]
 
 
 _MAX_STATES = 10_000
@@ -45,6 +47,14 @@ class _PendingChange:
     device: Device | None = None
 
 
+class NewStates(NamedTuple):
+    """The new values that a report brought, or one event; see :class:`StateChange`."""
+
+    readings: tuple[Reading, ...]
+    told_at: Time
+    live: bool
+
+
 @final
 class ChangeQueue:
     """Collects changes until they are taken: a device that is announced in thirty messages is then published once.
@@ -69,7 +79,7 @@ class ChangeQueue:
         self._topics = topics
         self.pending: list[_PendingChange] = []
         self._last: dict[str, _PendingChange] = {}
-        self.states: list[tuple[Entry, MergedParts, tuple[State, ...]]] = []
+        self.states: list[tuple[Entry, MergedParts, NewStates]] = []
 
     def note(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
         """Note a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one."""
@@ -89,7 +99,7 @@ class ChangeQueue:
                     one.device = device
         self.pending.append(_PendingChange("removed", entry, why, other, device))
 
-    def note_states(self, entry: Entry, parts: MergedParts, states: tuple[State, ...]) -> None:
+    def note_states(self, entry: Entry, parts: MergedParts, states: NewStates) -> None:
         """Note new values of *parts* of *entry*, or one event; while 10,000 wait, they are dropped and counted."""
         if len(self.states) >= _MAX_STATES:
             self.states_lost += 1
@@ -115,23 +125,23 @@ class ChangeQueue:
         self.states = [] if at_most is None else self.states[at_most:]
         found: list[StateChange] = []
         for entry, parts, states in taken:
-            current = self._current(entry, parts, states)
-            if current:
-                found.append(self._state_change(entry, current))
+            readings = self._current(entry, parts, states.readings)
+            if readings:
+                found.append(self._state_change(entry, readings, states))
         return tuple(found)
 
-    def _current(self, entry: Entry, parts: MergedParts, states: tuple[State, ...]) -> tuple[State, ...]:
-        """Return those of *states* whose part and capability did not go meanwhile."""
+    def _current(self, entry: Entry, parts: MergedParts, readings: tuple[Reading, ...]) -> tuple[Reading, ...]:
+        """Return those of *readings* whose part and capability did not go meanwhile."""
         if self._entries.get(entry.id) is not entry:
             return ()
         merged = entry.parts(self._topics)
         if merged is parts:
-            return states
-        if states[0].capability in EVENTS:
+            return readings
+        if readings[0].capability in EVENTS:
             ids = {part.id for part in merged.parts}
-            return tuple([state for state in states if state.part in ids])
+            return tuple([reading for reading in readings if reading.part in ids])
         places = {(known.part, known.capability) for known in entry.to_device(self._topics).states}
-        return tuple([state for state in states if (state.part, state.capability) in places])
+        return tuple([reading for reading in readings if (reading.part, reading.capability) in places])
 
     def _changes(self, one: _PendingChange) -> list[DeviceChange]:
         """Return the change, and what became disputed by it."""
@@ -153,16 +163,21 @@ class ChangeQueue:
         self.sequence += 1
         return DeviceChange.of_checked(kind=kind, device=device, sequence=self.sequence, why=why, other=other)
 
-    def _state_change(self, entry: Entry, states: tuple[State, ...]) -> StateChange:
+    def _state_change(self, entry: Entry, readings: tuple[Reading, ...], states: NewStates) -> StateChange:
         self.sequence += 1
         names = [entry.id]
-        for state in states:
-            names += (state.part, state.capability)
+        for reading in readings:
+            names += (reading.part, reading.capability)
         if names[2] in EVENTS:  # of a state the newest counts, of events each
             self._events = (self._events + 1) % _EVENTS
             names.append(str(self._events))
         return StateChange.of_checked(
-            stream="\0".join(names), device=entry.id, states=states, sequence=self.sequence
+            stream="\0".join(names),
+            device=entry.id,
+            readings=readings,
+            told_at=states.told_at,
+            live=states.live,
+            sequence=self.sequence,
         )
 
 

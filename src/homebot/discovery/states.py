@@ -6,9 +6,11 @@ from collections.abc import Callable, Iterable
 from operator import attrgetter
 from typing import TypeAlias, final
 
-from homebot.devices import DevicePart, State
+from homebot.devices import DevicePart
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.gateway_messages import REACHABLE, Reading, Report
+from homebot.devices.gateway_messages import REACHABLE, Report
+from homebot.devices.value import Reading
+from homebot.discovery.changes import NewStates
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
@@ -18,7 +20,7 @@ from homebot.discovery.merging.trust import EndpointKey, can_hurt, endpoint_of, 
 from homebot.discovery.source_record import Reach, SourceRecord, StoredValue
 from homebot.messages import Time
 
-__all__ = ["StateRecorder", "has_capability", "is_denied", "state_of", "store_reachability"]
+__all__ = ["StateRecorder", "has_capability", "is_denied", "store_reachability"]
 
 
 _NAME = attrgetter("name")
@@ -77,7 +79,7 @@ class StateRecorder:
                     stored.value, stored.since = value, stamp
                     new.append((reading, stored))
         if new:
-            self._publish(entry, source, new)
+            self._publish(entry, source, new, report)
         if shows_life:
             self._liveness.mark_seen(entry, source, report.received_at, "it sent a message")
         else:
@@ -122,8 +124,10 @@ class StateRecorder:
         elif part is not None:
             table.postings.put_value(entry.id, part.id, part.part.service_type, reading.capability, stored)
 
-    def _publish(self, entry: Entry, source: SourceRecord, new: list[tuple[Reading, StoredValue]]) -> None:
-        """Publish new values."""
+    def _publish(
+        self, entry: Entry, source: SourceRecord, new: list[tuple[Reading, StoredValue]], report: Report
+    ) -> None:
+        """Publish new values out of *report*."""
         table = self._table
         if len(entry.sources) > 1:
             for reading, stored in new:
@@ -131,16 +135,17 @@ class StateRecorder:
         if not table.collects_states:
             return
         merged = entry.parts(table.topics)
-        states: list[State] = []
+        readings: list[Reading] = []
         name, part = None, None
-        for reading, stored in new:
+        for reading, _ in new:
             if reading.part != name:
                 name = reading.part
                 part = _part_of(merged, source, name)
             if part is not None:
-                states.append(state_of(part.id, reading, stored))
-        if states:
-            table.changes.note_states(entry, merged, tuple(states))
+                readings.append(reading if part.id == name else _of_part(part.id, reading))
+        if readings:
+            stamp, live = report.received_at, not report.retained
+            table.changes.note_states(entry, merged, NewStates(tuple(readings), stamp, live))
 
     def _record_event(self, entry: Entry, source: SourceRecord, reading: Reading, stamp: Time) -> None:
         """Publish an event once, by however many routes it comes; it is no state, so nothing is found by it."""
@@ -158,7 +163,8 @@ class StateRecorder:
         stored = StoredValue(value, stamp, stamp, live=True, heard_at=now)
         source.events = {**source.events, (reading.part, reading.capability): stored}
         if table.collects_states:
-            table.changes.note_states(entry, merged, (state_of(merged.parts[number].id, reading, stored),))
+            event = _of_part(merged.parts[number].id, reading)
+            table.changes.note_states(entry, merged, NewStates((event,), stamp, live=True))
 
 
 def has_capability(source: SourceRecord, part_id: str, capability: str) -> bool:
@@ -202,13 +208,6 @@ def _part_of(merged: MergedParts, source: SourceRecord, part_id: str) -> DeviceP
     return None if part is None or (source.is_claimed and part.routes) else part
 
 
-def state_of(part_id: str, reading: Reading, stored: StoredValue) -> State:
-    """Return the message that tells a value."""
-    return State.of_checked(
-        part=part_id,
-        capability=reading.capability,
-        value=reading.value,
-        since=stored.since,
-        told_at=stored.told_at,
-        live=stored.live,
-    )
+def _of_part(part_id: str, reading: Reading) -> Reading:
+    """Return *reading* as one of the part of the device, which an announcement may call otherwise."""
+    return Reading.of_checked(part=part_id, capability=reading.capability, value=reading.value)

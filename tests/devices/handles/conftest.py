@@ -28,7 +28,7 @@ from homebot.devices.gateway_messages import Command, SendCommand, SendCommandRe
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import facets_of, fits, read_terms
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue, Reading, Value
 from homebot.graph import Graph, Node
 from homebot.messages import Time
 
@@ -171,7 +171,16 @@ class House:
         told = state(part_id, capability, value, told_at)
         stream = f"{device_id} {part_id} {capability}"
         number = self._sequence if sequence is None else sequence
-        self._states.publish(StateChange(stream=stream, device=device_id, states=(told,), sequence=number))
+        self._states.publish(
+            StateChange(
+                stream=stream,
+                device=device_id,
+                readings=(Reading(part=told.part, capability=told.capability, value=told.value),),
+                told_at=told.told_at,
+                live=told.live,
+                sequence=number,
+            )
+        )
 
     def _find(self, request: FindDevicesRequest) -> FindDevicesResponse:
         query = read_terms(request.query)

@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.devices import Device, Sighting
-from homebot.devices.gateway_messages import REACHABLE, Reading, Report
+from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.part import Capability, Part
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue, Reading, Value
 from homebot.discovery import DeviceIndex
 from homebot.discovery.merging.agreement import WINDOW, Agreement
 from homebot.discovery.merging.trust import MAX_TRUSTED

@@ -11,9 +11,9 @@ import anyio
 import pytest
 
 from homebot.devices.exposure import ExposedDevice, ExposedState
-from homebot.devices.gateway_messages import Command, Reading
+from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Capability, Part
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue, Reading, Value
 from homebot.graph import DurabilityPolicy, QoSProfile
 
 pytestmark = pytest.mark.virtual_time

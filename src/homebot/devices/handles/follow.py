@@ -72,7 +72,7 @@ class FollowHandles(Generic[HandleT]):
         self._query = query
         self._devices: Follow | None = None
         self._tracked: dict[str, TrackedDevice] = {}
-        self._reported: dict[str, dict[str, HandleT]] = {}
+        self._reported: dict[str, dict[str, HandleChange[HandleT]]] = {}  # ready to be given out as "changed"
         self._compared: dict[str, Device] = {}  # by the description alone: no new value changes what matches
         self._changed: dict[str, None] = {}
         self._ready: deque[HandleChange[HandleT]] = deque()
@@ -168,8 +168,8 @@ class FollowHandles(Generic[HandleT]):
     def _report_event(self, change: StateChange) -> None:
         reported = self._reported.get(change.device, {})
         (event,) = change.states
-        if (handle := reported.get(event.part)) is not None:
-            self._ready.append(HandleChange("event", handle, event))
+        if (known := reported.get(event.part)) is not None:
+            self._ready.append(HandleChange("event", known.handle, event))
 
     def _mark_changed(self, device_id: str) -> None:
         if device_id in self._tracked:
@@ -182,17 +182,18 @@ class FollowHandles(Generic[HandleT]):
         known = self._tracked[device_id]
         reported = self._reported.get(device_id, {})
         if self._compared.get(device_id) is known.device and not known.is_gone:
-            self._ready.extend([HandleChange("changed", handle) for handle in reported.values()])
+            self._ready.extend(reported.values())
             return
         parts = [] if known.is_gone else self._query.parts(known.current())
         for part in [part for part in reported if part not in parts]:
-            self._ready.append(HandleChange("removed", reported.pop(part)))
+            self._ready.append(HandleChange("removed", reported.pop(part).handle))
         for part in parts:
             if part in reported:
-                self._ready.append(HandleChange("changed", reported[part]))
+                self._ready.append(reported[part])
             else:
-                (reported[part],) = self._handles.of_parts(self._query.kind, known, [part])
-                self._ready.append(HandleChange("appeared", reported[part]))
+                (handle,) = self._handles.of_parts(self._query.kind, known, [part])
+                reported[part] = HandleChange("changed", handle)
+                self._ready.append(HandleChange("appeared", handle))
         if known.is_gone:
             del self._tracked[device_id]
             self._compared.pop(device_id, None)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, TypeAlias, TypeVar, cast
 from weakref import WeakValueDictionary
 
 from homebot.devices.capabilities import MOMENTARY
@@ -12,7 +12,7 @@ from homebot.devices.gateway_messages import Command, SendCommand, SendCommandRe
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES, GatewayNames
 from homebot.devices.query import query_terms
 from homebot.devices.services import FindDevices, FindDevicesRequest
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue, Reading, Value
 from homebot.errors import InvalidNameError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node
 
@@ -44,7 +44,8 @@ class TrackedDevice:
         self.device = device
         self.is_gone = is_gone
         self._sequence = sequence
-        self._states = {(state.part, state.capability): (sequence, state) for state in device.states}
+        self._values: dict[tuple[str, str], _Told] = {}
+        self._take_states(device.states, sequence)
 
     def update(self, device: Device, sequence: int, *, is_gone: bool = False) -> None:
         """Store a description; one older than the stored one changes nothing."""
@@ -52,16 +53,17 @@ class TrackedDevice:
             return
         self._sequence, self.device, self.is_gone = sequence, device, is_gone
         parts = {part.id for part in device.parts}
-        self._states = {name: stored for name, stored in self._states.items() if stored[1].part in parts}
-        self.update_states(device.states, sequence)
+        self._values = {place: told for place, told in self._values.items() if place[0] in parts}
+        self._take_states(device.states, sequence)
 
-    def update_states(self, states: Iterable[State], sequence: int) -> None:
-        """Store states in place of older ones by their number: the clock of their stamps may have been set back."""
-        for state in states:
-            place = state.part, state.capability
-            stored = self._states.get(place)
-            if stored is None or stored[0] <= sequence:
-                self._states[place] = sequence, state
+    def take(self, change: StateChange) -> None:
+        """Store new values in place of older ones by their number: the clock of their stamps may have been set back."""
+        values, sequence = self._values, change.sequence
+        for reading in change.readings:
+            place = reading.part, reading.capability
+            known = values.get(place)
+            if known is None or known[0] <= sequence:
+                values[place] = sequence, reading, change
 
     def part(self, part_id: str) -> DevicePart | None:
         """Return the part, or None where the device has none of that id, or no longer."""
@@ -72,8 +74,8 @@ class TrackedDevice:
 
     def value(self, part_id: str, capability: str) -> PlainValue:
         """Return the latest value of the part; None where it reported none, or that it does not know."""
-        stored = self._states.get((part_id, capability))
-        return None if stored is None else stored[1].value.plain()
+        told = self._values.get((part_id, capability))
+        return None if told is None else told[1].value.plain()
 
     def only_value(self, capability: str) -> PlainValue:
         """Return the latest value of the only part with *capability*; None where there is none, or are several."""
@@ -82,8 +84,23 @@ class TrackedDevice:
 
     def current(self) -> Device:
         """Return the device with the newest values of its parts."""
-        states = tuple([state for _, state in self._states.values()])
+        states = tuple([_state_of(*told[1:]) for told in self._values.values()])
         return self.device.with_checked(states=states)
+
+    def _take_states(self, states: Iterable[State], sequence: int) -> None:
+        for state in states:
+            place = state.part, state.capability
+            known = self._values.get(place)
+            if known is None or known[0] <= sequence:
+                self._values[place] = sequence, state, None
+
+
+_Told: TypeAlias = tuple[int, State | Reading, StateChange | None]
+"""Number of the change, the value, and the change that a reading is from."""
+
+
+def _state_of(told: State | Reading, change: StateChange | None) -> State:
+    return change.state_of(told) if change is not None and isinstance(told, Reading) else cast("State", told)
 
 
 class CommandSender:
@@ -214,6 +231,6 @@ class Handles:
             tracked = self._tracked.get(change.device)
             if tracked is None:
                 return
-            tracked.update_states(change.states, change.sequence)
+            tracked.take(change)
         for watcher in self._watchers:
             watcher(change)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Literal, TypeAlias
@@ -11,6 +12,7 @@ from homebot.devices import KeyValue, Sighting
 from homebot.devices.names import text_address
 from homebot.devices.part import Part
 from homebot.devices.text.commands import accepts_text, main_part
+from homebot.devices.value import PlainValue, Reading, Value
 from homebot.gateways.announced.reachability import ReachabilityReader
 from homebot.gateways.raw_delivery import PartTexts
 from homebot.messages import Time
@@ -20,6 +22,7 @@ __all__ = ["AnnouncedPart", "AvailabilityReader", "SightingKind", "StoredAnnounc
 SightingKind: TypeAlias = Literal["appeared", "updated", "removed"]
 
 _MAX_STREAMS = 100
+_MAX_READINGS = 100
 _NEVER = Time(sec=0, nanosec=0)
 _NO_ENDPOINT = TextEndpoint("", "", "")
 
@@ -37,6 +40,26 @@ class AnnouncedPart(PartTexts):
     stored: StoredAnnouncement
     described: DescribedPart
     address: str
+    _readings: dict[str, tuple[PlainValue, Reading]] = field(default_factory=dict, init=False)
+
+    def readings(self, values: Mapping[str, PlainValue]) -> list[Reading]:
+        """Return *values* as readings, each the same one as before where the value is the same.
+
+        Raises:
+            pydantic.ValidationError: A value, or the name of a capability, is none that a reading can have.
+        """
+        known, part, found = self._readings, self.described.part.id, []
+        for name, value in values.items():
+            before = known.get(name)
+            if before is not None and before[0] == value and type(before[0]) is type(value):
+                found.append(before[1])
+                continue
+            make = Reading.of_checked if str.isascii(name) else Reading
+            reading = make(part=part, capability=name, value=Value.of(value))
+            if before is not None or len(known) < _MAX_READINGS:
+                known[name] = (value, reading)
+            found.append(reading)
+        return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)

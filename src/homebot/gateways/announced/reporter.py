@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.gateway_messages import REACHABLE, Reading, Report
+from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.services import NEVER
-from homebot.devices.value import Value
+from homebot.devices.value import Reading, Value
 from homebot.gateways.announced.announcement import SightingKind, StoredAnnouncement
 from homebot.gateways.base import Gateway
 from homebot.messages import Time
@@ -101,10 +101,14 @@ class DeviceReporter:
             address: Where it was said; empty where the protocol has no addresses.
             retained: Whether it was kept from before.
         """
-        states = tuple([one for one in readings if one.capability not in EVENTS])
-        events = () if len(states) == len(readings) else tuple([one for one in readings if one.capability in EVENTS])
+        states = tuple(readings)
+        events: tuple[Reading, ...] = ()
+        if not EVENTS.isdisjoint([one.capability for one in readings]):
+            states = tuple([one for one in readings if one.capability not in EVENTS])
+            events = tuple([one for one in readings if one.capability in EVENTS])
         if states:
-            self.publish_report(device.key, states, address, device.report_stream(source), retained=retained)
+            stream = device.report_streams.get(source) or device.report_stream(source)
+            self.publish_report(device.key, states, address, stream, retained=retained)
         if events and not retained:
             self.report_events(device.key, events, address)
 

@@ -15,9 +15,8 @@ from homebot.conventions.description import AutoExpiry, AvailabilitySource
 from homebot.conventions.payload import MAX_STATE_BYTES
 from homebot.devices import RawMessage
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.gateway_messages import Reading
 from homebot.devices.text.states import encode_state
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue, Reading, Value
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.reporter import DeviceReporter
@@ -117,7 +116,7 @@ class StateReader:
             readings += decoded[1]
             for expiry in announced_part.described.expiries:
                 self._schedule_expiry(announced_part, expiry, decoded[0])
-            if not self._listeners.has_listeners(announced_part.address) and _is_brief(decoded[0]):
+            if _is_brief(decoded[0]) and not self._listeners.has_listeners(announced_part.address):
                 self._keep_late(announced_part, decoded[0], retained=retained)
                 continue
             text = self._as_text(announced_part, decoded[0], retained=retained)
@@ -176,15 +175,7 @@ class StateReader:
     ) -> tuple[Mapping[str, PlainValue], list[Reading]] | None:
         try:
             values = announced_part.described.codec.read(address, payload, retained=retained)
-            if not values:
-                return None
-            part = announced_part.described.part.id
-            return values, [
-                Reading.of_checked(part=part, capability=name, value=Value.of(value))
-                if str.isascii(name)
-                else Reading(part=part, capability=name, value=Value.of(value))
-                for name, value in values.items()
-            ]
+            return (values, announced_part.readings(values)) if values else None
         except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
             self._record_failure(address, announced_part.stored.described.convention, exc)
             return None
@@ -273,12 +264,11 @@ class StateReader:
 
 def _is_brief(values: Mapping[str, PlainValue]) -> bool:
     """Return whether *values* has a text for sure, and a short one: of states that are no texts themselves."""
-    kinds = {type(value) for value in values.values()}
-    return kinds <= _BRIEF and not kinds.isdisjoint(_TOLD) and EVENTS.isdisjoint(values)
+    kinds = set(map(type, values.values()))
+    return kinds <= _BRIEF and (float in kinds or bool in kinds) and EVENTS.isdisjoint(values)
 
 
-_TOLD = frozenset({bool, float})
-_BRIEF = _TOLD | {tuple, type(None)}
+_BRIEF = frozenset({bool, float, tuple, type(None)})
 
 
 def _late_text(
