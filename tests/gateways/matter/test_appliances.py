@@ -60,6 +60,11 @@ METER = {"1/2820/1285": 2301, "1/2820/1536": 1, "1/2820/1537": 10, "1/2820/1288"
         (WASHER, "x_setting", {"running": True, "problem": False, "option": "Wool", "on_off": True}),
         ({**PLUG, **METER}, "plug", {"voltage": 230.1, "current": 0.25, "on_off": True}),
         ({"1/2820/1291": -400, "1/2820/1541": 8}, "electrical_meter", {"power": -50.0}),
+        (
+            {"1/29/0": [{"0": 43}], "1/514/0": 0, "1/514/2": 60, "1/514/3": 60},
+            "fan",
+            {"fan_speed": 0.0, "on_off": False},
+        ),
         ({"1/153/0": 3}, "x_sensor", {"plugged_in": True}),
         ({"1/153/0": 6}, "x_sensor", {"plugged_in": None}),
     ],
@@ -133,6 +138,8 @@ def test_a_lock_is_only_moved_as_a_lock() -> None:
     [
         ({"1/65/0": [{"0": "room", "1": "hall"}, {"0": "name", "1": "Left lamp"}]}, "Left lamp"),
         ({"1/64/0": [{"0": "Button", "1": "Up"}]}, "Up"),
+        ({"1/64/0": [{"0": "id", "1": "2"}, {"0": "orientation", "1": "bottom"}]}, "bottom"),
+        ({"1/64/0": [{"0": "room", "1": "hall"}, {"0": "orientation", "1": "North"}]}, ""),
         ({"1/29/4": [{"0": None, "1": 7, "2": 2}, {"0": None, "1": 8, "2": 2}]}, "2 top"),
         (
             {"1/29/4": [{"1": 8, "2": 6, "3": "1"}, {"1": 0x43, "2": 3}, {"1": 0x43, "2": 8, "3": "wheel"}]},

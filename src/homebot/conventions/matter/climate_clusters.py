@@ -160,6 +160,8 @@ def _write_fan_on(
 
 
 def _read_speed(endpoint: MatterEndpoint) -> PlainValue:
+    if endpoint.whole(FAN, _FAN_MODE) == 0:
+        return 0.0  # some keep the speed of before
     for attribute in (_FAN_PERCENT, _FAN_SETTING):
         percent = endpoint.number(FAN, attribute)
         if percent is not None and 0 <= percent <= 100:

@@ -17,6 +17,10 @@ USER_LABEL, FIXED_LABEL = 65, 64
 _NAMING: Final = frozenset({"name", "label", "button"})
 """The labels that name an endpoint; others say where it is, or describe it."""
 
+_ORIENTATION: Final = "orientation"
+_PLACES: Final = frozenset({"top", "bottom", "left", "right", "middle", "center", "upper", "lower", "front", "back"})
+"""Orientations on the device itself, such as of one of two sockets; ``North`` is none."""
+
 _NUMBER: Final = 0x07
 _NAMESPACES: Final[Mapping[int, tuple[str, ...]]] = {
     0x08: ("left", "right", "top", "bottom", "middle", "row", "column"),
@@ -33,7 +37,10 @@ def name_of(endpoint: MatterEndpoint) -> str:
     for cluster in (USER_LABEL, FIXED_LABEL):
         for one in endpoint.structs(cluster, 0):
             label, value = one.get("0", one.get("label")), one.get("1", one.get("value"))
-            if isinstance(label, str) and isinstance(value, str) and label.casefold() in _NAMING and clean_text(value):
+            if not isinstance(label, str) or not isinstance(value, str):
+                continue
+            is_place = label.casefold() == _ORIENTATION and value.casefold() in _PLACES
+            if (label.casefold() in _NAMING or is_place) and clean_text(value):
                 return clean_text(value)
     words = list(dict.fromkeys(_words(endpoint)))
     while len(" ".join(words)) > _LONGEST:
