@@ -54,8 +54,8 @@ class HouseSpec:
 HOUSES: Mapping[str, HouseSpec] = MappingProxyType(
     {
         "mqtt, Home Assistant discovery": HouseSpec("mqtt", "homeassistant", "lamp", "last will; 1.5 x keep-alive"),
-        "mdns, WLED": HouseSpec("mdns", "wled", "lamp", "connection lost, or silent for 30 s; SRV 120 s + 3 s"),
-        "mdns, ESPHome": HouseSpec("mdns", "esphome", "lamp", "connection lost, or silent for 90 s; SRV 120 s + 3 s"),
+        "mdns, WLED": HouseSpec("mdns", "wled", "lamp", "connection lost, or silent for 24 s; SRV 120 s + 3 s"),
+        "mdns, ESPHome": HouseSpec("mdns", "esphome", "lamp", "connection lost, or silent for 26 s; SRV 120 s + 3 s"),
         "ble, BTHome sensor": HouseSpec(
             "ble", "bthome", "lux", "3 intervals, at least 30 s; on a battery, as here, 5 min"
         ),

@@ -1,7 +1,7 @@
 """A connection to an ESPHome device; the one file that imports aioesphomeapi.
 
 The library does the framing, the encryption (Noise) and the pings: the connection to a device that says nothing for
-27 seconds is lost.
+26 seconds is lost.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ from homebot.gateways.drivers.esphome.settings import KEY_ADVICE, PASSWORD_ADVIC
 
 __all__ = ["EsphomeConnection", "connected"]
 
-PING_EVERY = 6.0
-"""Seconds of silence after which the device is pinged. The library waits 4.5 times that for anything to come."""
+PING_EVERY = 4.0
+"""Seconds of silence, at most twice as many, after which the device is pinged; the library then waits 4.5 times as long
+for anything to come."""
 
 _COMPONENTS: Mapping[type, str] = {info: kind for kind, info in model.COMPONENT_TYPE_TO_INFO.items()}
 _STATES: Mapping[type, str] = {state: _COMPONENTS[info] for state, info in STATE_TYPE_TO_INFO_TYPE.items()}

@@ -31,6 +31,9 @@ __all__ = ["ShellySession"]
 ASK_AGAIN: Final = 300.0
 """Seconds after which a device is asked again how it is: who measures nothing may be silent for days."""
 
+WATCH_EVERY: Final = 18.0
+"""Seconds between two looks whether a device of the first generation, which pushes nothing here, is still there."""
+
 PAUSE: Final = 5.0
 """Shortest time between two rounds of questions, in seconds, however often a device says that it is set up anew."""
 
@@ -201,7 +204,7 @@ class ShellySession:
         """Publish what the device is, and no more, for as long as it answers."""
         self._host.describe(_first_generation(self._service, about))
         while True:
-            await anyio.sleep(ASK_AGAIN)
+            await anyio.sleep(WATCH_EVERY)
             await client.get_json(f"{origin}/shelly")
 
 

@@ -1,6 +1,6 @@
 """One thing over HTTP: its description, and what is done with it.
 
-The description is read again each minute: it may have changed, and a thing that pushes its values and has vanished says
+The description is read again and again: it may have changed, and a thing that pushes its values and has vanished says
 nothing of it. It may come from anybody on the network: it is followed to its own host and to no other.
 
 Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sections 6.2, 6.3 and 7.1.
@@ -33,8 +33,9 @@ from homebot.wot import Form, SecurityScheme, Thing, read_thing
 __all__ = ["ThingSession"]
 
 WELL_KNOWN: Final = "/.well-known/wot"
-READ_AGAIN: Final = 60.0
-"""Seconds between two readings of the description."""
+READ_AGAIN: Final = 18.0
+"""Seconds between two readings of the description; with the time for an answer, a thing that vanished is missed within
+half a minute."""
 
 _ACCEPTED = "application/td+json, application/json;q=0.9"
 _ADDRESSES = 4

@@ -30,8 +30,11 @@ MAX_BYTES: Final = 128 * 1024
 POLL: Final = 10.0
 """Seconds between two questions where nothing is pushed."""
 
+ANSWER_WITHIN: Final = 5.0
+"""Seconds for an answer; one that is missed three times in a row ends the connection."""
+
 ASK_AGAIN: Final = 300.0
-"""The same where state is pushed: a lamp that is left alone says nothing for days."""
+"""The same as :data:`POLL` where state is pushed: a lamp that is left alone says nothing for days."""
 
 MOST_INVALID: Final = 20
 """Invalid messages in a row after which the controller is not listened to any longer."""
@@ -66,7 +69,7 @@ class WledSession:
             RefusedError: It does not let homebot in.
             WireError: It is no WLED, or breaks the rules.
         """
-        async with HttpClient(max_bytes=MAX_BYTES) as client:
+        async with HttpClient(max_bytes=MAX_BYTES, time_limit=ANSWER_WITHIN) as client:
             document = await self._probe(client)
             self._client = client
             try:
