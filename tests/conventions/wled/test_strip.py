@@ -137,6 +137,15 @@ def test_capabilities_of_inactive_segments_are_listed_before_0_14() -> None:
     assert strip(older).parts() == strip(TWO_SEGMENTS_0_15).parts()
 
 
+def test_a_segment_that_says_what_it_can_do_is_believed() -> None:
+    """From WLED 16 on."""
+    newer = copy.deepcopy(RGB_0_15)
+    for segment in newer["state"]["seg"]:
+        segment["lc"] = 4
+    (part, *_) = WledStrip(newer, ()).parts()
+    assert [one.name for one in part.capabilities] == ["on_off", "level", "color_temperature"]
+
+
 @pytest.mark.parametrize(
     ("document", "part", "capability", "value", "state"),
     [

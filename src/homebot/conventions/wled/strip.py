@@ -4,7 +4,7 @@ A controller has a master switch and dimmer, and segments with brightness, colou
 single segment is one lamp; with several, the master is a lamp that can be dimmed and each segment is another.
 
 Source: WLED, JSON API (https://kno.wled.ge/interfaces/json-api): state, segment and info objects, light capabilities;
-0.13 to 0.15. The white of ``cct`` has 256 steps of 32 K from 1900 K on.
+0.13 to 16. The white of ``cct`` has 256 steps of 32 K from 1900 K on.
 """
 
 from __future__ import annotations
@@ -274,14 +274,15 @@ def _segments(state: Fields, leds: Fields) -> Iterator[_Segment]:
             continue
         seen.add(number)
         part = MASTER if len(lit) == 1 else f"segment:{number}"
-        abilities = _abilities(leds, place if by_place else number)
+        abilities = _abilities(fields, leds, place if by_place else number)
         yield _Segment(number, part, _text(fields.get("n"), 60), abilities, fields)
 
 
-def _abilities(leds: Fields, place: int) -> int:
-    """Return what a segment can do; before 0.13 a controller only says whether it has a white channel."""
+def _abilities(segment: Fields, leds: Fields, place: int) -> int:
+    """Return what a segment can do: from 16 on it says so itself, before 0.13 no segment does."""
     known = leds.get("seglc")
-    for one in (known[place] if isinstance(known, list) and place < len(known) else None, leds.get("lc")):
+    of_place = known[place] if isinstance(known, list) and place < len(known) else None
+    for one in (segment.get("lc"), of_place, leds.get("lc")):
         if isinstance(one, int) and not isinstance(one, bool) and 0 <= one <= _FULL:
             return one
     return _RGB | (_WHITE if leds.get("rgbw") is True else 0)
