@@ -103,6 +103,22 @@ def test_a_relay_is_a_light_where_its_owner_says_that_it_feeds_one(loads: object
     assert device.calls("switch:1", "on_off", False, 0.0) == (RpcCall("Switch.Set", {"id": 1, "on": False}),)
 
 
+def test_a_valve_behind_a_gateway_is_described_once() -> None:
+    """Its broadcasts have the battery and the temperatures of its own component again, and no button is pressed."""
+    device = Gen2RpcDevice("shellyblugwg3-a8032abe54dc")
+    valve = {"addr": "aa:bb:cc:dd:ee:01"}
+    components = [
+        {"key": "blutrv:200", "status": {"target_C": 19, "current_C": 21, "battery": 90}, "config": valve},
+        {"key": "bthomedevice:200", "status": {"battery": 90, "rssi": -58}, "config": valve},
+        {"key": "bthomesensor:200", "status": {"value": 90}, "config": {**valve, "obj_id": 1}},
+        {"key": "bthomesensor:201", "status": {"value": 40}, "config": {"addr": "aa:bb:cc:dd:ee:02", "obj_id": 46}},
+    ]
+    device.keep_components({"components": components, "offset": 0, "total": 4})
+    described = device.describe()
+    assert described is not None
+    assert [one.part.id for one in described.parts] == ["blutrv:200", "blutrv:200/battery", "bthomesensor:201"]
+
+
 def test_a_part_that_is_gone_is_refused() -> None:
     device = asked(MODELS["Plus 1"])
     device.describe()

@@ -107,7 +107,11 @@ def _build_parts(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[De
     The *status* and the *config*, both by component, are its answers to ``Shelly.GetStatus`` and ``Shelly.GetConfig``.
     """
     parts: list[JsonPart] = []
-    for component in _components(topics, status, config):
+    components = _components(topics, status, config)
+    valves = {one.config.get("addr") for one in components if one.kind == "blutrv"} - {None}
+    for component in components:
+        if component.kind in _AS_SENDER and component.config.get("addr") in valves:
+            continue  # what the valve sends is what its own component says
         for build in _BUILDERS[component.kind]:
             parts.extend(build(component))
     for part in parts[:1]:
@@ -115,6 +119,7 @@ def _build_parts(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[De
     return tuple(part.build() for part in parts)
 
 
+_AS_SENDER = frozenset({"bthomedevice", "bthomesensor"})
 _KEY = re.compile(r"[a-z0-9]{1,20}:[0-9]{1,5}")
 _Build = Callable[[ShellyComponent], tuple[JsonPart, ...]]
 _LOAD: tuple[_Build, ...] = (build_meters, build_own_temperature)
