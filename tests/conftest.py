@@ -64,6 +64,7 @@ def _nothing_blocks_the_loop() -> Iterator[None]:
         for function in blockbuster.functions.values():
             # Start-up: plug-ins and passwords are read before anything is served.
             function.can_block_in("homebot/plugins.py", {"_entry_points", "_load_entry_point", "_load_class"})
+            function.can_block_in("homebot/conventions/bluetooth/sensor_libraries.py", {"_libraries"})
             function.can_block_in("homebot/gateways/mqtt/settings.py", {"check_files"})
             function.can_block_in("homebot/config.py", {"read_secret"})
             # Not ours: pydantic looks for its plug-ins once, when the first model is built.

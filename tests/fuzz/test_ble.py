@@ -6,6 +6,8 @@ import math
 import random
 from typing import TYPE_CHECKING
 
+import pytest
+
 from homebot.conventions.bluetooth.advertisement import Advertisement, full_uuid
 from homebot.conventions.bluetooth.beacons import APPLE, EDDYSTONE, BeaconParser
 from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattState
@@ -32,6 +34,13 @@ BODIES = tuple(
         "3B0002F1000102043E2A2C0960",
         "2801150158EA5BEAEA0215",
     )
+)
+OTHER_SENSORS: tuple[tuple[str | int, bytes, str], ...] = (
+    (full_uuid("fe95"), bytes.fromhex("5020aa01da219335342d580d1004fe004802"), "Test"),
+    (full_uuid("fe95"), bytes.fromhex("5858480b685f12342d585a0b1841e2aa000e00a4964fb5"), "Test"),
+    (0x0499, bytes.fromhex("0505a060a0c89afd34028cff006376726976dead7b3fefaf"), "Ruuvi"),
+    (0xEC88, bytes.fromhex("00034db26400"), "GVH5075_DBF8"),
+    (2044, bytes.fromhex("c71200c83d5606"), "sps"),
 )
 IBEACON = bytes.fromhex("0215f7826da64fa24e988024bc5b71e0893e00010002c5")
 UID = bytes.fromhex("00ee00112233445566778899aabbccddeeff0000")
@@ -122,6 +131,38 @@ def test_damaged_beacons_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mut
         assert found.key.startswith(("ibeacon:", "eddystone:"))
 
     fuzz.run("beacons", case)
+
+
+def test_damaged_advertisements_of_other_sensors_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+    """The libraries that read them raise whatever they like."""
+    pytest.importorskip("ruuvitag_ble")
+    from homebot.conventions.bluetooth.sensor_libraries import SensorLibraryParser  # noqa: PLC0415 - an extra
+
+    def case(rng: random.Random) -> None:
+        damage = mutator(rng)
+        parser = SensorLibraryParser({SEALED: KEY})
+        for _ in range(rng.randrange(1, 4)):
+            company, data, name = rng.choice(OTHER_SENSORS)
+            data = damage.damaged_bytes(data) if rng.random() < 0.8 else data
+            is_service = isinstance(company, str)
+            advertisement = Advertisement(
+                rng.choice((OPEN, SEALED)),
+                -60,
+                name,
+                service_data={str(company): data} if is_service else {},
+                manufacturer_data={} if is_service else {int(company): data},
+                service_uuids=(full_uuid("ec88"),) if rng.random() < 0.5 else (),
+            )
+            try:
+                found = parser.read(advertisement, 0.0)
+            except WireError:
+                continue
+            parts = {} if found is None else {one.id: one for one in found.parts}
+            for one in () if found is None else found.values:
+                assert one.part in parts
+                assert one.capability in CAPABILITIES
+
+    fuzz.run("sensor-libraries", case)
 
 
 def test_damaged_reports_and_values_of_a_profile_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:

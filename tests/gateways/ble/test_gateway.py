@@ -325,6 +325,24 @@ async def test_a_flood_of_made_up_devices_is_bounded_and_the_real_ones_are_heard
         assert device.address in radio_house.sightings
 
 
+async def test_a_sensor_of_another_maker_is_read_through_its_library_and_broken_packets_of_it_end_nothing(
+    radio_house: RadioHouse,
+) -> None:
+    pytest.importorskip("ruuvitag_ble")
+    tag = "DE:AD:7B:3F:EF:AF"
+    data = bytes.fromhex("99040505a060a0c89afd34028cff006376726976dead7b3fefaf")
+    async with radio_house.running(signal=False) as gateway:
+        radio_house.radio.transmit(tag, [(0x01, b"\x06"), (0xFF, data)])
+        await radio_house.until(lambda: radio_house.newest(tag, "temperature", "temperature") == 7.2)
+        assert radio_house.newest(tag, "voltage", "voltage") == 2.395
+        assert ("model", "RuuviTag") in {(one.key, one.value) for one in radio_house.sightings[tag].metadata}
+        rejected = gateway.devices.counters.rejected
+        radio_house.radio.transmit(tag, [(0x01, b"\x06"), (0xFF, data[:2])])
+        await radio_house.until(lambda: gateway.devices.counters.rejected > rejected)
+        radio_house.radio.transmit(tag, [(0x01, b"\x06"), (0xFF, data[:4] + b"\xff" + data[5:])])
+        await radio_house.until(lambda: radio_house.newest(tag, "temperature", "temperature") != 7.2)
+
+
 async def test_a_device_that_only_broadcasts_takes_no_commands(radio_house: RadioHouse) -> None:
     async with radio_house.running() as gateway:
         radio_house.radio.transmit("C0:00:00:00:00:02", [(0x16, BTHOME + b"\x02\x10\x00")])

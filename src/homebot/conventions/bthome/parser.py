@@ -40,6 +40,9 @@ MAX_PARTS = 64
 """Parts of one device over all its packets; further ones are ignored."""
 
 MAX_DEVICES = 10_000
+KEY_SIZE = 16
+"""Bytes of a bind key."""
+
 _TAGS: Mapping[str, str] = {"door": "door", "window": "window", "garage_door": "garage_door"}
 
 
@@ -123,6 +126,8 @@ class BTHomeParser(BroadcastParser):
             mac = bytes.fromhex(address.replace(":", ""))
         except ValueError as exc:  # macOS shows a UUID instead of the address
             raise WireError(f"BTHome: {address[:40]} is not a MAC address, which decryption needs") from exc
+        if len(key) != KEY_SIZE:
+            raise WireError(f"BTHome: its bind key has {len(key)} bytes, not {KEY_SIZE}")
         found = self._keys[address] = BindKey(key, mac)
         return found
 

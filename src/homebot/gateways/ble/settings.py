@@ -25,7 +25,7 @@ Listed: TypeAlias = Literal["understood", "named", "all"]
 """Which devices are listed; see :class:`BleGatewaySettings`."""
 
 _ADDRESS = re.compile(r"[0-9A-F]{2}(:[0-9A-F]{2}){5}|[0-9A-F]{8}(-[0-9A-F]{4}){3}-[0-9A-F]{12}")
-_KEY = re.compile(r"[0-9a-fA-F]{32}")
+_KEY = re.compile(r"[0-9a-fA-F]{24}|[0-9a-fA-F]{32}")
 
 
 def _address(text: str) -> str:
@@ -43,7 +43,7 @@ class BleDeviceSettings(BaseModel):
 
     Attributes:
         name: The name for people.
-        bind_key_file: File whose first line is its BTHome key, 32 hexadecimal digits, for nobody else to read.
+        bind_key_file: File whose first line is its key, 32 hexadecimal digits, or 24 for older Xiaomi devices.
         bind_key_env: Environment variable that holds that key.
         rssi_at_1m: How strongly it is received at a distance of one metre, in dBm.
         profile: The profile by which it is connected to; by default that of a service which it advertises.
@@ -143,5 +143,5 @@ class BleGatewaySettings(GatewaySettings):
 
 def _key(setting: str, text: str) -> bytes:
     if not _KEY.fullmatch(text.strip()):
-        raise UsageError(f"{setting}: a bind key is 32 hexadecimal digits")
+        raise UsageError(f"{setting}: a bind key is 32 hexadecimal digits, or 24 for an older Xiaomi device")
     return bytes.fromhex(text.strip())

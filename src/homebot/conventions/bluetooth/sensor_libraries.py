@@ -1,0 +1,279 @@
+"""Reads sensors through the libraries for their formats: xiaomi-ble, govee-ble, ruuvitag-ble and so on. Pure.
+
+These libraries share a base, ``bluetooth-sensor-state-data``: a class that takes advertisements and returns values with
+Home Assistant's device classes and units. All that are installed are used; ``homebot[ble-sensors]`` installs some.
+What a library would read over a connection, as some do, is not read.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import inspect
+from collections.abc import Iterator, Mapping
+from datetime import date, datetime
+from decimal import Decimal
+from functools import cache
+from importlib.metadata import distributions
+from typing import TYPE_CHECKING
+
+from homebot.conventions.bluetooth.advertisement import Advertisement
+from homebot.conventions.bluetooth.broadcast import Broadcast, BroadcastParser, BroadcastValue
+from homebot.conventions.device_classes import condition_of, quantity_of
+from homebot.conventions.units import sensor_type
+from homebot.devices.part import Capability, Part
+from homebot.devices.value import PlainValue
+from homebot.errors import PluginError, WireError
+
+if TYPE_CHECKING:
+    from bluetooth_sensor_state_data import BluetoothData
+    from habluetooth import BluetoothServiceInfoBleak
+    from sensor_state_data import DeviceKey, SensorDescription, SensorUpdate
+
+__all__ = ["SensorLibraryParser"]
+
+BASE = "bluetooth-sensor-state-data"
+READ_OTHERWISE = frozenset({"bthome-ble"})
+"""Libraries for formats that homebot reads itself."""
+
+ON_BATTERY = 300.0
+"""Seconds for which a battery-powered device may be silent."""
+
+MAX_PARTS = 64
+_OWN_CLASSES = frozenset({"signal_strength", "packet_id"})
+_PRESSES: Mapping[str, str] = {
+    "press": "single",
+    "double_press": "double",
+    "triple_press": "triple",
+    "long_press": "long",
+    "rotate_left": "rotate_left",
+    "rotate_right": "rotate_right",
+}
+"""Events of buttons and dimmers in the words of the vocabulary."""
+
+
+class _Sensor:
+    """One device, and the library that reads it."""
+
+    def __init__(self, reader: BluetoothData) -> None:
+        self.reader = reader
+        self.parts: dict[str, Part] = {}
+        self.last: Advertisement | None = None
+
+
+class SensorLibraryParser(BroadcastParser):
+    """Reads what any installed library of this family supports.
+
+    Args:
+        bind_keys: The keys of devices that encrypt, by address.
+
+    Raises:
+        PluginError: An installed library cannot be imported.
+    """
+
+    def __init__(self, bind_keys: Mapping[str, bytes]) -> None:
+        super().__init__(bind_keys)
+        self._libraries = _libraries()
+        self._sensors: dict[str, _Sensor] = {}
+
+    def concerns(self, advertisement: Advertisement) -> bool:
+        """Return whether it has data, and there is a library that might read them."""
+        return bool(self._libraries and (advertisement.manufacturer_data or advertisement.service_data))
+
+    def read(self, advertisement: Advertisement, now: float) -> Broadcast | None:
+        """Return all parts that are known, and the values of an advertisement that is new; None if no library reads it.
+
+        Raises:
+            WireError: A library failed at it.
+        """
+        del now
+        info = _service_info(advertisement)
+        sensor = self._sensors.get(advertisement.address) or self._find(advertisement, info)
+        if sensor is None:
+            return None
+        self._sensors[advertisement.address] = sensor
+        values: tuple[BroadcastValue, ...] = ()
+        is_new = sensor.last is None or not sensor.last.says_the_same(advertisement)
+        sensor.last = advertisement
+        try:
+            update = sensor.reader.update(info)
+        except Exception as exc:
+            raise _unreadable(sensor.reader, advertisement, exc) from exc
+        if is_new:
+            values = tuple(_take(sensor.parts, update))
+        return Broadcast(
+            name=update.title or advertisement.name,
+            parts=tuple(sensor.parts.values()),
+            values=values,
+            metadata=_metadata(update),
+            silence=ON_BATTERY if any("battery" in one for one in sensor.parts) else 0.0,
+            problem=_problem(sensor.reader),
+        )
+
+    def forget(self, address: str) -> None:
+        """Forget a device."""
+        self._sensors.pop(address, None)
+
+    def _find(self, advertisement: Advertisement, info: BluetoothServiceInfoBleak) -> _Sensor | None:
+        """Return the sensor of the first library that supports an advertisement.
+
+        Raises:
+            WireError: None does, and one failed at it.
+        """
+        failure: WireError | None = None
+        for library in self._libraries:
+            try:
+                # Another instance reads it then: one that has seen a packet takes it for a copy.
+                if self._new(library, advertisement.address).supported(info):
+                    return _Sensor(self._new(library, advertisement.address))
+            except Exception as exc:  # noqa: BLE001 - code of others, with data of strangers
+                failure = failure or _unreadable(library, advertisement, exc)
+        if failure is not None:
+            raise failure
+        return None
+
+    def _new(self, library: type[BluetoothData], address: str) -> BluetoothData:
+        key = self.bind_keys.get(address)
+        if key is not None and "bindkey" in inspect.signature(library).parameters:
+            return library(bindkey=key)  # type: ignore[call-arg] # as just checked
+        return library()
+
+
+@cache
+def _libraries() -> tuple[type[BluetoothData], ...]:
+    """Return the parsers of all installed libraries, in the order of their names.
+
+    Raises:
+        PluginError: One cannot be imported.
+    """
+    if importlib.util.find_spec("bluetooth_sensor_state_data") is None:
+        return ()
+    from bluetooth_sensor_state_data import BluetoothData  # noqa: PLC0415 - an extra
+
+    found: list[type[BluetoothData]] = []
+    for name in sorted(set(_names())):
+        try:
+            module = importlib.import_module(name.replace("-", "_"))
+        except Exception as exc:
+            raise PluginError(name, f"cannot be imported: {str(exc)[:200]}") from exc
+        found += [
+            one
+            for one in vars(module).values()
+            if isinstance(one, type) and issubclass(one, BluetoothData) and one is not BluetoothData
+        ]
+    return tuple(found)
+
+
+def _names() -> Iterator[str]:
+    """Yield the installed packages that require the base."""
+    for one in distributions():
+        name = (one.name or "").lower()
+        is_of_family = name.endswith("-ble") and any(each.startswith(BASE) for each in one.requires or ())
+        if is_of_family and name not in READ_OTHERWISE:
+            yield name
+
+
+def _service_info(advertisement: Advertisement) -> BluetoothServiceInfoBleak:
+    from habluetooth import BluetoothServiceInfoBleak  # noqa: PLC0415 - an extra
+
+    return BluetoothServiceInfoBleak(
+        name=advertisement.name or advertisement.address,
+        address=advertisement.address,
+        rssi=advertisement.rssi,
+        manufacturer_data=dict(advertisement.manufacturer_data),
+        service_data=dict(advertisement.service_data),
+        service_uuids=list(advertisement.service_uuids),
+        source="homebot",
+        device=None,  # type: ignore[arg-type] # for connections, which are not made
+        advertisement=None,
+        connectable=False,
+        time=0.0,
+        tx_power=advertisement.tx_power,
+    )
+
+
+def _take(parts: dict[str, Part], update: SensorUpdate) -> Iterator[BroadcastValue]:
+    """Add the parts of an update, and yield its values."""
+    for key, description in update.entity_descriptions.items():
+        value = update.entity_values[key].native_value
+        device_class = str(getattr(description.device_class, "value", "") or "")
+        if device_class not in _OWN_CLASSES:
+            yield from _measured(parts, _part_id(key), description, device_class, value)
+    for key, one in update.binary_entity_values.items():
+        described = update.binary_entity_descriptions[key].device_class
+        device_class = str(getattr(described, "value", "") or "")
+        service_type, capability = condition_of(device_class)
+        part = Part(id=_part_id(key), service_type=service_type, capabilities=(Capability(name=capability),))
+        if _has(parts, part):
+            yield BroadcastValue(part.id, capability, None if one.native_value is None else bool(one.native_value))
+    for key, event in update.events.items():
+        part = Part(id=_part_id(key), service_type=sensor_type("press"), capabilities=(Capability(name="press"),))
+        if event.event_type in _PRESSES and _has(parts, part):
+            steps = (event.event_properties or {}).get("steps")
+            pressed = _PRESSES[event.event_type]
+            yield BroadcastValue(part.id, "press", pressed if steps is None else f"{pressed} {steps}")
+
+
+def _measured(
+    parts: dict[str, Part], part_id: str, description: SensorDescription, device_class: str, value: object
+) -> Iterator[BroadcastValue]:
+    quantity = quantity_of(device_class, str(description.native_unit_of_measurement or ""))
+    is_text = isinstance(value, str | date)
+    capability = Capability(name="value") if is_text else Capability(name=quantity.capability, unit=quantity.unit)
+    service_type = sensor_type("value") if is_text else quantity.service_type
+    part = Part(
+        id=part_id,
+        service_type=service_type,
+        category="diagnostic" if device_class in {"battery", "voltage"} else "",
+        capabilities=(capability,),
+    )
+    if not _has(parts, part):
+        return
+    found: PlainValue = None
+    if isinstance(value, str):
+        found = value[:200]
+    elif isinstance(value, date | datetime):
+        found = value.isoformat()
+    elif isinstance(value, int | float | Decimal):
+        found = quantity.value(float(value))
+    yield BroadcastValue(part_id, capability.name, found)
+
+
+def _has(parts: dict[str, Part], part: Part) -> bool:
+    """Return whether *parts* has this part, which is added if it is new and there is room."""
+    if part.id not in parts and len(parts) < MAX_PARTS:
+        parts[part.id] = part
+    known = parts.get(part.id)
+    return known is not None and known.capabilities == part.capabilities
+
+
+def _part_id(key: DeviceKey) -> str:
+    name = str(key.key)  # some are members of an enumeration
+    return name if key.device_id is None else f"{key.device_id}_{name}"
+
+
+def _metadata(update: SensorUpdate) -> dict[str, str]:
+    """Return what is known of the device itself, not of probes at it."""
+    info = next(iter(update.devices.values()), None)
+    if info is None:
+        return {}
+    facts = {"manufacturer": info.manufacturer, "model": info.model, "firmware": info.sw_version}
+    return {name: str(fact) for name, fact in facts.items() if fact}
+
+
+def _problem(reader: BluetoothData) -> str:
+    """Return what is wrong with a device that encrypts; by attributes that the libraries for such devices share."""
+    scheme = getattr(getattr(reader, "encryption_scheme", None), "name", "NONE")
+    if scheme == "NONE" or getattr(reader, "bindkey_verified", True):
+        return ""
+    if getattr(reader, "bindkey", None) is None:
+        return "it is encrypted, and no bind key is configured for it"
+    return "it is encrypted with another bind key"
+
+
+def _unreadable(
+    library: BluetoothData | type[BluetoothData], advertisement: Advertisement, error: Exception
+) -> WireError:
+    kind = library if isinstance(library, type) else type(library)
+    data = next(iter((*advertisement.manufacturer_data.values(), *advertisement.service_data.values())), b"")
+    return WireError(f"{kind.__module__.partition('.')[0]} cannot read it: {type(error).__name__}", data)

@@ -1,0 +1,143 @@
+"""Sensors are read through the libraries for their formats.
+
+The advertisements are those of real devices, from the tests of the libraries: Bluetooth-Devices/xiaomi-ble,
+Bluetooth-Devices/govee-ble and Bluetooth-Devices/inkbird-ble ``tests/test_parser.py``, and ruuvitag-ble 0.4.0
+``tests/test_v5.py``.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from homebot.conventions.bluetooth import Advertisement, Broadcast
+from homebot.conventions.bluetooth.advertisement import full_uuid
+from homebot.devices.value import PlainValue
+from homebot.errors import WireError
+
+pytest.importorskip("xiaomi_ble")
+from homebot.conventions.bluetooth.sensor_libraries import SensorLibraryParser
+
+XIAOMI, RUUVI, GOVEE = full_uuid("fe95"), 0x0499, 0xEC88
+ENCRYPTED = "5A:58:2D:34:12:5F"
+KEYS = {ENCRYPTED: bytes.fromhex("814aac74c4f17b6c1581e1ab87816b99")}
+THERMOMETER = Advertisement(
+    "58:2D:34:35:93:21", -60, "Test", service_data={XIAOMI: bytes.fromhex("5020aa01da219335342d580d1004fe004802")}
+)
+SEALED = Advertisement(
+    ENCRYPTED, -60, "Test", service_data={XIAOMI: bytes.fromhex("5858480b685f1234 2d585a0b1841e2aa000e00a4964fb5")}
+)
+TAG = Advertisement(
+    "DE:AD:7B:3F:EF:AF",
+    -60,
+    manufacturer_data={RUUVI: bytes.fromhex("0505a060a0c89afd34028cff006376726976dead7b3fefaf")},
+)
+HYGROMETER = Advertisement(
+    "A4:C1:38:DD:DB:F8",
+    -63,
+    "GVH5075_DBF8",
+    manufacturer_data={GOVEE: bytes.fromhex("00034db26400")},
+    service_uuids=(full_uuid("ec88"),),
+)
+FRIDGE = Advertisement(
+    "AA:BB:CC:DD:EE:FF",
+    -60,
+    "sps",
+    manufacturer_data={2044: bytes.fromhex("c71200c83d5606")},
+    service_uuids=(full_uuid("fff0"),),
+)
+BUTTON = Advertisement(
+    "C1:37:37:32:0F:45",
+    -36,
+    "GV51225634",
+    manufacturer_data={
+        GOVEE: bytes.fromhex("0108f30ad232393756340105"),
+        0xEF88: bytes.fromhex("f30a0000648248e860206225 88c02fd258cb3f1b8544d930"),
+    },
+)
+
+
+def read(parser: SensorLibraryParser, advertisement: Advertisement) -> Broadcast:
+    assert parser.concerns(advertisement)
+    found = parser.read(advertisement, 0.0)
+    assert found is not None
+    return found
+
+
+def values(found: Broadcast) -> dict[tuple[str, str], PlainValue]:
+    return {(one.part, one.capability): one.value for one in found.values}
+
+
+@pytest.mark.parametrize(
+    ("advertisement", "expected"),
+    [
+        (THERMOMETER, {("temperature", "temperature"): 25.4, ("humidity", "humidity"): 58.4}),
+        (SEALED, {("humidity", "humidity"): 59.6}),
+        (
+            HYGROMETER,
+            {("temperature", "temperature"): 21.6, ("humidity", "humidity"): 49.8, ("battery", "battery"): 100.0},
+        ),
+        (
+            FRIDGE,
+            {("temperature", "temperature"): 20.44, ("humidity", "humidity"): 48.07, ("battery", "battery"): 86.0},
+        ),
+        (BUTTON, {("battery", "battery"): 100.0, ("button_0", "press"): "single"}),
+    ],
+    ids=["xiaomi", "xiaomi with a key", "govee", "inkbird", "a button"],
+)
+def test_values_have_capabilities_and_units_of_the_vocabulary(
+    advertisement: Advertisement, expected: dict[tuple[str, str], PlainValue]
+) -> None:
+    found = read(SensorLibraryParser(KEYS), advertisement)
+    assert values(found) == expected
+    assert {one.part for one in found.values} <= {one.id for one in found.parts}
+
+
+def test_units_are_converted_and_what_has_no_standard_meaning_keeps_its_own() -> None:
+    """A RuuviTag says millivolts, and what it moved."""
+    found = read(SensorLibraryParser({}), TAG)
+    measured = values(found)
+    assert measured["pressure", "pressure"] == 1013.54
+    assert measured["voltage", "voltage"] == 2.395
+    assert measured["acceleration_z", "measurement"] == -2.51
+    units = {one.id: one.capabilities[0].unit for one in found.parts}
+    assert (units["voltage"], units["acceleration_z"], units["movement_counter"]) == ("V", "m/s²", "")
+    assert {one.id: one.category for one in found.parts}["voltage"] == "diagnostic"
+
+
+def test_maker_and_model_are_facts_of_the_device() -> None:
+    found = read(SensorLibraryParser({}), THERMOMETER)
+    assert found.metadata["manufacturer"] == "Xiaomi"
+    assert found.metadata["model"] == "LYWSDCGQ"
+    assert "LYWSDCGQ" in found.name
+
+
+def test_an_advertisement_that_is_repeated_reports_nothing_new() -> None:
+    parser = SensorLibraryParser({})
+    assert values(read(parser, BUTTON))["button_0", "press"] == "single"
+    again = read(parser, BUTTON)
+    assert again.values == ()
+    assert [one.id for one in again.parts] == ["battery", "button_0"]
+    parser.forget(BUTTON.address)
+    assert values(read(parser, BUTTON))["button_0", "press"] == "single"
+
+
+def test_a_device_that_encrypts_needs_its_key() -> None:
+    without = read(SensorLibraryParser({}), SEALED)
+    assert (without.values, without.problem) == ((), "it is encrypted, and no bind key is configured for it")
+    wrong = read(SensorLibraryParser({ENCRYPTED: bytes(16)}), SEALED)
+    assert (wrong.values, wrong.problem) == ((), "it is encrypted with another bind key")
+
+
+def test_a_phone_is_no_sensor() -> None:
+    phone = Advertisement("D0:00:00:00:00:01", -60, "Phone", manufacturer_data={0x004C: b"\x10\x05\x01\x18"})
+    assert SensorLibraryParser({}).read(phone, 0.0) is None
+
+
+def test_without_data_no_library_is_asked() -> None:
+    assert not SensorLibraryParser({}).concerns(Advertisement("D0:00:00:00:00:01", -60, "Phone"))
+
+
+def test_what_a_library_fails_at_is_refused_in_our_words() -> None:
+    """Its exception says nothing to a user, and must not end the gateway."""
+    with pytest.raises(WireError, match="ruuvitag_ble cannot read it"):
+        SensorLibraryParser({}).read(Advertisement("DE:AD:7B:3F:EF:AF", -60, manufacturer_data={RUUVI: b""}), 0.0)
