@@ -89,6 +89,7 @@ def test_the_token_comes_in_the_header_or_in_the_query() -> None:
     assert token_of("/?token=query", ["bearer header"]) == "header"
     assert token_of("/?token=query", ["Basic xyz"]) == "query"
     assert token_of("/", []) == ""
+    assert token_of("//[?token=x", []) == "x"
 
 
 def test_only_the_right_token_opens() -> None:

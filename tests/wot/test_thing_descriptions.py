@@ -18,7 +18,7 @@ from homebot.devices.names import text_address
 from homebot.devices.part import Capability, Part
 from homebot.errors import WireError
 from homebot.messages import Time
-from homebot.wot import CONTEXT, ClassifiedPart, PayloadFormat, basic_formats, parts_of, read_thing, to_thing
+from homebot.wot import CONTEXT, ClassifiedPart, MqttForms, PayloadFormat, basic_formats, parts_of, read_thing, to_thing
 from homebot.wot.mqtt.binding import MqttBinding
 
 NOW = Time(sec=1_800_000_000, nanosec=0)
@@ -65,7 +65,9 @@ LAMP = DevicePart(
 def test_a_device_becomes_a_description_with_the_topics_to_read_and_write() -> None:
     """Golden: everything that a consumer of Thing Descriptions looks at."""
     fact = Fact(name="model", value="X1", gateway="mqtt", convention="c", key="k", said_at=NOW)
-    made = to_thing(device(LAMP, area="Kitchen", identifiers=("eui64:00158d0001abcdef",), facts=(fact,)), BROKERS)
+    made = to_thing(
+        device(LAMP, area="Kitchen", identifiers=("eui64:00158d0001abcdef",), facts=(fact,)), MqttForms(BROKERS)
+    )
     heard = {
         "href": "mqtt://broker:1883",
         "contentType": "application/vnd.homebot.zigbee2mqtt",
@@ -119,12 +121,12 @@ def test_a_device_becomes_a_description_with_the_topics_to_read_and_write() -> N
 
 def test_a_device_without_parts_is_described_by_its_words() -> None:
     """Plain text, on the two topics of the thesis; an address of homebot's own is no topic."""
-    made = to_thing(device(), {})
+    made = to_thing(device(), MqttForms({}))
     (meant,) = parts_of(read_thing(made), MQTT)
     assert (meant.part.reads, meant.part.writes) == (("home/l/out",), ("home/l/in",))
     words = text_address("k", "p")
     endpoint = Endpoint(gateway="mqtt", key="k", address=words, command_address=words)
-    assert to_thing(device(endpoints=(endpoint,)), {})["properties"] == {}
+    assert to_thing(device(endpoints=(endpoint,)), MqttForms({}))["properties"] == {}
 
 
 def _topics() -> st.SearchStrategy[tuple[str, ...]]:
@@ -190,7 +192,9 @@ def _without_defaults(part: Part) -> Part:
 @given(_parts(), _texts)
 def test_every_device_survives_the_way_out_and_back(parts: tuple[DevicePart, ...], area: str) -> None:
     """As JSON text in between; and what comes out keeps the rules that are asked of others."""
-    made = json.loads(json.dumps(to_thing(device(*parts, area=area, identifiers=("mac:aabbccddeeff",)), BROKERS)))
+    made = json.loads(
+        json.dumps(to_thing(device(*parts, area=area, identifiers=("mac:aabbccddeeff",)), MqttForms(BROKERS)))
+    )
     thing = read_thing(made)
     assert (thing.title, thing.area, thing.identifiers) == ("Kitchen lamp", area, ("mac:aabbccddeeff",))
     assert [meant.part for meant in parts_of(thing, MQTT)] == [_without_defaults(one.part) for one in parts]
@@ -350,6 +354,7 @@ def changed(path: str, value: object) -> dict[str, Any]:
         ),
         ("@context", ["https://schema.org"], "@context: must contain https://www.w3.org/2022/wot/td/v1.1"),
         ("title", None, "title: is missing; expected a text"),
+        ("base", "http://[x", "base: 'http://[x' is not an address"),
         ("title", 5, "title: expected a text, got 5"),
         ("security", None, "security: is missing"),
         ("security", "basic_sc", "security: 'basic_sc' is not in securityDefinitions"),

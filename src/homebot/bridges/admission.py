@@ -37,7 +37,7 @@ def token_of(path: str, authorizations: Sequence[str]) -> str:
         scheme, _, token = value.partition(" ")
         if scheme.lower() == "bearer":
             return token.strip()
-    return parse_qs(urlsplit(path).query).get("token", [""])[-1]
+    return parse_qs(path.partition("?")[2]).get("token", [""])[-1]
 
 
 def is_token(settings: AccessSettings, token: str) -> bool:

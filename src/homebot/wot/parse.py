@@ -57,7 +57,10 @@ def read_thing(description: object, source: str = "") -> Thing:
     fields = Fields(description, "")
     _check_context(fields)
     schemes, required = _security(fields)
-    base = resolve_uri(source, fields.text("base"))
+    try:
+        base = resolve_uri(source, fields.text("base"))
+    except ValueError:
+        raise fields.problem("base", f"{fields.text('base')[:60]!a} is not an address") from None
     affordances = tuple(
         affordance
         for group, kind in _KINDS.items()

@@ -16,6 +16,6 @@ def resolve_uri(base: str, href: str) -> str:
         ValueError: One of them is no address.
     """
     scheme, separator, rest = base.partition("://")
-    if not separator or urlsplit(href).scheme:
+    if urlsplit(href).scheme or not separator:
         return href
     return f"{scheme}:{urljoin(f'http://{rest}', href).removeprefix('http:')}"

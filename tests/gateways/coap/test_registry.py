@@ -27,6 +27,13 @@ def test_a_registration_is_found_until_it_ends() -> None:
     assert registry.look_up_endpoints({}) == ()
 
 
+def test_a_link_that_is_no_address_is_refused_and_does_not_end_the_lookup() -> None:
+    registry = DirectoryRegistry()
+    with pytest.raises(WireError, match="is not an address"):
+        registry.register({"ep": "lamp"}, (WebLink("//["),), "h", BASE, 0.0)
+    assert registry.look_up_resources({}) == ()
+
+
 def test_renewing_gives_a_new_lifetime_and_registering_again_takes_the_place_of_the_old_one() -> None:
     registry = DirectoryRegistry()
     path = registry.register({"ep": "lamp", "lt": "60"}, LINKS, "h", BASE, 0.0).path

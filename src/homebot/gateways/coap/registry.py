@@ -96,6 +96,7 @@ class DirectoryRegistry:
         endpoint_of_link(WebLink("", tuple(checked.items())))
         if len(links) > MAX_LINKS_OF_ONE:
             raise WireError(f"{len(links)} links are too many for one endpoint; the limit is {MAX_LINKS_OF_ONE}")
+        _check_targets(checked["base"], links)
         name = checked["ep"], checked.get("d", "")
         path = self._paths.get(name)
         if path is None:
@@ -176,6 +177,14 @@ class DirectoryRegistry:
             what = f"the registration of {shown(found.parameters['ep'])}"
             raise RefusedError(what, "it is another host's", FORBIDDEN)
         return found
+
+
+def _check_targets(base: str, links: tuple[WebLink, ...]) -> None:
+    for link in links:
+        try:
+            resolve_uri(f"{base}/", link.target)
+        except ValueError:
+            raise WireError(f"the link {link.target[:60]!a} is not an address") from None
 
 
 def _checked(parameters: Mapping[str, str]) -> dict[str, str]:
