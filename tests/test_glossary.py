@@ -15,6 +15,7 @@ GLOSSARY = (SOURCE.parent.parent / "docs" / "glossary.md").read_text()
 FAMILIES = (
     "bridges/rosapi/",
     "bridges/rosbridge/",
+    "bridges/thing_directory/",
     "conventions/homeassistant/",
     "conventions/homie/",
     "conventions/jinja/",

@@ -15,6 +15,8 @@
 
     [discovery]
 
+    [thing_directory]                # the devices over HTTP, as W3C Thing Descriptions; not without this table
+
 What stands in the table of a gateway or an app is that plug-in's own business: :func:`parse_settings` checks it with
 the plug-in's model.
 """
@@ -118,6 +120,7 @@ class Config(BaseModel):
         apps: The tables ``[apps.NAME]``, by name.
         door: The address at which rosbridge clients reach this homebot; empty for the default.
         discovery: The table ``[discovery]``: how long devices are kept.
+        thing_directory: The table ``[thing_directory]``, which has the devices served over HTTP; None for none.
         source: The file, or another source of the values, for error messages.
         folder: The folder that relative paths start from: that of the file.
     """
@@ -129,6 +132,7 @@ class Config(BaseModel):
     apps: dict[str, Table] = Field(default_factory=dict)
     door: Table = Field(default_factory=dict)
     discovery: Table = Field(default_factory=dict)
+    thing_directory: Table | None = None
     source: str = Field(default="configuration", exclude=True)
     folder: Path = Field(default=_HERE, exclude=True)
 
@@ -155,7 +159,9 @@ def load_tables(path: Path) -> dict[str, object]:
         raise ConfigError(source, "", f"names the code that runs, so others must not be able to change it: {problem}")
     for name in ("source", "folder"):
         if name in tables:
-            raise ConfigError(source, name, "unknown key; known are home, gateways, apps, door and discovery")
+            raise ConfigError(
+                source, name, "unknown key; known are home, gateways, apps, door, discovery and thing_directory"
+            )
     return tables
 
 

@@ -66,6 +66,16 @@ def test_an_empty_file_is_a_home_with_nothing_in_it(capsys: Text) -> None:
     )
 
 
+def test_the_directory_of_things_is_told_where_there_is_one(capsys: Text, monkeypatch: pytest.MonkeyPatch) -> None:
+    Path("homebot.toml").write_text("[thing_directory]\n")
+    assert main(["config", "check"]) == 0
+    assert "  things:    127.0.0.1:8081\n" in capsys.readouterr().out
+    Path("homebot.toml").write_text('[thing_directory]\nhost = "0.0.0.0"\n')
+    monkeypatch.setenv("HOMEBOT_THINGS_TOKEN", "sesame")
+    assert main(["config", "check"]) == 0
+    assert "  things:    0.0.0.0:8081 (token required)\n" in capsys.readouterr().out
+
+
 def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("homebot.toml").write_text('[door]\nhost = "0.0.0.0"\n')
     assert main(["config", "check"]) == 1
@@ -115,6 +125,12 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
         ('[door]\ntoken_file = "empty"\n', "door.token_file: the first line of empty is empty"),
         ('[door]\ntoken_file = "binary"\n', "door.token_file: binary cannot be read: it is not UTF-8 text"),
         ('[door]\ntoken = ""\n', "door.token: value should have at least 1 item after validation, not 0"),
+        ("[thing_directory]\nport = -1\n", "thing_directory.port: input should be greater than or equal to 0, got -1"),
+        (
+            '[thing_directory]\nhost = "0.0.0.0"\n',
+            "thing_directory.host: 0.0.0.0 can be reached by others, so it needs",
+        ),
+        ("[apps.thing_directory]\n", "apps.thing_directory: is the name of one of homebot's own nodes"),
         ("[door]\nport = -1\n", "door.port: input should be greater than or equal to 0, got -1"),
     ],
 )

@@ -11,7 +11,7 @@ from homebot.devices import Device
 from homebot.errors import ConfigError
 from homebot.messages.json import message_from_json
 from homebot.names import escape_token
-from homebot.wot import to_thing
+from homebot.wot import MqttForms, to_thing
 
 __all__ = ["thing_text", "to_device", "write_things"]
 
@@ -27,7 +27,7 @@ def thing_text(device: Device, broker: str) -> str:
     """Return the Thing Description of *device*, whose gateways use the broker at that address."""
     gateways = {one.gateway for one in device.endpoints}
     gateways |= {route.gateway for part in device.parts for route in part.routes}
-    return json.dumps(to_thing(device, dict.fromkeys(gateways, broker)), indent=2)
+    return json.dumps(to_thing(device, MqttForms(dict.fromkeys(gateways, broker))), indent=2)
 
 
 def write_things(devices: Iterable[Device], directory: str, broker: str) -> list[Path]:

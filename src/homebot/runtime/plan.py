@@ -14,9 +14,11 @@ from homebot.addresses import is_loopback
 from homebot.apps import App
 from homebot.bridges.access_settings import AccessSettings
 from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.thing_directory import DirectoryBridgeSettings
 from homebot.config import Config, FilePath, Table, parse_settings, read_secret
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
+from homebot.extras import check_extra
 from homebot.gateways import Gateway
 from homebot.plugins import load_plugin
 
@@ -33,10 +35,20 @@ class DoorTable(DoorSettings):
     token_file: FilePath | None = None
 
 
+class ThingDirectoryTable(DirectoryBridgeSettings):
+    """The keys of the table ``[thing_directory]``.
+
+    Attributes:
+        token_file: File whose first line is the token, for nobody else to read.
+    """
+
+    token_file: FilePath | None = None
+
+
 GATEWAYS = "homebot.gateways"
 APPS = "homebot.apps"
 
-OWN_NODES = frozenset({"homebot", "discovery", "rosapi", "rosbridge_websocket"})
+OWN_NODES = frozenset({"homebot", "discovery", "rosapi", "rosbridge_websocket", "thing_directory"})
 
 ComponentT = TypeVar("ComponentT", Gateway, App)
 
@@ -66,6 +78,7 @@ class Plan:
         apps: The apps, in the order of the file.
         discovery: The directory's settings.
         door: The door's settings.
+        thing_directory: The settings of the directory that is served over HTTP; None where none is.
     """
 
     home: str
@@ -73,6 +86,7 @@ class Plan:
     apps: tuple[PlannedComponent[App], ...]
     discovery: DirectorySettings
     door: DoorSettings
+    thing_directory: DirectoryBridgeSettings | None = None
 
 
 def make_plan(config: Config) -> Plan:
@@ -88,12 +102,17 @@ def make_plan(config: Config) -> Plan:
         apps=tuple(_app(name, table, config) for name, table in config.apps.items()),
         discovery=_discovery(config),
         door=_door(config),
+        thing_directory=_thing_directory(config),
     )
 
 
 def plan_errors(config: Config) -> tuple[ConfigError, ...]:
     """Return all that keeps :func:`make_plan` from making a plan of *config*, table by table."""
-    parts: list[Callable[[], object]] = [partial(_discovery, config), partial(_door, config)]
+    parts: list[Callable[[], object]] = [
+        partial(_discovery, config),
+        partial(_door, config),
+        partial(_thing_directory, config),
+    ]
     parts += [partial(_gateway, name, table, config) for name, table in config.gateways.items()]
     parts += [partial(_app, name, table, config) for name, table in config.apps.items()]
     found: list[ConfigError] = []
@@ -149,6 +168,20 @@ def _door(config: Config) -> DoorSettings:
     """Return the door's settings, with the token read from where it is kept."""
     given = parse_settings(DoorTable, config.door, config.source, "door", config.folder)
     return DoorSettings(**_access(given, given.token_file, config.source, "door", "HOMEBOT_DOOR_TOKEN"))
+
+
+def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
+    """Return the settings of the directory that is served over HTTP; None where none is."""
+    key = "thing_directory"
+    if config.thing_directory is None:
+        return None
+    given = parse_settings(ThingDirectoryTable, config.thing_directory, config.source, key, config.folder)
+    try:
+        check_extra("the directory of things", "mdns", "aiohttp")
+    except UsageError as exc:
+        raise ConfigError(config.source, key, str(exc)) from exc
+    values = _access(given, given.token_file, config.source, key, "HOMEBOT_THINGS_TOKEN")
+    return DirectoryBridgeSettings(**values)
 
 
 def _access(table: AccessSettings, token_file: Path | None, source: str, key: str, variable: str) -> dict[str, Any]:

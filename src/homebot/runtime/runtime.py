@@ -1,6 +1,6 @@
 """The runtime: builds the graph from a configuration, starts everything in order, stops it in reverse.
 
-The order is: broker (where it is ours), gateways, directory, apps, door, simulated house.
+The order is: broker (where it is ours), gateways, directory, apps, door, directory of things, simulated house.
 """
 
 from __future__ import annotations
@@ -15,11 +15,13 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self, TypeVar
 
 import anyio
+from anyio import to_thread
 from anyio.abc import TaskStatus
 
 from homebot.apps import App
 from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door
+from homebot.bridges.thing_directory import DirectoryBridgeSettings
 from homebot.clock import Clock, LoopClock
 from homebot.config import UNNAMED, Config
 from homebot.devices.health import GetHealth
@@ -28,6 +30,7 @@ from homebot.discovery import Directory
 from homebot.errors import ConfigError, UsageError
 from homebot.gateways import Gateway, GatewayContext, HostService
 from homebot.graph import Graph, Node, RosoutFeed
+from homebot.installation import installation_id
 from homebot.isolation import run_as
 from homebot.logger import get_logger, observed_lines
 from homebot.plugins import plugin_names
@@ -177,6 +180,8 @@ class Runtime:
         yield "", "rosapi", self._rosapi
         if self._with_door:
             yield "", "door", self._open_door
+        if self._plan.thing_directory is not None:
+            yield "", "thing_directory", self._serve_things(self._plan.thing_directory)
         if self._simulated is not None:
             homes = (gateway.kind.home(gateway.settings) for gateway in gateways)
             yield "", "house", self._house(self._simulated, next(filter(None, homes), THESIS_HOME))
@@ -251,6 +256,19 @@ class Runtime:
             self.door = Door(node, self._plan.door, self._network_services.publish)
             node.create_service(GetHealth, "~/health", self.door.health)
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
+
+    def _serve_things(self, settings: DirectoryBridgeSettings) -> Work:
+        from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge  # noqa: PLC0415 - an extra
+
+        async def work(*, task_status: TaskStatus[None]) -> None:
+            async with Node(self.graph, "thing_directory") as node:
+                owner = await to_thread.run_sync(installation_id, self._plan.home)
+                announce = self._network_services.publish
+                things = ThingDirectoryBridge(node, settings, self._plan.home, owner, announce)
+                node.create_service(GetHealth, "~/health", things.health)
+                await run_as(node.full_name, partial(things.run, task_status=task_status))
+
+        return work
 
     def _house(self, world: World, home: str) -> Work:
         from homebot.house import SimulatedHouse  # noqa: PLC0415 - who has a real house starts sooner without it

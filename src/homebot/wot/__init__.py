@@ -10,8 +10,9 @@ from homebot.lazy_names import lazy_names
 if TYPE_CHECKING:
     from homebot.wot.binding import Binding, RequestBinding
     from homebot.wot.classify import ClassifiedAffordance, ClassifiedPart, parts_of
-    from homebot.wot.export import to_thing
+    from homebot.wot.export import FormWriter, property_names, thing_id, to_thing
     from homebot.wot.identity import facts_of, identifiers_of
+    from homebot.wot.mqtt_forms import MqttForms
     from homebot.wot.parse import CONTEXT, read_thing
     from homebot.wot.payload import (
         TEXT_CONTENT_TYPE,
@@ -35,6 +36,8 @@ __all__ = [
     "ClassifiedPart",
     "DataSchema",
     "Form",
+    "FormWriter",
+    "MqttForms",
     "PayloadFormat",
     "PayloadFormats",
     "RequestBinding",
@@ -49,8 +52,10 @@ __all__ = [
     "media_type",
     "on_the_wire",
     "parts_of",
+    "property_names",
     "read_thing",
     "resolve_uri",
+    "thing_id",
     "to_thing",
 ]
 
@@ -60,8 +65,9 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
         {
             "homebot.wot.binding": "Binding RequestBinding",
             "homebot.wot.classify": "ClassifiedAffordance ClassifiedPart parts_of",
-            "homebot.wot.export": "to_thing",
+            "homebot.wot.export": "FormWriter property_names thing_id to_thing",
             "homebot.wot.identity": "facts_of identifiers_of",
+            "homebot.wot.mqtt_forms": "MqttForms",
             "homebot.wot.parse": "CONTEXT read_thing",
             "homebot.wot.payload": (
                 "TEXT_CONTENT_TYPE PayloadFormat PayloadFormats basic_formats"

@@ -6,49 +6,63 @@ same device.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Final
+from collections.abc import Iterator
+from typing import Final, Protocol
 from urllib.parse import quote
 
 from homebot.devices.capabilities import CAPABILITIES, CapabilityType
 from homebot.devices.device import Device, DevicePart, Endpoint
-from homebot.devices.names import read_text_address
 from homebot.devices.part import Capability
 from homebot.wot.parse import CONTEXT
-from homebot.wot.payload import TEXT_CONTENT_TYPE
 from homebot.wot.vocabulary import CAPABILITY_TYPES, DEVICE_TYPE_NAMES, WEBTHINGS
 
-__all__ = ["MQTT_VOCABULARY", "own_content_type", "to_thing"]
+__all__ = ["FormWriter", "property_names", "thing_id", "to_thing"]
 
-MQTT_VOCABULARY: Final = "https://www.w3.org/2019/wot/mqtt#"
+_MQTT_VOCABULARY: Final = "https://www.w3.org/2019/wot/mqtt#"
 _OWN_VOCABULARY: Final = "urn:homebot:td#"
 _JSON_TYPES = {"bool": "boolean", "number": "number", "text": "string", "numbers": "array"}
 
 
-def own_content_type(convention: str) -> str:
-    """Return the content type of payloads that a convention spells; without one they are plain words."""
-    return f"application/vnd.homebot.{convention or 'words'}"
+class FormWriter(Protocol):
+    """A way to reach devices, which says where their properties are read and written."""
+
+    def of_property(self, name: str, part: DevicePart, capability: Capability) -> list[dict[str, object]]:
+        """Return the forms of the property *name*; none where it cannot be reached."""
+        ...
+
+    def of_words(self, endpoint: Endpoint) -> list[dict[str, object]]:
+        """Return the forms for plain text to and from a device that has no parts."""
+        ...
 
 
-def to_thing(device: Device, brokers: Mapping[str, str]) -> dict[str, object]:
-    """Return the Thing Description 1.1 of *device*, as JSON values.
+def thing_id(device_id: str, owner: str = "") -> str:
+    """Return the id of a device's description.
 
-    It says what can be read and set, in the vocabulary's units, and on which MQTT topics. Where a convention such as
-    Zigbee2MQTT's says how that is spelt, the content type names it.
+    Args:
+        device_id: The device's id.
+        owner: The id of the homebot that describes it, where descriptions of several may meet; empty for none.
+    """
+    return f"urn:homebot:{owner}:{quote(device_id, safe='')}" if owner else f"urn:homebot:{quote(device_id, safe='')}"
+
+
+def to_thing(device: Device, forms: FormWriter, owner: str = "") -> dict[str, object]:
+    """Return the Thing Description 1.1 of *device*, as JSON values; it needs no credentials.
+
+    It says what can be read and set, in the vocabulary's units, and where.
 
     Args:
         device: The device.
-        brokers: Address of each gateway's broker, for example ``mqtt://192.168.1.10:1883``; any other is taken to be
-            ``mqtt://localhost:1883``.
+        forms: The way to reach it.
+        owner: See :func:`thing_id`.
     """
-    properties = dict(_properties(device, brokers))
+    properties = dict(_properties(device, forms))
     types = dict.fromkeys(
         DEVICE_TYPE_NAMES[one.part.service_type] for one in device.parts if one.part.service_type in DEVICE_TYPE_NAMES
     )
     thing: dict[str, object] = {
-        "@context": [CONTEXT, WEBTHINGS, {"mqv": MQTT_VOCABULARY, "homebot": _OWN_VOCABULARY}],
+        "@context": [CONTEXT, WEBTHINGS, {"mqv": _MQTT_VOCABULARY, "homebot": _OWN_VOCABULARY}],
         "@type": ["Thing", *types],
-        "id": f"urn:homebot:{quote(device.id, safe='')}",
+        "id": thing_id(device.id, owner),
         "title": device.name.strip() or device.id,
         "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
         "security": "nosec_sc",
@@ -63,18 +77,23 @@ def to_thing(device: Device, brokers: Mapping[str, str]) -> dict[str, object]:
     return thing | {"properties": properties}
 
 
-def _properties(device: Device, brokers: Mapping[str, str]) -> Iterator[tuple[str, dict[str, object]]]:
+def property_names(device: Device) -> Iterator[tuple[str, DevicePart, Capability]]:
+    """Yield the name of each property of *device* in its description, with what the property is."""
     taken: set[str] = set()
     for part in device.parts:
         for capability in part.part.capabilities:
-            forms = list(_forms(part, capability, brokers))
-            if forms:
-                name = _unused(f"{part.id}_{capability.name}" if part.id else capability.name, taken)
-                yield name, _property(part, capability, forms)
+            name = _unused(f"{part.id}_{capability.name}" if part.id else capability.name, taken)
+            yield name, part, capability
+
+
+def _properties(device: Device, writer: FormWriter) -> Iterator[tuple[str, dict[str, object]]]:
+    for name, part, capability in property_names(device):
+        if forms := writer.of_property(name, part, capability):
+            yield name, _property(part, capability, forms)
     if not device.parts:
+        taken: set[str] = set()
         for endpoint in device.endpoints:
-            forms = list(_plain_forms(endpoint, brokers))
-            if forms:
+            if forms := writer.of_words(endpoint):
                 yield _unused("words", taken), _plain_property(endpoint, forms)
 
 
@@ -86,7 +105,7 @@ def _property(part: DevicePart, capability: Capability, forms: list[dict[str, ob
         "type": _JSON_TYPES[known.kind],
         "readOnly": not capability.settable,
         "writeOnly": not capability.readable,
-        "observable": capability.readable,
+        "observable": _can_observe(forms),
     }
     if capability.name in CAPABILITY_TYPES:
         fields["@type"] = CAPABILITY_TYPES[capability.name]
@@ -109,14 +128,8 @@ def _property(part: DevicePart, capability: Capability, forms: list[dict[str, ob
     return fields | {f"homebot:{name}": value for name, value in own.items() if value} | {"forms": forms}
 
 
-def _forms(part: DevicePart, capability: Capability, brokers: Mapping[str, str]) -> Iterator[dict[str, object]]:
-    best = part.routes[0] if part.routes else None
-    broker = brokers.get(best.gateway if best else "", "mqtt://localhost:1883")
-    content = own_content_type(best.convention if best else "")
-    if capability.readable:
-        yield from (_form(broker, content, observed=topic) for topic in part.part.reads)
-    if capability.settable:
-        yield from (_form(broker, content, written=topic) for topic in part.part.writes)
+def _can_observe(forms: list[dict[str, object]]) -> bool:
+    return any("observeproperty" in ops for one in forms if isinstance(ops := one["op"], list))
 
 
 def _plain_property(endpoint: Endpoint, forms: list[dict[str, object]]) -> dict[str, object]:
@@ -125,35 +138,8 @@ def _plain_property(endpoint: Endpoint, forms: list[dict[str, object]]) -> dict[
         "description": "its states and commands as plain text",
         "type": "string",
         "readOnly": not endpoint.command_address,
-        "observable": True,
+        "observable": _can_observe(forms),
         "forms": forms,
-    }
-
-
-def _plain_forms(endpoint: Endpoint, brokers: Mapping[str, str]) -> Iterator[dict[str, object]]:
-    broker = brokers.get(endpoint.gateway, "mqtt://localhost:1883")
-    if endpoint.address and read_text_address(endpoint.address) is None:
-        yield _form(broker, TEXT_CONTENT_TYPE, observed=endpoint.address)
-    if endpoint.command_address and read_text_address(endpoint.command_address) is None:
-        yield _form(broker, TEXT_CONTENT_TYPE, written=endpoint.command_address)
-
-
-def _form(broker: str, content: str, *, observed: str = "", written: str = "") -> dict[str, object]:
-    """Return a form to observe rather than to read: whether the broker retains it is not known."""
-    if observed:
-        return {
-            "href": broker,
-            "contentType": content,
-            "op": ["observeproperty", "unobserveproperty"],
-            "mqv:controlPacket": "subscribe",
-            "mqv:filter": observed,
-        }
-    return {
-        "href": broker,
-        "contentType": content,
-        "op": "writeproperty",
-        "mqv:controlPacket": "publish",
-        "mqv:topic": written,
     }
 
 

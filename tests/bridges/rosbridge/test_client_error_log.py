@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from structlog.testing import capture_logs
 
-from homebot.bridges.rosbridge.shared_state import ClientErrorLog
+from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.clock import ManualClock
 from homebot.graph import Graph, Node
 

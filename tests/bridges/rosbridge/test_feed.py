@@ -14,7 +14,7 @@ from homebot.bridges.rosbridge.backlog import Backlog, DoorBacklog
 from homebot.bridges.rosbridge.feed import Feed
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import SubscribeOperation
-from homebot.bridges.rosbridge.turns import Turns
+from homebot.bridges.turns import Turns
 from homebot.errors import LinkError
 from homebot.graph import Graph, Node, Publisher
 from homebot.messages import Int32

@@ -10,7 +10,7 @@ import anyio
 import pytest
 
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.turns import Turns
+from homebot.bridges.turns import Turns
 from homebot.messages.json import JsonObject
 
 pytestmark = pytest.mark.virtual_time

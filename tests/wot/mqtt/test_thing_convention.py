@@ -18,7 +18,7 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.messages import Time
-from homebot.wot import CONTEXT, to_thing
+from homebot.wot import CONTEXT, MqttForms, to_thing
 from homebot.wot.mqtt import ThingDescriptions, ThingSettings
 
 TOPIC = "homebot/things/lamp/td"
@@ -229,7 +229,7 @@ def test_what_is_about_other_protocols_or_payloads_is_there_and_no_more() -> Non
         parts=(DevicePart(id="", part=part, routes=(route,)),),
     )
     web = {"type": "boolean", "@type": "OnOffProperty", "forms": [{"href": "https://lamp.local/on"}]}
-    for description in (to_thing(device, {}), thing({"on": web}, "Light")):
+    for description in (to_thing(device, MqttForms({})), thing({"on": web}, "Light")):
         (found,) = take(description).parts
         assert found.part.service_type == "light"
         (on_off,) = found.part.capabilities

@@ -12,7 +12,7 @@ from typing import Any
 
 from websockets.asyncio.server import ServerConnection
 
-from homebot.bridges.rosbridge.turns import Turns
+from homebot.bridges.turns import Turns
 
 __all__ = ["DoorConnection"]
 

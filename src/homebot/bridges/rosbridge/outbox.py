@@ -13,7 +13,7 @@ from collections.abc import Awaitable, Callable
 from typing import Protocol, final
 
 from homebot.bridges.rosbridge.protocol import Frame, encode_frame
-from homebot.bridges.rosbridge.turns import Turns
+from homebot.bridges.turns import Turns
 
 __all__ = ["MessageSource", "Outbox"]
 

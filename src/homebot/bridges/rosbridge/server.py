@@ -5,7 +5,6 @@ With :mod:`homebot.bridges.rosbridge.connection` the only file that imports the 
 
 from __future__ import annotations
 
-import errno
 import logging
 from collections.abc import AsyncIterator, Callable
 from dataclasses import asdict
@@ -22,12 +21,14 @@ from websockets.http11 import Request, Response
 
 from homebot.addresses import is_loopback
 from homebot.bridges.admission import refusal, token_of
+from homebot.bridges.client_error_log import ClientErrorLog
+from homebot.bridges.listening import listening_problem
 from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.connection import DoorConnection
 from homebot.bridges.rosbridge.settings import DoorSettings
-from homebot.bridges.rosbridge.shared_state import ClientErrorLog, DoorCounters, ExpectedTopics, SharedState
-from homebot.bridges.rosbridge.turns import Turns
+from homebot.bridges.rosbridge.shared_state import DoorCounters, ExpectedTopics, SharedState
 from homebot.bridges.token_check import TokenCheck
+from homebot.bridges.turns import Turns
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.network_service import NetworkService
 from homebot.errors import ConfigError, LinkError, UsageError
@@ -161,7 +162,7 @@ class Door:
                 logger=log,
             )
         except OSError as exc:
-            raise UsageError(f"door: {_listening_problem(settings, exc)}") from exc
+            raise UsageError(f"door: {listening_problem(settings, exc)}") from exc
 
     async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         settings, headers = self._settings, request.headers
@@ -266,12 +267,3 @@ async def _texts(connection: ServerConnection) -> AsyncIterator[str]:
 def _address_of(connection: ServerConnection) -> str:
     host, port = (connection.remote_address or ("unknown", 0))[:2]
     return f"{host}:{port}"
-
-
-def _listening_problem(settings: DoorSettings, error: OSError) -> str:
-    where = f"{settings.host}:{settings.port}"
-    if error.errno == errno.EADDRINUSE:
-        return f"{where} is in use, maybe by another homebot; stop that one, or choose another port"
-    if error.errno == errno.EACCES:
-        return f"{where} is reserved by the system; choose a port from 1024 on"
-    return f"cannot listen on {where}: {error.strerror or error}"

@@ -17,8 +17,8 @@ from homebot.bridges.rosbridge.protocol import (
     service_request,
     service_success,
 )
-from homebot.bridges.rosbridge.turns import Turns
 from homebot.bridges.rosbridge.types import message_from_client, service_type_of
+from homebot.bridges.turns import Turns
 from homebot.devices.query import Or, QueryTerm, query_terms
 from homebot.devices.services import QueryDevicesResponse
 from homebot.errors import (

@@ -41,7 +41,7 @@ from homebot.bridges.rosbridge.publications import Publications
 from homebot.bridges.rosbridge.services import ProvidedServices, call_service
 from homebot.bridges.rosbridge.shared_state import SharedState, operation_text
 from homebot.bridges.rosbridge.subscriptions import Subscriptions
-from homebot.bridges.rosbridge.turns import Turns
+from homebot.bridges.turns import Turns
 from homebot.errors import HomebotError, LinkError, PeerError
 from homebot.log import LogLimit
 

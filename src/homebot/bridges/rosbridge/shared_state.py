@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, final
+from typing import final
 
 import anyio
 from anyio.abc import TaskStatus
 
+from homebot.bridges.client_error_log import ClientErrorLog, short_text
 from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.settings import DoorSettings
-from homebot.bridges.rosbridge.turns import Turns
+from homebot.bridges.turns import Turns
 from homebot.graph import EntityKind, Graph, Node
-from homebot.log import LogLimit, more_like_this
 
-__all__ = ["ClientErrorLog", "DoorCounters", "ExpectedTopics", "SharedState", "operation_text"]
+__all__ = ["DoorCounters", "ExpectedTopics", "SharedState", "operation_text"]
 
 
 @dataclass(slots=True)
@@ -39,8 +39,6 @@ class DoorCounters:
     clients_cut: int = 0
 
 
-_LINES = 20  # of one kind in ten seconds
-_LONGEST = 300  # a client may send a text of a megabyte
 _LONGEST_NAME = 100
 
 _DEEDS = {
@@ -56,53 +54,9 @@ _DEEDS = {
 }
 
 
-class ClientErrorLog:
-    """Logs what clients do wrong.
-
-    Args:
-        node: In whose name.
-    """
-
-    def __init__(self, node: Node) -> None:
-        self._log = node.log
-        self._limit = LogLimit(node.graph.clock, burst=_LINES)
-
-    def log(
-        self,
-        kind: str,
-        event: str,
-        message: str,
-        *,
-        level: Literal["warning", "error"] = "warning",
-        error: BaseException | None = None,
-        **facts: str | int,
-    ) -> None:
-        """Log one line, unless there were 20 of its *kind* in the last ten seconds.
-
-        Args:
-            kind: What counts together, such as one client's mistakes.
-            event: The constant name.
-            message: The same in plain words; cut, as are the texts among the facts, to 300 characters.
-            level: How bad it is.
-            error: Shown with its traceback.
-            facts: What is known.
-        """
-        if (held_back := self._limit.allows(kind)) is None:
-            return
-        known: dict[str, object] = {key: _short(fact) if isinstance(fact, str) else fact for key, fact in facts.items()}
-        if error is not None:
-            known["exc_info"] = error
-        write = self._log.error if level == "error" else self._log.warning
-        write(event, message=f"{_short(message)}{more_like_this(held_back)}", held_back=held_back, **known)
-
-
 def operation_text(op: str, name: str) -> str:
     """Return an operation in words, such as ``publishing on /t``; an operation without a name stays as it is."""
-    return f"{_DEEDS.get(op, op)} {_short(name, _LONGEST_NAME)}" if name else op
-
-
-def _short(text: str, longest: int = _LONGEST) -> str:
-    return text if len(text) <= longest else f"{text[: longest - 1]}…"
+    return f"{_DEEDS.get(op, op)} {short_text(name, _LONGEST_NAME)}" if name else op
 
 
 @final

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from homebot.cli.arguments import add_verb, add_verbs, set_command
-from homebot.cli.commands.run import with_door_token
+from homebot.cli.commands.run import with_tokens
 from homebot.config import load_config, load_tables, parse_config
 from homebot.errors import ConfigError
 from homebot.log import configure_logging
@@ -39,18 +39,21 @@ def _check(options: argparse.Namespace) -> int:
             print(f"homebot: {error}", file=sys.stderr)
         return 1
     config = load_config(path)
-    plan = make_plan(with_door_token(config))
+    plan = make_plan(with_tokens(config))
     print(f"{config.source} is valid: home {plan.home}")
     print(f"  gateways:  {_names(plan.gateways)}")
     print(f"  apps:      {_names(plan.apps)}")
     print(f"  rosbridge: {plan.door.host}:{plan.door.port}{' (token required)' if plan.door.token else ''}")
+    if plan.thing_directory is not None:
+        things = plan.thing_directory
+        print(f"  things:    {things.host}:{things.port}{' (token required)' if things.token else ''}")
     return 0
 
 
 def _errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError, ...]:
     """Return all that is wrong in *tables*; a table that makes no sense at all is not looked into."""
     try:
-        return plan_errors(with_door_token(parse_config(tables, str(path), path.parent)))
+        return plan_errors(with_tokens(parse_config(tables, str(path), path.parent)))
     except ConfigError as exc:
         found = (exc, *exc.others)
         wrong = {error.key.partition(".")[0] for error in found}

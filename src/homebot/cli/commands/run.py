@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from homebot.cli.arguments import address, app, positive, set_command
 from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
-from homebot.config import Config, load_config, parse_config
+from homebot.config import Config, Table, load_config, parse_config
 from homebot.log import configure_logging
 from homebot.output import queued_output
 from homebot.production_loop import ProductionLoop
@@ -25,13 +25,15 @@ from homebot.runtime import Runtime
 if TYPE_CHECKING:
     from homebot.house import World
 
-__all__ = ["add_arguments", "configuration", "run", "with_door_token"]
+__all__ = ["add_arguments", "configuration", "run", "with_tokens"]
 
 COMMAND_LINE = "command line"
 DEFAULT_CONFIG = Path("homebot.toml")
 THESIS_ROOT = "home425"
 APPS_OF_THE_SIMULATED_HOUSE = ("light_service",)
 """In a real house no app runs that nobody named: the light service switches off every lamp that is on."""
+
+_TOKENS = {"door": "HOMEBOT_DOOR_TOKEN", "thing_directory": "HOMEBOT_THINGS_TOKEN"}
 
 COLLECT_AFTER = (5_000, 0, 140)
 """When Python looks for circular garbage, of which there is next to none here, and what there is dies young. By its
@@ -157,15 +159,20 @@ def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
     if options.door:
         tables["door"].update(host=options.door[0], port=options.door[1])
     source = f"{base.source} and command line" if is_changed and base.source != COMMAND_LINE else base.source
-    return with_door_token(parse_config(tables, source, base.folder)), house
+    return with_tokens(parse_config(tables, source, base.folder)), house
 
 
-def with_door_token(config: Config) -> Config:
-    """Return *config* with the door's token from the environment, where the file has none."""
-    token = os.environ.get("HOMEBOT_DOOR_TOKEN")
-    if not token or config.door.keys() & {"token", "token_file"}:
-        return config
-    return config.model_copy(update={"door": {**config.door, "token": token}})
+def with_tokens(config: Config) -> Config:
+    """Return *config* with the tokens of its servers from the environment, where the file has none."""
+    tables = {"door": config.door}
+    if config.thing_directory is not None:
+        tables["thing_directory"] = config.thing_directory
+    return config.model_copy(update={name: _with_token(table, _TOKENS[name]) for name, table in tables.items()})
+
+
+def _with_token(table: Table, variable: str) -> Table:
+    token = os.environ.get(variable)
+    return table if not token or table.keys() & {"token", "token_file"} else {**table, "token": token}
 
 
 def _base(options: argparse.Namespace) -> tuple[Config, World | None]:

@@ -6,11 +6,9 @@ on :data:`homebot.devices.network_service.NETWORK_SERVICES`, unless only this co
 
 from __future__ import annotations
 
-import hashlib
 import platform
 from collections.abc import Mapping
 from importlib.metadata import version
-from pathlib import Path
 
 import anyio
 import anyio.to_thread
@@ -20,6 +18,7 @@ from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_Q
 from homebot.errors import LinkError
 from homebot.gateways.mdns.network import OwnService, ServiceNetwork
 from homebot.graph import Node
+from homebot.installation import installation_id
 
 __all__ = ["HOMEBOT", "OwnServices", "installation_facts"]
 
@@ -94,9 +93,4 @@ def installation_facts(name: str) -> dict[str, str]:
     Args:
         name: The name of what is identified on this computer.
     """
-    try:
-        machine = Path("/etc/machine-id").read_text(encoding="ascii")
-    except (OSError, ValueError):
-        machine = platform.node()
-    identity = hashlib.sha256(f"homebot {machine.strip()} {name}".encode()).hexdigest()[:16]
-    return {"version": version("homebot"), "id": identity}
+    return {"version": version("homebot"), "id": installation_id(name)}

@@ -7,7 +7,7 @@ import time
 import anyio
 import anyio.lowlevel
 
-from homebot.bridges.rosbridge.turns import Turns
+from homebot.bridges.turns import Turns
 
 BUSY = 0.006
 """Seconds; more than the share."""

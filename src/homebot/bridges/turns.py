@@ -1,7 +1,7 @@
-"""The door's share of the event loop: a few milliseconds each time the loop goes round, for all clients together.
+"""A server's share of the event loop: a few milliseconds each time the loop goes round, for all its clients together.
 
 Whoever wants more waits in line, one piece of work each time round, first come, first served. So a client that floods
-the door delays other clients, and everything else in the process by that share at most.
+the server delays other clients, and everything else in the process by that share at most.
 """
 
 from __future__ import annotations

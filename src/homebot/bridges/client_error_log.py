@@ -1,0 +1,60 @@
+"""The log of what clients of a bridge do wrong, limited."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from homebot.graph import Node
+from homebot.log import LogLimit, more_like_this
+
+__all__ = ["ClientErrorLog", "short_text"]
+
+_LINES = 20  # of one kind in ten seconds
+_LONGEST = 300  # a client may send a text of a megabyte
+
+
+class ClientErrorLog:
+    """Logs what clients do wrong.
+
+    Args:
+        node: In whose name.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._log = node.log
+        self._limit = LogLimit(node.graph.clock, burst=_LINES)
+
+    def log(
+        self,
+        kind: str,
+        event: str,
+        message: str,
+        *,
+        level: Literal["warning", "error"] = "warning",
+        error: BaseException | None = None,
+        **facts: str | int,
+    ) -> None:
+        """Log one line, unless there were 20 of its *kind* in the last ten seconds.
+
+        Args:
+            kind: What counts together, such as one client's mistakes.
+            event: The constant name.
+            message: The same in plain words; cut, as are the texts among the facts, to 300 characters.
+            level: How bad it is.
+            error: Shown with its traceback.
+            facts: What is known.
+        """
+        if (held_back := self._limit.allows(kind)) is None:
+            return
+        known: dict[str, object] = {
+            key: short_text(fact) if isinstance(fact, str) else fact for key, fact in facts.items()
+        }
+        if error is not None:
+            known["exc_info"] = error
+        write = self._log.error if level == "error" else self._log.warning
+        write(event, message=f"{short_text(message)}{more_like_this(held_back)}", held_back=held_back, **known)
+
+
+def short_text(text: str, longest: int = _LONGEST) -> str:
+    """Return *text*, cut to the *longest* length."""
+    return text if len(text) <= longest else f"{text[: longest - 1]}…"

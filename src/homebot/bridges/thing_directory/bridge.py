@@ -1,0 +1,223 @@
+"""homebot's directory for other programs: lets them in, answers their requests, and announces itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from http import HTTPStatus
+from secrets import token_hex
+from typing import Final
+from urllib.parse import unquote
+
+import anyio
+from anyio.abc import TaskStatus
+
+from homebot.addresses import is_loopback
+from homebot.bridges.admission import refusal, token_of
+from homebot.bridges.client_error_log import ClientErrorLog
+from homebot.bridges.thing_directory.documents import (
+    BEARER,
+    CHANGE_NAMES,
+    NO_SECURITY,
+    DirectoryAnswer,
+    RequestError,
+    directory_description,
+)
+from homebot.bridges.thing_directory.event_feed import EventFeed, EventRequest
+from homebot.bridges.thing_directory.http_server import BoundedServer, HttpExchange
+from homebot.bridges.thing_directory.listed_devices import ListedDevices
+from homebot.bridges.thing_directory.requests import MAX_BODY_BYTES, DirectoryRequest, DirectoryRequests
+from homebot.bridges.thing_directory.settings import DirectoryBridgeSettings
+from homebot.bridges.token_check import TokenCheck
+from homebot.bridges.turns import Turns
+from homebot.conventions.payload import compact_json
+from homebot.devices.device import KeyValue
+from homebot.devices.health import Count, HealthRequest, HealthResponse
+from homebot.devices.network_service import NetworkService
+from homebot.errors import ConfigError
+from homebot.graph import Node
+
+__all__ = ["ThingDirectoryBridge"]
+
+SERVICE_TYPE: Final = "_wot._tcp"
+"""By DNS-SD; W3C Recommendation "Web of Things (WoT) Discovery", section 6.3."""
+
+WELL_KNOWN: Final = "/.well-known/wot"
+
+_MOST_SEGMENTS = 8
+
+
+class ThingDirectoryBridge:
+    """A W3C Thing Description Directory of the devices of the house, read only, and the devices themselves over HTTP.
+
+    Each device is a thing whose properties are read and set here, whatever its protocol.
+
+    Args:
+        node: The node that acts in the clients' stead; it must outlive the directory.
+        settings: Where to listen, whom to let in.
+        home: The name of the home.
+        owner: The id of this homebot, which the ids of its things begin with.
+        announce: Told of it as a service of the network, when it listens and when it no longer does.
+
+    Raises:
+        ConfigError: The host is not a loopback one and there is no token.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        settings: DirectoryBridgeSettings,
+        home: str,
+        owner: str,
+        announce: Callable[[NetworkService], None] = lambda _: None,
+    ) -> None:
+        if settings.token is None and not is_loopback(settings.host):
+            problem = f"{settings.host} can be reached by others, so it needs a token; set one or listen on 127.0.0.1"
+            raise ConfigError("thing_directory", "host", problem)
+        needs_token = settings.token is not None
+        self._node = node
+        self._settings = settings
+        self._announce = announce
+        self._error_log = ClientErrorLog(node)
+        self._tokens = TokenCheck(settings, node.graph.clock)
+        self._turns = Turns()
+        self._server = BoundedServer(settings, self._handle, node.graph.clock, self._log_error)
+        version = token_hex(4)
+        self._devices = ListedDevices(
+            node,
+            owner,
+            needs_token=needs_token,
+            allows_commands=settings.allows_commands,
+            max_devices=settings.max_devices,
+            on_change=self._notify,
+        )
+        self._feed = EventFeed(self._devices.catalog, version)
+        described = directory_description(
+            f"homebot, {home}", f"urn:homebot:{owner}:", BEARER if needs_token else NO_SECURITY
+        )
+        self._requests = DirectoryRequests(compact_json(described), self._devices, version)
+
+    @property
+    def port(self) -> int:
+        """The TCP port; the real one once it listens, also where port 0 was asked for."""
+        return self._server.port
+
+    def health(self, _request: HealthRequest) -> HealthResponse:
+        """Return what was counted, and who guesses tokens; the answer of the service ``health``."""
+        counts = {
+            **asdict(self._server.counters),
+            "things_listed": len(self._devices.catalog),
+            "devices_refused": self._devices.refused,
+            "wrong_tokens": self._tokens.wrong,
+            "event_clients_overtaken": self._feed.overtaken,
+            "event_clients_now": self._feed.clients,
+            "clients_now": self._server.client_count,
+        }
+        return HealthResponse(
+            counts=tuple(Count(name=name, count=count) for name, count in counts.items()),
+            troubles=self._tokens.problems(),
+        )
+
+    async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Serve until cancelled; ``started()`` once it listens.
+
+        Raises:
+            UsageError: The address cannot be listened on.
+        """
+        async with self._server.listening():
+            facts = (KeyValue(key="td", value=WELL_KNOWN), KeyValue(key="type", value="Directory"))
+            addresses, port = self._server.addresses, self._server.port
+            self._announce(NetworkService(service_type=SERVICE_TYPE, addresses=addresses, port=port, facts=facts))
+            try:
+                async with anyio.create_task_group() as tasks:
+                    tasks.start_soon(self._devices.run)
+                    task_status.started()
+                    await anyio.sleep_forever()
+            finally:
+                self._announce(NetworkService(service_type=SERVICE_TYPE, is_withdrawn=True))
+                self._feed.close()
+
+    def _notify(self) -> None:
+        self._feed.notify()
+
+    async def _handle(self, exchange: HttpExchange) -> None:
+        await self._turns.turn()
+        try:
+            await self._admit(exchange)
+            request = self._request(exchange, await self._body(exchange))
+            if request.path[:1] == ("events",):
+                await self._send_events(exchange, request)
+                return
+            answer = await self._requests.answer(request)
+        except RequestError as exc:
+            answer = exc.answer
+        headers = {"Cache-Control": "no-cache", "Server": "homebot", **answer.headers, **_typed(answer)}
+        await exchange.answer(answer.status, headers, answer.body)
+
+    async def _admit(self, exchange: HttpExchange) -> None:
+        hosts, origins = exchange.headers("Host"), exchange.headers("Origin")
+        problem, status, headers = refusal(self._settings, hosts, origins), HTTPStatus.FORBIDDEN, {}
+        if problem is None:
+            is_right = await self._tokens.check(
+                exchange.address, token_of(exchange.target, exchange.headers("Authorization"))
+            )
+            if is_right:
+                return
+            status, problem = HTTPStatus.UNAUTHORIZED, "a valid token is needed"
+            headers = {"WWW_Authenticate": "Bearer"}
+            if is_right is None:
+                status, problem = HTTPStatus.TOO_MANY_REQUESTS, "too many wrong tokens from this address"
+                headers = {"Retry_After": "1"}
+        self._server.counters.turned_away += 1
+        self._error_log.log(
+            f"rejected {exchange.address}",
+            "thing_directory.turned_away",
+            f"{exchange.address} was rejected: {problem}",
+            client=exchange.address,
+            problem=problem,
+        )
+        raise RequestError(status, problem, **headers)
+
+    async def _body(self, exchange: HttpExchange) -> bytes:
+        if exchange.method in {"GET", "HEAD"}:
+            return b""
+        body = await exchange.read(MAX_BODY_BYTES)
+        if body is None:
+            raise RequestError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a body has at most {MAX_BODY_BYTES} bytes")
+        return body
+
+    def _request(self, exchange: HttpExchange, body: bytes) -> DirectoryRequest:
+        segments = exchange.raw_path.removeprefix("/").split("/", _MOST_SEGMENTS)
+        known = exchange.headers("If-None-Match")
+        return DirectoryRequest(
+            exchange.method,
+            tuple(unquote(one) for one in segments),
+            exchange.query,
+            {"if-none-match": ",".join(known)} if known else {},
+            body,
+            f"http://{exchange.headers('Host')[0]}",
+        )
+
+    async def _send_events(self, exchange: HttpExchange, request: DirectoryRequest) -> None:
+        if request.method != "GET":
+            raise RequestError(HTTPStatus.METHOD_NOT_ALLOWED, "events are read", Allow="GET")
+        names = CHANGE_NAMES if len(request.path) == 1 else request.path[1:]
+        if len(request.path) > 2 or names[0] not in CHANGE_NAMES:
+            raise RequestError(HTTPStatus.NOT_FOUND, "there are no such events")
+        last_id = exchange.headers("Last-Event-ID")
+        wanted = EventRequest(
+            tuple(names), request.query.get("diff", "").lower() == "true", last_id[-1] if last_id else "", request.base
+        )
+        await exchange.open_stream(
+            {"Content-Type": "text/event-stream", "Cache-Control": "no-store", "Server": "homebot"}
+        )
+        await self._feed.run(wanted, exchange)
+
+    def _log_error(self, problem: str, error: BaseException | None) -> None:
+        event = "thing_directory.invalid_http" if error is None else "thing_directory.request_failed"
+        level = "warning" if error is None else "error"
+        self._error_log.log(event, event, problem, level="warning" if level == "warning" else "error", error=error)
+
+
+def _typed(answer: DirectoryAnswer) -> Mapping[str, str]:
+    return {"Content-Type": answer.content_type} if answer.content_type else {}

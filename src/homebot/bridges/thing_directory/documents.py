@@ -1,0 +1,211 @@
+"""Documents about the directory itself, and about requests that it refuses. Pure.
+
+Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sections 7.3.2.1 (Things API) and 7.3.2.2
+(Events API); RFC 9457 (problem details).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from http import HTTPStatus
+from typing import Final
+
+from homebot.conventions.payload import clean_text, compact_json
+from homebot.wot import CONTEXT
+
+__all__ = [
+    "BEARER",
+    "CHANGE_NAMES",
+    "LD_TYPE",
+    "MAX_PAGE",
+    "NO_SECURITY",
+    "PAGE",
+    "PROBLEM_TYPE",
+    "TD_TYPE",
+    "DirectoryAnswer",
+    "RequestError",
+    "at_base",
+    "directory_description",
+    "page_of",
+]
+
+TD_TYPE: Final = "application/td+json"
+LD_TYPE: Final = "application/ld+json"
+PROBLEM_TYPE: Final = "application/problem+json"
+
+CHANGE_NAMES: Final = ("thing_created", "thing_updated", "thing_deleted")
+
+PAGE: Final = 50
+"""Descriptions of one page, where the client asks for no other number."""
+
+MAX_PAGE: Final = 100
+"""Most descriptions of one page."""
+
+NO_SECURITY: Final[Mapping[str, object]] = {
+    "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
+    "security": "nosec_sc",
+}
+BEARER: Final[Mapping[str, object]] = {
+    "securityDefinitions": {"bearer_sc": {"scheme": "bearer", "in": "header", "format": "opaque"}},
+    "security": "bearer_sc",
+}
+
+_DISCOVERY_CONTEXT: Final = "https://www.w3.org/2022/wot/discovery"
+_LONGEST = 300
+_MOST_DIGITS = 9
+
+
+@dataclass(frozen=True, slots=True)
+class DirectoryAnswer:
+    """An answer.
+
+    Attributes:
+        body: The body.
+        content_type: Its media type; empty where there is none.
+        status: The status.
+        headers: Further header fields.
+    """
+
+    body: bytes = b""
+    content_type: str = ""
+    status: int = 200
+    headers: Mapping[str, str] = field(default_factory=dict)
+
+
+class RequestError(Exception):
+    """A request is not carried out.
+
+    Attributes:
+        answer: The answer to it.
+    """
+
+    def __init__(self, status: HTTPStatus, detail: str, **headers: str) -> None:
+        super().__init__(detail)
+        problem = {"title": status.phrase, "status": status.value, "detail": clean_text(detail, _LONGEST)}
+        named = {name.replace("_", "-"): value for name, value in headers.items()}
+        self.answer = DirectoryAnswer(compact_json(problem).encode(), PROBLEM_TYPE, status.value, named)
+
+
+@dataclass(frozen=True, slots=True)
+class PageRequest:
+    """A page of the list that is asked for.
+
+    Attributes:
+        offset: Number of descriptions before it.
+        limit: Number of descriptions in it, at most.
+        is_descending: Whether the list is sorted the other way around.
+        is_collection: Whether an object is wanted that has the list in it.
+    """
+
+    offset: int
+    limit: int
+    is_descending: bool
+    is_collection: bool
+
+    def address(self, offset: int) -> str:
+        """Return the address of the same page at another offset."""
+        order = "&sort_order=desc" if self.is_descending else ""
+        form = "&format=collection" if self.is_collection else ""
+        return f"/things?offset={offset}&limit={self.limit}{order}{form}"
+
+
+def page_of(query: Mapping[str, str]) -> PageRequest:
+    """Return the page that a *query* asks for.
+
+    Raises:
+        RequestError: It cannot be.
+    """
+    order, form = query.get("sort_order", "asc"), query.get("format", "array")
+    if query.get("sort_by", "id") != "id":
+        raise RequestError(HTTPStatus.NOT_IMPLEMENTED, "the list is sorted by id alone")
+    if order not in {"asc", "desc"}:
+        raise RequestError(HTTPStatus.BAD_REQUEST, "sort_order is asc or desc")
+    if form not in {"array", "collection"}:
+        raise RequestError(HTTPStatus.BAD_REQUEST, "format is array or collection")
+    offset, limit = _whole(query, "offset", 0), _whole(query, "limit", PAGE)
+    if limit == 0:
+        raise RequestError(HTTPStatus.BAD_REQUEST, "limit is at least 1")
+    return PageRequest(offset, min(limit, MAX_PAGE), order == "desc", form == "collection")
+
+
+def at_base(text: str, base: str) -> str:
+    """Return the description *text*, JSON of an object with members, whose relative addresses begin at *base*."""
+    return f'{{"base":{compact_json(base)},{text[1:]}'
+
+
+def directory_description(title: str, thing_id: str, security: Mapping[str, object]) -> dict[str, object]:
+    """Return the description of the directory itself."""
+    page = {name: {"type": "integer", "minimum": least} for name, least in (("offset", 0), ("limit", 1))}
+    page |= {"sort_order": {"enum": ["asc", "desc"]}, "format": {"enum": ["array", "collection"]}}
+    return {
+        "@context": [CONTEXT, _DISCOVERY_CONTEXT],
+        "@type": "ThingDirectory",
+        "id": thing_id,
+        "title": title,
+        **security,
+        "properties": {
+            "things": {
+                "description": "all descriptions, in pages",
+                "type": "array",
+                "readOnly": True,
+                "uriVariables": page,
+                "forms": [
+                    {
+                        "href": "/things{?offset,limit,sort_order,format}",
+                        "op": "readproperty",
+                        "contentType": LD_TYPE,
+                        "htv:methodName": "GET",
+                    }
+                ],
+            }
+        },
+        "actions": {
+            "retrieveThing": {
+                "description": "the description of one thing",
+                "safe": True,
+                "idempotent": True,
+                "uriVariables": {"id": {"type": "string", "format": "iri-reference"}},
+                "output": {"type": "object"},
+                "forms": [
+                    {
+                        "href": "/things/{id}",
+                        "op": "invokeaction",
+                        "response": {"contentType": TD_TYPE},
+                        "htv:methodName": "GET",
+                    }
+                ],
+            }
+        },
+        "events": {_event_name(name): _event(name) for name in CHANGE_NAMES},
+    }
+
+
+def _event_name(name: str) -> str:
+    first, _, second = name.partition("_")
+    return f"{first}{second.capitalize()}"
+
+
+def _event(name: str) -> dict[str, object]:
+    return {
+        "uriVariables": {"diff": {"type": "boolean"}},
+        "data": {"type": "object"},
+        "forms": [
+            {
+                "href": f"/events/{name}{{?diff}}",
+                "op": "subscribeevent",
+                "subprotocol": "sse",
+                "contentType": "text/event-stream",
+                "htv:methodName": "GET",
+            }
+        ],
+    }
+
+
+def _whole(query: Mapping[str, str], name: str, default: int) -> int:
+    text = query.get(name, "")
+    if not text:
+        return default
+    if not (text.isascii() and text.isdigit()) or len(text) > _MOST_DIGITS:
+        raise RequestError(HTTPStatus.BAD_REQUEST, f"{name} is a whole number")
+    return int(text)

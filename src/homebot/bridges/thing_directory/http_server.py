@@ -1,0 +1,288 @@
+"""A bounded HTTP server for other programs; the one file of the bridges that knows aiohttp.
+
+A connection beyond the limit is answered with 503 and closed, and so is one on which no request comes in time. A client
+that takes no bytes is cut off. Errors of the library are logged in the server's name.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+import anyio
+from aiohttp import web
+from aiohttp.http_exceptions import HttpProcessingError
+
+from homebot.bridges.access_settings import AccessSettings
+from homebot.bridges.listening import listening_problem
+from homebot.clock import Clock
+from homebot.errors import UsageError
+
+__all__ = ["BoundedServer", "HttpExchange", "ServerCounters"]
+
+FIRST_REQUEST_WITHIN: Final = 10.0
+IDLE_FOR: Final = 30.0
+BODY_WITHIN: Final = 10.0
+TAKES_WITHIN: Final = 30.0
+"""All in seconds: for the first request, between two, for a body, and for a client to take what it is sent."""
+
+_SWEEP_EVERY = 1.0
+_LINE = 8190
+_CLOSING = 0.5
+_BUSY = b"HTTP/1.1 503 Service Unavailable\r\nRetry-After: 5\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
+"""What a client gets that is one too many."""
+
+
+@dataclass(slots=True)
+class ServerCounters:
+    """Numbers that only grow.
+
+    Attributes:
+        requests: Requests that were read.
+        turned_away: Connections and requests that were not let in.
+        clients_cut: Clients cut off because they sent no request, or took no bytes.
+    """
+
+    requests: int = 0
+    turned_away: int = 0
+    clients_cut: int = 0
+
+
+class HttpExchange:
+    """A request, and the way to answer it.
+
+    Args:
+        request: The request of the library.
+        counters: The counters of the server.
+
+    Attributes:
+        method: Its method.
+        raw_path: Its path, as it was sent.
+        query: The query, by name; of several of one name the last.
+        target: Its path and query, as they were sent.
+        address: The address of the client.
+    """
+
+    def __init__(self, request: web.BaseRequest, counters: ServerCounters) -> None:
+        self._request = request
+        self._counters = counters
+        self._stream: web.StreamResponse | None = None
+        self.method = request.method
+        self.raw_path = request.rel_url.raw_path
+        self.target = str(request.rel_url)
+        self.query: Mapping[str, str] = dict(request.query)
+        self.address = str(request.remote or "unknown")
+
+    def headers(self, name: str) -> list[str]:
+        """Return the values of all header fields of that name."""
+        return self._request.headers.getall(name, [])
+
+    async def read(self, limit: int) -> bytes | None:
+        """Return the body; None where it is longer than *limit* bytes, or does not come in time."""
+        if (self._request.content_length or 0) > limit:
+            return None
+        body = bytearray()
+        with anyio.move_on_after(BODY_WITHIN) as scope:
+            while len(body) <= limit and not self._request.content.at_eof():
+                body += await self._request.content.readany()
+        return None if scope.cancelled_caught or len(body) > limit else bytes(body)
+
+    async def answer(self, status: int, headers: Mapping[str, str], body: bytes) -> None:
+        """Send the answer; to HEAD without its body."""
+        response = web.Response(status=status, headers=headers, body=body)
+        self._stream = response
+        async with self._in_time():
+            await response.prepare(self._request)
+            await response.write_eof()
+
+    async def open_stream(self, headers: Mapping[str, str]) -> None:
+        """Begin an answer that is sent piece by piece."""
+        self._stream = web.StreamResponse(headers=headers)
+        async with self._in_time():
+            await self._stream.prepare(self._request)
+
+    async def send(self, piece: bytes) -> None:
+        """Send a piece of it.
+
+        Raises:
+            ConnectionError: The client has left, or takes no bytes.
+        """
+        if self._stream is not None:
+            async with self._in_time():
+                await self._stream.write(piece)
+
+    @property
+    def response(self) -> web.StreamResponse:
+        """The response, as the library wants to have it."""
+        return web.Response(status=500) if self._stream is None else self._stream
+
+    @asynccontextmanager
+    async def _in_time(self) -> AsyncIterator[None]:
+        with anyio.move_on_after(TAKES_WITHIN) as scope:
+            yield
+        if scope.cancelled_caught:
+            self._counters.clients_cut += 1
+            if self._request.transport is not None:
+                self._request.transport.abort()
+            raise ConnectionResetError("the client takes no bytes")
+
+
+class ErrorLog(Protocol):
+    """A log of what clients do wrong."""
+
+    def __call__(self, problem: str, error: BaseException | None) -> None:
+        """Log one line."""
+
+
+class BoundedServer:
+    """A server that gives each request to a handler.
+
+    Args:
+        settings: Where it listens, and the number of its clients.
+        handle: Answers a request.
+        clock: The clock to live by.
+        log_error: Logs what clients and the library do wrong.
+
+    Attributes:
+        counters: Its counters.
+        port: Its port; the real one once it listens.
+        addresses: The addresses that it listens on.
+    """
+
+    def __init__(
+        self,
+        settings: AccessSettings,
+        handle: Callable[[HttpExchange], Awaitable[None]],
+        clock: Clock,
+        log_error: ErrorLog,
+    ) -> None:
+        self.counters = ServerCounters()
+        self.port = settings.port
+        self.addresses: tuple[str, ...] = ()
+        self._settings = settings
+        self._handle = handle
+        self._clock = clock
+        self._log_error = log_error
+        self._connections: _Connections | None = None
+
+    @property
+    def client_count(self) -> int:
+        """Number of open connections."""
+        return 0 if self._connections is None else len(self._connections.connections)
+
+    @asynccontextmanager
+    async def listening(self) -> AsyncIterator[None]:
+        """Serve inside the block; then all connections are closed.
+
+        Raises:
+            UsageError: The address cannot be listened on.
+        """
+        settings = self._settings
+        log = logging.Logger("thing_directory", logging.WARNING)  # noqa: LOG001 - leads into our own log
+        log.addHandler(_HttpLog(self._log_error))
+        self._connections = connections = _Connections(
+            self._serve, settings.max_clients, self.counters, self._clock, log
+        )
+        try:
+            listener = await asyncio.get_running_loop().create_server(connections, settings.host, settings.port)
+        except OSError as exc:
+            raise UsageError(f"thing_directory: {listening_problem(settings, exc)}") from exc
+        self.port = listener.sockets[0].getsockname()[1]
+        self.addresses = tuple(dict.fromkeys(one.getsockname()[0] for one in listener.sockets))
+        try:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(connections.sweep)
+                yield
+                tasks.cancel_scope.cancel()
+        finally:
+            listener.close()
+            with anyio.CancelScope(shield=True):
+                connections.pre_shutdown()
+                await connections.shutdown(_CLOSING)
+
+    async def _serve(self, request: web.BaseRequest) -> web.StreamResponse:
+        self.counters.requests += 1
+        if self._connections is not None:
+            self._connections.note_request(request.protocol)
+        exchange = HttpExchange(request, self.counters)
+        with suppress(ConnectionError):  # the client has left
+            await self._handle(exchange)
+        return exchange.response
+
+
+class _Connections(web.Server):
+    """The connections of a server, which the library makes for it."""
+
+    def __init__(
+        self,
+        serve: Callable[[web.BaseRequest], Awaitable[web.StreamResponse]],
+        most: int,
+        counters: ServerCounters,
+        clock: Clock,
+        log: logging.Logger,
+    ) -> None:
+        super().__init__(
+            serve,
+            handler_cancellation=True,
+            access_log=None,
+            logger=log,
+            keepalive_timeout=IDLE_FOR,
+            max_line_size=_LINE,
+            max_field_size=_LINE,
+            lingering_time=_CLOSING,
+            auto_decompress=False,
+            read_bufsize=64 * 1024,
+        )
+        self._most = most
+        self._counters = counters
+        self._clock = clock
+        self._silent: dict[web.RequestHandler, tuple[float, asyncio.Transport]] = {}
+
+    def connection_made(self, handler: web.RequestHandler, transport: asyncio.Transport) -> None:
+        """Take a connection, unless there are too many."""
+        super().connection_made(handler, transport)
+        if len(self.connections) > self._most:
+            self._counters.turned_away += 1
+            transport.write(_BUSY)
+            transport.close()
+        else:
+            self._silent[handler] = (self._clock.monotonic(), transport)
+
+    def connection_lost(self, handler: web.RequestHandler, exc: BaseException | None = None) -> None:
+        """Forget a connection."""
+        self._silent.pop(handler, None)
+        super().connection_lost(handler, exc)
+
+    def note_request(self, handler: web.RequestHandler) -> None:
+        """Note that a request came; from now on the library itself limits silence."""
+        self._silent.pop(handler, None)
+
+    async def sweep(self) -> None:
+        """Cut connections off on which no request comes, until cancelled."""
+        while True:
+            await anyio.sleep(_SWEEP_EVERY)
+            limit = self._clock.monotonic() - FIRST_REQUEST_WITHIN
+            for handler, (began, transport) in tuple(self._silent.items()):
+                if began < limit:
+                    self._counters.clients_cut += 1
+                    self._silent.pop(handler, None)
+                    transport.abort()
+
+
+class _HttpLog(logging.Handler):
+    """Brings the lines of the HTTP library into our log."""
+
+    def __init__(self, log_error: ErrorLog) -> None:
+        super().__init__()
+        self._log_error = log_error
+
+    def emit(self, record: logging.LogRecord) -> None:
+        error = record.exc_info[1] if record.exc_info else None
+        if error is None or isinstance(error, (HttpProcessingError, web.HTTPException)):
+            self._log_error(f"a client sent invalid HTTP: {str(error or record.getMessage())[:200]}", None)
+        else:
+            self._log_error("a request failed", error)

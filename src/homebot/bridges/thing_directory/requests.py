@@ -1,0 +1,210 @@
+"""The requests to the directory, and the answers.
+
+=============================  ====================================================================================
+``/.well-known/wot``           the description of the directory
+``/things``                    the list, in pages: ``offset``, ``limit``, ``sort_order``, ``format``
+``/things/ID``                 the description of a thing
+``/things/ID/properties``      the values of all its properties
+``/things/ID/properties/NAME`` one value; PUT sets it
+=============================  ====================================================================================
+
+Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sections 6.2 and 7.3.2.1; "Web of Things
+(WoT) Thing Description 1.1", section 8.3.1 (HTTP).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from http import HTTPStatus
+
+from homebot.bridges.thing_directory.documents import (
+    LD_TYPE,
+    TD_TYPE,
+    DirectoryAnswer,
+    RequestError,
+    at_base,
+    page_of,
+)
+from homebot.bridges.thing_directory.listed_devices import ListedDevices, ListedProperty
+from homebot.conventions.payload import compact_json, parse_json
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.value import PlainValue
+from homebot.errors import LinkError, PeerError, UsageError, WireError
+
+__all__ = ["MAX_BODY_BYTES", "DirectoryRequest", "DirectoryRequests"]
+
+MAX_BODY_BYTES = 64 * 1024
+
+_JSON = "application/json"
+_READ = frozenset({"GET", "HEAD"})
+_MOST_NUMBERS = 16
+
+
+@dataclass(frozen=True, slots=True)
+class DirectoryRequest:
+    """A request.
+
+    Attributes:
+        method: ``GET``, ``PUT``, …
+        path: The parts of its path, decoded.
+        query: The query, by name.
+        headers: The header fields, names in lower case.
+        body: The body.
+        base: The address of the directory, as the client calls it.
+    """
+
+    method: str
+    path: tuple[str, ...]
+    query: Mapping[str, str]
+    headers: Mapping[str, str]
+    body: bytes
+    base: str
+
+
+class DirectoryRequests:
+    """The answers to requests.
+
+    Args:
+        description: The description of the directory, in JSON.
+        devices: The devices that it lists.
+        version: What tells the catalog of this run from that of another.
+    """
+
+    def __init__(self, description: str, devices: ListedDevices, version: str) -> None:
+        self._description = description
+        self._devices = devices
+        self._catalog = devices.catalog
+        self._version = version
+
+    async def answer(self, request: DirectoryRequest) -> DirectoryAnswer:
+        """Return the answer to *request*.
+
+        Raises:
+            RequestError: It is not carried out; holds the answer.
+        """
+        match request.path:
+            case (".well-known", "wot"):
+                _check_method(request, _READ)
+                return DirectoryAnswer(at_base(self._description, request.base).encode(), TD_TYPE)
+            case ("things",):
+                _check_method(request, _READ)
+                return self._list(request)
+            case ("things", thing):
+                return self._retrieve(request, thing)
+            case ("things", thing, "properties"):
+                _check_method(request, _READ)
+                values = {name: _value(one) for name, one in self._properties(thing).items() if one.capability.readable}
+                return DirectoryAnswer(compact_json(values).encode(), _JSON)
+            case ("things", thing, "properties", name):
+                return await self._use(request, thing, name)
+            case _:
+                raise RequestError(HTTPStatus.NOT_FOUND, f"there is nothing at /{'/'.join(request.path)}")
+
+    def _list(self, request: DirectoryRequest) -> DirectoryAnswer:
+        page = page_of(request.query)
+        etag = f'"{self._version}-{self._catalog.version}"'
+        headers = {"ETag": etag}
+        links = [f'<{page.address(page.offset)}>; rel="canonical"; etag={etag}']
+        following = page.offset + page.limit
+        has_more = following < len(self._catalog)
+        if has_more:
+            links.insert(0, f'<{page.address(following)}>; rel="next"')
+        headers["Link"] = ", ".join(links)
+        if _matches(request, etag):
+            return DirectoryAnswer(b"", "", HTTPStatus.NOT_MODIFIED, headers)
+        found = self._catalog.page(page.offset, page.limit, is_descending=page.is_descending)
+        text = f"[{','.join(at_base(one.text, f'{request.base}/') for one in found)}]"
+        if page.is_collection:
+            rest = f',"next":{compact_json(page.address(following))}' if has_more else ""
+            text = (
+                '{"@context":"https://www.w3.org/2022/wot/discovery","@type":"ThingCollection",'
+                f'"total":{len(self._catalog)},"@id":{compact_json(page.address(page.offset))},"members":{text}{rest}}}'
+            )
+        return DirectoryAnswer(text.encode(), LD_TYPE, headers=headers)
+
+    def _retrieve(self, request: DirectoryRequest, thing: str) -> DirectoryAnswer:
+        _check_method(request, _READ)
+        listed = self._catalog.get(thing)
+        if listed is None:
+            raise _no_thing(thing)
+        headers = {"ETag": f'"{listed.etag}"'}
+        if _matches(request, headers["ETag"]):
+            return DirectoryAnswer(b"", "", HTTPStatus.NOT_MODIFIED, headers)
+        return DirectoryAnswer(at_base(listed.text, f"{request.base}/").encode(), TD_TYPE, headers=headers)
+
+    async def _use(self, request: DirectoryRequest, thing: str, name: str) -> DirectoryAnswer:
+        one = self._properties(thing).get(name)
+        if one is None:
+            raise RequestError(HTTPStatus.NOT_FOUND, f"the thing has no property {name}")
+        allowed = _READ if one.capability.readable else frozenset()
+        _check_method(request, allowed | {"PUT"} if one.is_writable else allowed)
+        if request.method != "PUT":
+            return DirectoryAnswer(compact_json(_value(one)).encode(), _JSON)
+        await _command(one, _plain_value(one, request.body))
+        return DirectoryAnswer(status=HTTPStatus.NO_CONTENT)
+
+    def _properties(self, thing: str) -> dict[str, ListedProperty]:
+        properties = self._devices.properties(thing)
+        if properties is None:
+            raise _no_thing(thing)
+        return properties
+
+
+async def _command(one: ListedProperty, value: PlainValue) -> None:
+    try:
+        await one.handle.command(one.capability.name, value)
+    except LinkError as exc:
+        raise RequestError(HTTPStatus.SERVICE_UNAVAILABLE, str(exc)) from exc
+    except (PeerError, UsageError) as exc:
+        raise RequestError(HTTPStatus.BAD_REQUEST, str(exc)) from exc
+
+
+def _value(one: ListedProperty) -> PlainValue:
+    return one.handle.value(one.capability.name)
+
+
+def _plain_value(one: ListedProperty, body: bytes) -> PlainValue:
+    """Return the value that *body* is.
+
+    Raises:
+        RequestError: It is none of this property.
+    """
+    try:
+        value = parse_json(body, MAX_BODY_BYTES)
+    except WireError as exc:
+        raise RequestError(HTTPStatus.BAD_REQUEST, str(exc)) from exc
+    kind = CAPABILITIES[one.capability.name].kind if one.capability.name in CAPABILITIES else "text"
+    match kind, value:
+        case ("bool", bool() as found) | ("text", str() as found):
+            return found
+        case "number", int() | float() if not isinstance(value, bool):
+            return _number(value)
+        case "numbers", list() if len(value) <= _MOST_NUMBERS:
+            if all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in value):
+                return tuple(_number(each) for each in value)
+    expected = {"bool": "true or false", "text": "a text", "number": "a number", "numbers": "a list of numbers"}[kind]
+    raise RequestError(HTTPStatus.BAD_REQUEST, f"the value of {one.capability.name} is {expected}")
+
+
+def _number(value: float) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        raise RequestError(HTTPStatus.BAD_REQUEST, "a number is too large") from None
+
+
+def _check_method(request: DirectoryRequest, allowed: frozenset[str]) -> None:
+    if request.method not in allowed:
+        what = "this directory is read only" if len(request.path) <= 2 else "the property cannot be used that way"
+        raise RequestError(HTTPStatus.METHOD_NOT_ALLOWED, what, Allow=", ".join(sorted(allowed)))
+
+
+def _matches(request: DirectoryRequest, etag: str) -> bool:
+    """Return whether the client has what is asked for already."""
+    known = request.headers.get("if-none-match", "")
+    return known.strip() == "*" or etag in {one.strip().removeprefix("W/") for one in known.split(",")}
+
+
+def _no_thing(thing: str) -> RequestError:
+    return RequestError(HTTPStatus.NOT_FOUND, f"the directory lists no {thing[:100]}")

@@ -1,0 +1,25 @@
+"""The table ``[thing_directory]``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from homebot.bridges.access_settings import AccessSettings, Count
+
+__all__ = ["DirectoryBridgeSettings"]
+
+
+class DirectoryBridgeSettings(AccessSettings):
+    """The settings of homebot's directory for other programs.
+
+    Attributes:
+        port: TCP port; 0 takes a free one.
+        allows_commands: Whether properties can be set; else they can be read alone.
+        max_devices: Devices that are listed; further ones are counted.
+    """
+
+    port: Annotated[int, Field(ge=0, le=65535)] = 8081
+    allows_commands: bool = True
+    max_devices: Count = 10_000
