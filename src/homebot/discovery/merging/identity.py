@@ -127,9 +127,9 @@ class IdentityGraph:
             holders[identity] = None
             if len(holders) > 1:
                 changed.add(identifier)
-        if not changed:
-            return affected | {key}
-        return affected | self._affected(identity, changed)
+        if changed:
+            return affected | self._affected(identity, changed)
+        return affected | {key} if affected else frozenset((key,))
 
     def same_identity(self, key: SourceKey) -> SourceKey | None:
         """Return an older announcement that says the same of who the device is; None where there is none."""

@@ -71,8 +71,8 @@ class DeviceMerger:
         if tombstone is not None and is_back:
             entry.trusted = frozenset(tombstone.trusted)
         table.entries[device_id] = entry
-        table.owners.update(dict.fromkeys(sources, entry))
-        for source in sources.values():
+        for key, source in sources.items():
+            table.owners[key] = entry
             if source.confirmed:
                 entry.freshness = "fresh"
                 entry.report_interval.record(source.heard_at)
@@ -245,25 +245,25 @@ class DeviceMerger:
             if entry.stale_gateways:
                 entry.stale_gateways &= entry.gateways()
             entry.evidence = tuple(self._evidence(entry)) if len(sources) > 1 else ()
-            silence = 0.0
-            for source in sources:
-                silence = max(silence, source.lasts)
-            entry.silence_allowed = silence
+            entry.silence_allowed = 0.0
             entry.is_denied = is_denied(sources)
         else:
-            entry.silence_allowed = max(entry.silence_allowed, new.lasts)
             entry.is_shared = entry.is_shared or new.key[0] != next(iter(entry.sources))[0]
         concerned: set[str] = set()
         for source in sources:
+            silence = source.lasts
+            if silence > entry.silence_allowed:
+                entry.silence_allowed = silence
             concerned |= table.topics.put(topic_use(source, entry.id))
         if concerned:
             self._refresh_conflicts(concerned)
         table.outdated[entry.id] = None
         table.unsaved.add(entry.id)
         owner = ""
-        for source in sources:
-            if source.key in table.topics.denied and (owner := self._topic_owner(entry, source)):
-                break
+        if denied := table.topics.denied:
+            for source in sources:
+                if source.key in denied and (owner := self._topic_owner(entry, source)):
+                    break
         if new is not None and not owner:
             return
         before, entry.topic_owner = entry.topic_owner, owner
