@@ -142,8 +142,8 @@ async def test_parts_start_in_order_and_stop_in_reverse() -> None:
         "/discovery",
         "/first",
         "/second",
-        "/rosapi",
         "/rosbridge_websocket",
+        "/rosapi",
     ]
     assert nodes["removed"] == nodes["added"][::-1]
     assert JOURNAL.lines == ["first starts", "second starts", "second ends", "first ends"]

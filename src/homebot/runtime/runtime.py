@@ -19,7 +19,6 @@ from anyio import to_thread
 from anyio.abc import TaskStatus
 
 from homebot.apps import App
-from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door
 from homebot.bridges.thing_directory import DirectoryBridgeSettings
 from homebot.clock import Clock, LoopClock
@@ -171,13 +170,14 @@ class Runtime:
         if not self._start_is_cut:
             _log.info(RUNNING, message=self._greeting(), gateways=len(gateways), apps=len(self._plan.apps))
             _log.info(APPS, message=self._apps_text(), names=[app.name for app in self._plan.apps])
+            # Loaded last: it takes longer than other parts of the start, and clients shake hands before they ask.
+            await stack.enter_async_context(self.supervisor.running("rosapi", self._rosapi, ""))
 
     def _components(self, gateways: tuple[PlannedComponent[Gateway], ...]) -> Iterator[tuple[str, str, Work]]:
         """Yield components in the order of their start: kind, name, work. Each is made when those before are ready."""
         yield from (("gateway", gateway.name, self._gateway(gateway)) for gateway in gateways)
         yield "", "discovery", self._directory
         yield from (("app", app.name, self._app(app)) for app in self._plan.apps)
-        yield "", "rosapi", self._rosapi
         if self._with_door:
             yield "", "door", self._open_door
         if self._plan.thing_directory is not None:
@@ -246,6 +246,8 @@ class Runtime:
             await run_as(node.full_name, partial(directory.serve, task_status=task_status))
 
     async def _rosapi(self, *, task_status: TaskStatus[None]) -> None:
+        from homebot.bridges.rosapi import RosApi  # noqa: PLC0415 - see where it is started
+
         async with Node(self.graph, "rosapi") as node:
             RosApi(node)
             task_status.started()
