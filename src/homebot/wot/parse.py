@@ -1,7 +1,7 @@
 """Thing Descriptions in: checked against the shape that TD 1.1 demands. Pure.
 
 What the description leaves out takes the default of the specification, and what is unknown is passed over. Descriptions
-of version 1.0 are read as well.
+of version 1.0 and of Web Things are read as well.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from urllib.parse import unquote, urlsplit
 from homebot.wot.fields import Fields
 from homebot.wot.thing import Affordance, AffordanceKind, DataSchema, DataType, Form, SecurityScheme, Thing
 from homebot.wot.uri import resolve_uri
+from homebot.wot.webthings import with_forms
 
 __all__ = ["CONTEXT", "read_thing"]
 
@@ -54,7 +55,7 @@ def read_thing(description: object, source: str = "") -> Thing:
     Raises:
         WireError: It breaks a rule of TD 1.1, or has more than 300 affordances; names the field and its value.
     """
-    fields = Fields(description, "")
+    fields = Fields(with_forms(description, CONTEXT), "")
     _check_context(fields)
     schemes, required = _security(fields)
     try:

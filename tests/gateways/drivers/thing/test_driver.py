@@ -219,6 +219,32 @@ async def test_who_claims_an_address_or_a_name_of_the_internet_gets_no_password_
     assert set(seen) == {None}
 
 
+async def test_a_web_thing_is_read_and_commanded_as_its_api_wants_it() -> None:
+    on = {"type": "boolean", "@type": "OnOffProperty", "links": [{"rel": "property", "href": "/properties/on"}]}
+    lamp = {
+        "@context": "https://iot.mozilla.org/schemas",
+        "title": "Lamp",
+        "@type": ["Light"],
+        "properties": {"on": on},
+    }
+    state: dict[str, object] = {"on": True}
+
+    async def answer(request: web.Request) -> web.StreamResponse:
+        if request.method == "PUT":
+            state.update(await request.json())
+        return web.json_response(lamp if request.path == "/lamp" else state)
+
+    host = KeepingHost()
+    async with serving(answer) as origin:
+        service = found("_webthing._tcp.local.", port_of(origin), path="/lamp")
+        thing = ThingDriver(service, ThingDriverSettings(), host)
+        async with running(thing):
+            await host.until(lambda: host.values.get(("", "on_off")) is True)
+            await thing.perform(command("", "on_off", False))
+            await host.until(lambda: host.values.get(("", "on_off")) is False)
+    assert state == {"on": False}
+
+
 async def test_forms_that_lead_to_other_hosts_are_not_used() -> None:
     """A stranger's description must not make homebot ask, or switch, what the stranger cannot reach."""
     asked: list[str] = []

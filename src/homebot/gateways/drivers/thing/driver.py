@@ -1,28 +1,30 @@
-"""The driver for ``_wot._tcp``: what needs no library; the rest is loaded when the first thing is found."""
+"""The driver for things on the network: what needs no library; the rest is loaded when the first thing is found."""
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from homebot.extras import check_extra
 from homebot.gateways.drivers.base import DriverHost, DriverSession, DriverSettings, FoundService, SessionDriver
 from homebot.gateways.drivers.thing.settings import ThingDriverSettings
 from homebot.gateways.things.http_credentials import read_logins
 
-__all__ = ["HttpThingDriver", "ThingDriver"]
+__all__ = ["WEB_THING", "HttpThingDriver", "ThingDriver"]
+
+WEB_THING: Final = "_webthing._tcp.local."
 
 
 class ThingDriver(SessionDriver):
     """One thing that describes itself; of a directory of things it only tells where that is.
 
     Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, section 6.3 (DNS-Based Service
-    Discovery).
+    Discovery); of ``_webthing._tcp``, Web Thing API, section 2.
 
     Attributes:
         must_describe: Whether a host without a description is at fault.
     """
 
-    service_types: ClassVar[frozenset[str]] = frozenset({"_wot._tcp.local."})
+    service_types: ClassVar[frozenset[str]] = frozenset({"_wot._tcp.local.", WEB_THING})
     Settings: ClassVar[type[DriverSettings]] = ThingDriverSettings
     must_describe: ClassVar[bool] = True
 

@@ -19,6 +19,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.errors import HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import DriverHost, FoundService
+from homebot.gateways.drivers.thing.driver import WEB_THING
 from homebot.gateways.drivers.thing.settings import ThingDriverSettings
 from homebot.gateways.http_address import http_origin, parse_url, shown_url
 from homebot.gateways.http_client import HttpClient
@@ -137,7 +138,10 @@ class ThingSession:
 
     async def _find(self) -> _ReadDescription | None:
         """Return the description from the first address that answers; None where there is none, and need be none."""
-        scheme, path = self._service.properties.get("scheme", ""), self._service.properties.get("td", "")
+        said = self._service.properties
+        scheme, path = said.get("scheme", ""), said.get("td", "")
+        if self._service.service_type == WEB_THING:
+            scheme, path = "https" if said.get("tls") == "1" else "", said.get("path", "") or "/"
         if not self._must_describe:
             scheme, path = "", ""
         name = (self._host_name,) if scheme == "https" and self._host_name else ()

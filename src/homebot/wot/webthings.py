@@ -1,0 +1,71 @@
+"""Descriptions of the Web Thing API, which is older than the forms of Thing Descriptions, as those. Pure.
+
+Many self-made devices run a library of this API. Their properties are read and written as an object with one member,
+``{"on": true}``, at the address of a link. Actions and events are left out: they have protocols of their own.
+
+Source: Web Thing API, https://webthings.io/api, sections 3 and 4, as the libraries ``webthing`` for Python and Arduino
+serve it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from homebot.conventions.payload import as_fields
+
+__all__ = ["with_forms"]
+
+_CONTEXTS: Final = frozenset({"https://iot.mozilla.org/schemas", "https://webthings.io/schemas"})
+_SCHEMA: Final = ("type", "unit", "minimum", "maximum", "enum")
+_KEPT: Final = ("@type", "title", "description", "readOnly")
+_OPEN: Final[Mapping[str, object]] = {
+    "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
+    "security": "nosec_sc",
+}
+
+
+def with_forms(description: object, context: str) -> object:
+    """Return a Thing Description of what a Web Thing describes; another description as it is.
+
+    Args:
+        description: The description, as parsed JSON.
+        context: The context of Thing Descriptions.
+    """
+    fields = as_fields(description)
+    named = fields.get("@context")
+    if not (isinstance(named, str) and named.rstrip("/") in _CONTEXTS):
+        return description
+    properties = as_fields(fields.get("properties"))
+    found = {name: made for name, one in properties.items() if (made := _property(name, as_fields(one)))}
+    everything = _link(fields, "properties")
+    return {
+        **_OPEN,
+        **fields,
+        "@context": context,
+        "title": fields.get("title", fields.get("name")),
+        "properties": found,
+        "actions": {},
+        "events": {},
+        "forms": [{"href": everything, "op": "readallproperties"}] if everything else [],
+    }
+
+
+def _property(name: str, described: Mapping[str, object]) -> dict[str, object]:
+    href = _link(described, "property")
+    if not href:
+        return {}
+    schema = {key: described[key] for key in _SCHEMA if described.get(key) is not None}
+    kept = {key: described[key] for key in _KEPT if key in described}
+    return {**kept, "type": "object", "properties": {name: schema}, "forms": [{"href": href}]}
+
+
+def _link(described: Mapping[str, object], relation: str) -> str:
+    """Return the address of the first link of a *relation*; the first libraries named none."""
+    links = described.get("links")
+    for one in links if isinstance(links, list) else ():
+        link = as_fields(one)
+        href = link.get("href")
+        if isinstance(href, str) and link.get("rel", "property") == relation:
+            return href
+    return ""

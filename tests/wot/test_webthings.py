@@ -1,0 +1,70 @@
+"""Descriptions of the Web Thing API, as its libraries serve them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from homebot.errors import WireError
+from homebot.wot.binding import RequestBinding
+from homebot.wot.classify import parts_of
+from homebot.wot.parse import read_thing
+from homebot.wot.payload import decode_document, encode_document
+
+HTTP = RequestBinding(frozenset({"http"}))
+
+
+def lamp(**changes: Any) -> dict[str, Any]:
+    return {
+        "id": "urn:dev:ops:lamp",
+        "title": "Lamp",
+        "@context": "https://iot.mozilla.org/schemas",
+        "@type": ["OnOffSwitch", "Light"],
+        "properties": {
+            "on": {
+                "@type": "OnOffProperty",
+                "type": "boolean",
+                "links": [{"rel": "property", "href": "/properties/on"}],
+            },
+            "heat": {
+                "type": "number",
+                "unit": "degree celsius",
+                "readOnly": True,
+                "links": [{"href": "/properties/heat"}],
+            },
+            "map": {"type": "string", "links": [{"rel": "alternate", "href": "/map.png"}]},
+            "odd": {"type": "string", "links": 5},
+        },
+        "actions": {"fade": {"links": [{"rel": "action", "href": "/actions/fade"}]}},
+        "events": {"hot": {"type": "number", "links": [{"rel": "event", "href": "/events/hot"}]}},
+        "links": [{"rel": "properties", "href": "/properties"}, {"rel": "alternate", "href": "ws://h/"}],
+        **changes,
+    }
+
+
+@pytest.mark.parametrize("context", ["https://iot.mozilla.org/schemas", "https://webthings.io/schemas/"])
+def test_a_web_thing_is_read_as_a_thing(context: str) -> None:
+    thing = read_thing(lamp(**{"@context": context}), "http://h:8888/")
+    assert thing.title == "Lamp"
+    assert [(form.href, form.ops) for form in thing.forms] == [("http://h:8888/properties", ("readallproperties",))]
+    light, heat = parts_of(thing, HTTP)
+    assert (light.part.service_type, heat.part.service_type) == ("light", "temperature_sensor")
+    (on,) = light.affordances
+    assert on.written is not None
+    assert on.written.href == "http://h:8888/properties/on"
+    assert encode_document(on.capability, on.affordance, False) == {"on": False}
+    assert decode_document(on.capability, on.affordance, {"on": True}) == (True,)
+    assert decode_document(on.capability, on.affordance, True) == (True,)  # as all properties at once have it
+
+
+def test_the_name_of_the_first_libraries_is_a_title() -> None:
+    old = lamp(name="Old lamp")
+    del old["title"]
+    assert read_thing(old).title == "Old lamp"
+
+
+def test_a_description_with_forms_is_no_older_one() -> None:
+    contexts = ["https://www.w3.org/2022/wot/td/v1.1", "https://webthings.io/schemas"]
+    with pytest.raises(WireError, match="security"):
+        read_thing(lamp(**{"@context": contexts}))
