@@ -18,6 +18,7 @@ from pydantic import SecretStr
 from homebot.conventions.esphome import Fields, ListedEntity
 from homebot.conventions.payload import clean_text
 from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.drivers.esphome.metered_socket import PER_SECOND, open_socket
 from homebot.gateways.drivers.esphome.settings import KEY_ADVICE, PASSWORD_ADVICE, PLAIN_ADVICE
 
 __all__ = ["EsphomeConnection", "connected"]
@@ -121,11 +122,20 @@ async def connected(
     )
     connection = EsphomeConnection(name, client)
     with _translated(name):
-        await client.connect(on_stop=connection.on_stop, login=password is not None, log_errors=False)
+        opened = await open_socket(addresses, port)
     try:
+        with _translated(name):
+            client.start_connection_from_socket(opened, connection.on_stop, log_errors=False)
+            opened.limit_buffer()  # which the library has made 2 MiB
+            await client.finish_connection(login=password is not None)
         yield connection
+    except LinkError:
+        if not opened.is_flooded:
+            raise
     finally:
         await client.disconnect(force=True)
+    if opened.is_flooded:
+        raise WireError(f"{name} sends more than {PER_SECOND:,} bytes each second")
 
 
 def _with_compatible(info: model.EntityInfo, version: model.APIVersion) -> Fields:

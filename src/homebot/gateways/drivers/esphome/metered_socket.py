@@ -1,0 +1,81 @@
+"""A socket that reads little at once, and no more than a device has to say."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+
+import anyio
+
+__all__ = ["BURST", "PER_SECOND", "RECEIVED_AT_ONCE", "MeteredSocket", "open_socket"]
+
+RECEIVED_AT_ONCE = 8 * 1024
+"""Bytes; Linux takes twice that. All that came is handled without a pause, and 256 KiB of tiny frames take a second."""
+
+BURST, PER_SECOND = 512 * 1024, 64 * 1024
+"""Bytes that may come at once, and each second after that: what a large device lists of itself, and a hundred times
+what it reports. More keeps homebot busy, and each ping is answered, whether the device reads the answers or not."""
+
+CONNECT_WITHIN = 10.0
+"""Seconds for a connection to one address."""
+
+_ADDRESSES = 4
+
+
+class MeteredSocket(socket.socket):
+    """A TCP socket that fails where too much comes.
+
+    Attributes:
+        is_flooded: Whether that was so.
+    """
+
+    is_flooded = False
+    _left: float = BURST
+    _since: float | None = None
+
+    def limit_buffer(self) -> None:
+        """Have little wait in the kernel."""
+        self.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED_AT_ONCE)
+
+    def recv(self, bufsize: int, flags: int = 0, /) -> bytes:
+        """Return what came.
+
+        Raises:
+            OSError: The connection failed, or too much came.
+        """
+        data = super().recv(bufsize, flags)
+        now = anyio.current_time()
+        passed = 0.0 if self._since is None else now - self._since
+        self._left, self._since = min(BURST, self._left + passed * PER_SECOND) - len(data), now
+        if self._left < 0:
+            self.is_flooded = True
+            raise ConnectionAbortedError("it sends more than is read")
+        return data
+
+
+async def open_socket(addresses: tuple[str, ...], port: int) -> MeteredSocket:
+    """Return a socket that is connected to the first of *addresses* that answers.
+
+    Raises:
+        OSError: None does.
+    """
+    failed = OSError("it has no address")
+    for address in addresses[:_ADDRESSES]:
+        (family, kind, protocol, _, place), *_ = socket.getaddrinfo(
+            address, port, type=socket.SOCK_STREAM, flags=socket.AI_NUMERICHOST
+        )
+        made = MeteredSocket(family, kind, protocol)
+        try:
+            made.setblocking(False)  # noqa: FBT003 - the standard library wants it so
+            made.limit_buffer()
+            with anyio.fail_after(CONNECT_WITHIN):
+                await asyncio.get_running_loop().sock_connect(made, place)
+        except OSError as exc:  # a TimeoutError is one
+            made.close()
+            failed = exc
+        except BaseException:
+            made.close()
+            raise
+        else:
+            return made
+    raise failed
