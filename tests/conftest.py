@@ -17,6 +17,7 @@ import pytest_asyncio
 import structlog
 from blockbuster import blockbuster_ctx
 from hypothesis import settings
+from tests.patience import PATIENCE
 
 from homebot.mqtt.broker import Broker
 from homebot.testing import VirtualTimeLoop
@@ -145,7 +146,7 @@ def free_port() -> int:
 
 async def listening(port: int) -> None:
     """Wait until something accepts connections on *port*."""
-    with anyio.fail_after(10):
+    with anyio.fail_after(PATIENCE):
         while True:
             try:
                 stream = await anyio.connect_tcp("127.0.0.1", port)

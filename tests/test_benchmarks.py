@@ -19,7 +19,7 @@ PAGE = Path(__file__).parent.parent / "docs/how-a-message-travels.md"
 def run(name: str) -> str:
     """What the benchmark prints where Home Assistant is not installed."""
     command = [sys.executable, str(PROGRAM), "--quick", "--home-assistant", "/no/such/python", name]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -36,7 +36,7 @@ def test_the_worker_of_discovery_tells_when_devices_were_found_and_missed() -> N
     """Of the gateway that needs no extra."""
     worker = PROGRAM.with_name("discovery_worker.py")
     command = [sys.executable, str(worker), "mqtt, Home Assistant discovery", "2", "10"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 0, done.stderr
     joined, died = (json.loads(line) for line in done.stdout.splitlines())
     assert len(joined["times"]) == 2

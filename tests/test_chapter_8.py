@@ -11,6 +11,7 @@ from typing import Literal
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.apps import NoSettings
 from homebot.apps.light_service import LightService
@@ -67,14 +68,14 @@ class Experiment:
     async def count_received(self, expected: int) -> Counter[str]:
         """What the gateway handed on, by address; waits for *expected* messages."""
         counts: Counter[str] = Counter()
-        with anyio.fail_after(10):
+        with anyio.fail_after(PATIENCE):
             while counts.total() < expected:
                 counts[(await self.received.receive()).address] += 1
         return counts
 
     async def collect_answers(self, expected: int) -> None:
         """Read what arrives on the ``in`` channels until *expected* messages are there."""
-        with anyio.fail_after(10):
+        with anyio.fail_after(PATIENCE):
             while self.answers.total() < expected:
                 messages: list[MqttMessage] = await self.field.receive()
                 self.answers.update(f"{message.topic} {message.payload.decode()}" for message in messages)

@@ -23,7 +23,9 @@ EXAMPLES = Path(__file__).parent.parent / "examples"
 )
 def test_an_example_runs_and_ends_as_it_should(program: str, last_line: str) -> None:
     """Its last word shows that it came to its end."""
-    done = subprocess.run([sys.executable, EXAMPLES / program], capture_output=True, text=True, timeout=30, check=False)
+    done = subprocess.run(
+        [sys.executable, EXAMPLES / program], capture_output=True, text=True, timeout=120, check=False
+    )
     assert done.returncode == 0, done.stderr
     assert any(line.startswith(last_line) for line in done.stdout.splitlines())
 
@@ -36,7 +38,7 @@ def test_the_app_runs_as_a_program_until_ctrl_c() -> None:
         assert process.stderr is not None
         assert any("running the app window_light" in line for line in process.stderr)  # reads until that line
         process.send_signal(signal.SIGINT)
-        _, rest = process.communicate(timeout=20)
+        _, rest = process.communicate(timeout=120)
     assert "Traceback" not in rest
     assert process.returncode == 0
 
@@ -60,7 +62,7 @@ def test_the_tests_of_an_example_pass_without_a_warning_whatever_is_installed(
 ) -> None:
     command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-W", "error", "--strict-config", *flags]
     done = subprocess.run(
-        command, cwd=EXAMPLES / folder, capture_output=True, text=True, timeout=50, check=False, env=unmarked()
+        command, cwd=EXAMPLES / folder, capture_output=True, text=True, timeout=120, check=False, env=unmarked()
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "warning" not in (done.stdout + done.stderr).lower()

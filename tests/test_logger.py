@@ -31,7 +31,7 @@ SHOWN = False
 
 def program(text: str) -> tuple[str, str]:
     """Return what a program prints, to standard output and to standard error."""
-    done = subprocess.run([sys.executable, "-c", HEAD + text], capture_output=True, text=True, timeout=30, check=True)
+    done = subprocess.run([sys.executable, "-c", HEAD + text], capture_output=True, text=True, timeout=120, check=True)
     return done.stdout, done.stderr
 
 
@@ -86,7 +86,7 @@ NODE = f"{MADE}node = asyncio.run(made())\n"
 def test_a_configuration_of_the_programs_own_counts(code: str) -> None:
     """Also for loggers that are there already."""
     command = [sys.executable, "-c", f"{code}node.log.info('hello')"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
     assert (done.stdout, done.stderr) == ("mine: hello\n", "")
 
 

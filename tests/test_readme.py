@@ -59,7 +59,7 @@ def run(command: str, *, door: str = "", cwd: Path = ROOT) -> subprocess.Complet
         env=environment(door or free_door()),
         capture_output=True,
         text=True,
-        timeout=50,
+        timeout=120,
         check=False,
     )
 
@@ -81,7 +81,7 @@ def homebot() -> Iterator[Homebot]:
     assert broker is not None
     yield Homebot(door, broker[0], log)
     process.send_signal(signal.SIGTERM)
-    _, rest = process.communicate(timeout=40)
+    _, rest = process.communicate(timeout=120)
     assert process.returncode == 0
     assert "Traceback" not in rest
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
@@ -64,7 +65,7 @@ class Player:
 
     async def told(self) -> list[tuple[str, str]]:
         """What came next, as topic and payload."""
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             messages = await self._link.receive()
         self._link.ack(messages)
         return [(one.topic, one.payload.decode()) for one in messages]

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 from websockets.asyncio.client import ClientConnection, connect
 
 from homebot.bridges.rosapi import RosApi
@@ -26,7 +27,7 @@ class Peer:
         await self.connection.send(json.dumps({"op": op, **fields}))
 
     async def receive(self) -> dict[str, Any]:
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             frame: dict[str, Any] = json.loads(await self.connection.recv())
         return frame
 

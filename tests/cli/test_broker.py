@@ -114,7 +114,7 @@ class Running:
 
     def end(self) -> list[dict[str, Any]]:
         """Wait for the end and return the rest of its lines; a traceback is no JSON."""
-        _, rest = self.process.communicate(timeout=40)
+        _, rest = self.process.communicate(timeout=120)
         return [json.loads(line) for line in rest.splitlines()]
 
 

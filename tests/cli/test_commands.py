@@ -278,7 +278,7 @@ def test_ctrl_c_ends_quietly(homebot: Any) -> None:
         assert process.stdout is not None
         assert process.stdout.readline() == "data: 1\n"
         process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=40)
+        _, errors = process.communicate(timeout=120)
     assert (process.returncode, errors) == (130, "")
 
 
@@ -298,7 +298,7 @@ def test_echo_waits_for_a_topic_that_does_not_exist_yet(homebot: Any) -> None:
         assert process.stderr is not None
         assert process.stderr.readline().startswith("homebot: no topic /later yet; waiting, Ctrl-C stops")
         homebot.do(speak)
-        out, _ = process.communicate(timeout=40)
+        out, _ = process.communicate(timeout=120)
     assert out == "data: now\n---\n"
 
 
@@ -317,7 +317,7 @@ def test_hz_measures_the_rate(homebot: Any) -> None:
         assert process.stdout is not None
         label, rate = process.stdout.readline().split(": ")
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=40)
+        process.communicate(timeout=120)
     assert label == "average rate"
     assert 5 < float(rate) < 60
 
@@ -335,7 +335,7 @@ def test_hz_leaves_out_what_was_there_before(homebot: Any) -> None:
         assert process.stdout is not None
         assert process.stdout.readline() == "no new messages\n"
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=40)
+        process.communicate(timeout=120)
 
 
 def test_help_and_version_import_nothing_heavy() -> None:
@@ -346,5 +346,5 @@ def test_help_and_version_import_nothing_heavy() -> None:
         "except SystemExit: pass\n"
         "print(sorted({'asyncio', 'anyio', 'pydantic', 'structlog', 'websockets'} & set(sys.modules)))"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=20)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
     assert done.stdout.splitlines()[-1] == "[]"

@@ -55,7 +55,7 @@ def test_bash_completes_commands_options_choices_and_files(
     (tmp_path / "home.toml").touch()
     (tmp_path / "things").mkdir()
     words = ["bash", "--norc", "-c", _TAB, "bash", str(script), *line.split(" ")]
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=20)
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=120)
     assert (set(done.stdout.splitlines()), done.stderr) == (found, "")
 
 
@@ -90,5 +90,5 @@ def test_zsh_reads_its_script() -> None:
     command = [sys.executable, "-m", "homebot", "--print-completion", "zsh"]
     script = subprocess.run(command, capture_output=True, check=True).stdout
     program = 'autoload -Uz compinit && compinit -D; eval "$(cat)"; print $_comps[homebot]'
-    done = subprocess.run(["zsh", "-f", "-c", program], input=script, capture_output=True, check=True, timeout=20)
+    done = subprocess.run(["zsh", "-f", "-c", program], input=script, capture_output=True, check=True, timeout=120)
     assert (done.stdout.strip(), done.stderr) == (b"_shtab_homebot", b"")

@@ -267,6 +267,6 @@ sys.exit(main())
 """
     options = ("run", "--config", "empty.toml", "--ephemeral", "--door", "127.0.0.1:0", "--for", "0.01")
     done = subprocess.run(
-        [sys.executable, "-c", code, *options], cwd=tmp_path, capture_output=True, text=True, check=True, timeout=30
+        [sys.executable, "-c", code, *options], cwd=tmp_path, capture_output=True, text=True, check=True, timeout=120
     )
     assert done.stdout.splitlines()[-1] == "frozen"

@@ -32,7 +32,7 @@ def script(tmp_path: Path, text: str) -> subprocess.CompletedProcess[str]:
         env={**os.environ, "HOMEBOT_DOOR": "127.0.0.1:0"},
         capture_output=True,
         text=True,
-        timeout=30,
+        timeout=120,
         check=False,
     )
 

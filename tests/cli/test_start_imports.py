@@ -51,7 +51,7 @@ def test_a_start_loads_no_more_than_it_needs(tmp_path: Path) -> None:
         "print(*sys.modules)"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=40, cwd=tmp_path
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120, cwd=tmp_path
     )
     loaded = done.stdout.split()
     assert [one for one in loaded if one in NOT_NEEDED] == []

@@ -176,7 +176,7 @@ def test_a_command_on_a_real_terminal_is_as_wide_as_that(homebot: Homebot) -> No
     fcntl.ioctl(writes, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 48, 0, 0))
     environment = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
     command = [sys.executable, "-m", "homebot", "--door", homebot.door, "devices"]
-    done = subprocess.run(command, stdout=writes, stderr=writes, env=environment, timeout=20, check=True)
+    done = subprocess.run(command, stdout=writes, stderr=writes, env=environment, timeout=120, check=True)
     os.close(writes)
     text = os.read(reads, 10_000).decode()
     os.close(reads)
@@ -199,7 +199,7 @@ def test_a_command_whose_output_is_piped_loads_neither_rich_nor_what_only_homebo
         "print({'rich', 'structlog', 'pydantic', 'pydantic_core', 'anyio', 'asyncio'} & set(sys.modules))\n"
         "import rich.console"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=20)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
     assert done.stdout.splitlines()[-1] == "set()"
 
 

@@ -32,7 +32,7 @@ assert readers() == ["homebot.conventions.homie.reader"], readers()
 
 def test_only_the_convention_that_hears_something_loads_its_reader() -> None:
     """Filters, births and counts need none."""
-    done = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, timeout=40, check=False)
+    done = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, timeout=120, check=False)
     assert (done.returncode, done.stderr) == (0, "")
 
 

@@ -10,6 +10,7 @@ from types import ModuleType
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.config import parse_config
 from homebot.devices.devices import Devices
@@ -45,7 +46,7 @@ async def test_the_app_of_the_guide_is_a_switch_for_a_home_assistant(monkeypatch
     ):
         await hass.subscribe(MqttSubscription("homeassistant/#"), MqttSubscription("homebot/#"))
         said: dict[str, str] = {}
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             while not (configs := [one for one in said if re.fullmatch("homeassistant/.*/config", one)]):
                 said.update({one.topic: one.payload.decode() for one in await hass.receive()})
             fields = json.loads(said[configs[0]])

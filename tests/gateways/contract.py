@@ -13,6 +13,7 @@ from typing import TypeVar
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.exposure import ExposedDevice, ExposedState
@@ -32,9 +33,6 @@ __all__ = ["GatewayContract", "Lamp", "Neighbour", "running"]
 MessageT = TypeVar("MessageT", bound=Message)
 
 KEPT = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-PATIENCE = 60.0
-"""Seconds: a gateway may wait a while whether an announcement that was withdrawn comes back."""
-
 ROBOT = ExposedDevice(
     id="robot",
     name="Robot",

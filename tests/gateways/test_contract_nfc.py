@@ -6,8 +6,9 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import anyio
-from tests.gateways.contract import PATIENCE, GatewayContract, Lamp
+from tests.gateways.contract import GatewayContract, Lamp
 from tests.gateways.nfc.world import UID, uri
+from tests.patience import PATIENCE
 
 from homebot.conventions.nfc.tag_content import TagContent
 from homebot.errors import LinkError
@@ -31,7 +32,8 @@ class StrangeTag:
         self.uid = f"04{number:012x}"
 
     def read(self) -> TagContent:
-        return TagContent(b"\xd1\xff?", 100, is_writable=True)
+        """A record that is longer than the tag; long, so that few use up a budget, however slowly they are read."""
+        return TagContent(b"\xc1\x01\xff\xff\xff\xffU" + b"?" * 20_000, 30_000, is_writable=True)
 
     def write(self, message: bytes) -> None:
         raise NotImplementedError

@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator
 import anyio.to_thread
 import pytest
 import structlog
+from tests.patience import PATIENCE
 
 from homebot.graph import Graph, Node, RosoutFeed, Subscription, qos_profile_rosout
 from homebot.log import configure_logging
@@ -64,7 +65,7 @@ async def test_text_that_is_no_unicode_does_not_break_the_log(lines: Subscriptio
 
 async def test_a_line_from_another_thread_comes_by_way_of_the_loop(lines: Subscription[Log]) -> None:
     await anyio.to_thread.run_sync(structlog.get_logger().info, "from.thread")
-    with anyio.fail_after(5):
+    with anyio.fail_after(PATIENCE):
         assert (await lines.receive()).msg == "from.thread"
 
 

@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from tests.turns import slowness
 
 from homebot.errors import ConfigError
 from homebot.house.description import load_world, parse_world
@@ -61,9 +62,9 @@ print(time.process_time() - began)
 def test_a_day_of_the_family_home_takes_under_a_third_of_a_second() -> None:
     """About 25 ms on a small machine. In a process of its own, since measuring coverage would take most of the time."""
     done = subprocess.run(
-        [sys.executable, "-c", TIMED, HOUSES / "family.toml"], capture_output=True, text=True, timeout=30, check=True
+        [sys.executable, "-c", TIMED, HOUSES / "family.toml"], capture_output=True, text=True, timeout=120, check=True
     )
-    assert float(done.stdout) < 0.3
+    assert float(done.stdout) < 0.3 * slowness()
 
 
 def test_every_kind_and_every_fault_can_be_described() -> None:

@@ -16,6 +16,7 @@ from random import Random
 import anyio
 import pytest
 import structlog.testing
+from tests.patience import PATIENCE
 
 from homebot.clock import LoopClock
 from homebot.errors import UsageError
@@ -377,7 +378,7 @@ async def test_the_family_home_lives_on_sockets() -> None:
         clock = LoopClock(12 * 3600.0)
         house = SimulatedHouse(broker.url, "villa", world, clock)
         await tasks.start(house.serve)
-        with anyio.fail_after(8):
+        with anyio.fail_after(PATIENCE):
             while len(said) < len(world.devices):
                 said |= await _received(listener)
             await listener.publish("villa/lights/living_lamp/in", b"0.25", qos=1)

@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 import anyio
 import pytest
 from tests.loopback import alone_on_loopback
+from tests.patience import PATIENCE
 
 from homebot.config import parse_config
 from homebot.devices import Device, Devices
@@ -17,8 +18,6 @@ from homebot.house.description import parse_world
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime import Runtime
-
-PATIENCE = 20.0
 
 pytest.importorskip("nfc")  # else pytest looks for it in the loop, when homebot asks whether it is installed
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import anyio
 import pytest
 from tests.loopback import alone_on_loopback
+from tests.patience import PATIENCE
 
 from homebot.config import parse_config
 from homebot.errors import ConfigError, UsageError
@@ -49,7 +50,7 @@ async def test_the_light_service_turns_off_a_lamp_of_every_family() -> None:
     async with alone_on_loopback(), MemoryBroker() as broker:
         host = HostedBroker.in_memory(broker)
         async with Runtime(config, house=world, with_door=False, services=[host]):
-            with anyio.fail_after(40):
+            with anyio.fail_after(PATIENCE):
                 for lamp in lamps.values():
                     await lamp.dark.wait()
     assert [lamp.is_on for lamp in lamps.values()] == [False] * len(lamps)

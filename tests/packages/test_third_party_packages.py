@@ -35,7 +35,7 @@ def _run(*command: str, cwd: Path = PACKAGES, path: Path = PACKAGES) -> None:
         env=own | {"PYTHONPATH": str(path)},
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=120,
         check=False,
     )
     assert done.returncode == 0, done.stdout + done.stderr

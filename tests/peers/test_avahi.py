@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 from tests.peers.avahi import avahi, why_no_avahi
 from tests.peers.network import INTERFACE, Lan, Machine
 
@@ -18,8 +19,6 @@ from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
 from homebot.graph import Graph, Node, Subscription
 
 pytestmark = pytest.mark.skipif(bool(why_no_avahi()), reason=why_no_avahi())
-
-PATIENCE = 30.0
 
 
 @asynccontextmanager

@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 import anyio
 import pytest
 from tests.gateways.contract import KEPT, running
+from tests.patience import PATIENCE
 from tests.peers.network import INTERFACE, Lan, Machine, Program, missing_programs
 
 from homebot.devices import Sighting
@@ -19,8 +20,6 @@ from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 
 GROUPS = (("224.0.1.187", INTERFACE), ("ff02::fd", INTERFACE))
-PATIENCE = 40.0
-
 pytestmark = pytest.mark.skipif(
     bool(missing_programs("coap-client-notls", "coap-server-notls", "coap-rd-notls")),
     reason="libcoap's programs are not installed (apt-get install libcoap3-bin)",

@@ -19,6 +19,7 @@ import anyio
 import ifaddr  # noqa: F401 - it starts a program when it is imported, which must not be in the event loop
 import pytest
 from tests.gateways.contract import KEPT, running
+from tests.patience import PATIENCE
 from tests.peers.avahi import avahi, why_no_avahi
 from tests.peers.network import Lan, Machine
 
@@ -72,13 +73,13 @@ class Watcher:
 
     async def described(self) -> Sighting:
         """Wait until the device is known with its parts."""
-        with anyio.fail_after(30):
+        with anyio.fail_after(PATIENCE):
             while not (sighting := await self._sightings.receive()).parts:
                 pass
         return sighting
 
     async def until(self, part: str, capability: str, value: PlainValue) -> None:
-        with anyio.fail_after(30):
+        with anyio.fail_after(PATIENCE):
             while self.values.get((part, capability)) != value:
                 for one in (await self._reports.receive()).readings:
                     self.values[one.part, one.capability] = one.value.plain()
@@ -141,7 +142,7 @@ async def test_firmware_is_found_read_and_commanded_and_its_death_is_noticed(
 
         await watcher.until("", "reachable", True)
         program.end(signal.SIGKILL)
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             await watcher.until("", "reachable", False)
 
 

@@ -6,6 +6,7 @@ import socket
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 from tests.peers.network import Lan, Machine
 
 GROUP, PORT = "224.0.0.251", 5353
@@ -59,7 +60,7 @@ async def test_a_program_on_a_machine_is_heard_and_ends_with_the_block(lan: Lan)
     device = lan.machine("device")
     async with device.program("sh", "-c", "echo is ready; sleep 1000", ready="ready") as program:
         assert program.printed == ["is ready\n"]
-    with anyio.fail_after(5):
+    with anyio.fail_after(PATIENCE):
         assert await program.process.wait() != 0
 
 

@@ -21,6 +21,7 @@ import anyio
 import pytest
 from tests.gateways.nfc.test_gateway import HOUSE, LAMP
 from tests.gateways.nfc.world import KEPT, UID, card, uri
+from tests.patience import PATIENCE
 
 from homebot.conventions.nfc.ndef_message import read_ndef
 from homebot.devices import FIND_DEVICES, FindDevices, GatewayState
@@ -124,7 +125,7 @@ async def test_a_tag_at_a_reader_of_the_smart_card_service_is_read_and_written(s
         states = watcher.create_subscription(GatewayState, "/gateway/nfc/state", qos_profile=KEPT)
         reports = watcher.create_subscription(Report, "/gateway/nfc/readings", qos_profile=100)
         taps = watcher.create_subscription(TagTap, "/gateway/nfc/taps", qos_profile=10)
-        with anyio.fail_after(30):
+        with anyio.fail_after(PATIENCE):
             while (await states.receive()).state != "active":
                 pass
             tag = card(uri("homebot:device/lights/hall"))
@@ -146,7 +147,7 @@ async def test_a_tag_at_a_reader_of_the_smart_card_service_is_read_and_written(s
 async def test_a_service_that_stops_and_starts_again_is_a_state_with_a_reason(service: Service) -> None:
     async with gateway() as watcher:
         states = watcher.create_subscription(GatewayState, "/gateway/nfc/state", qos_profile=KEPT)
-        with anyio.fail_after(50):
+        with anyio.fail_after(PATIENCE):
             absent = await states.receive()
             assert absent.state == "unavailable"
             assert "pcscd" in absent.reason

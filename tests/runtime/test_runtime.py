@@ -12,6 +12,7 @@ import structlog
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 from structlog.testing import capture_logs
+from tests.patience import PATIENCE
 
 from homebot.apps import App
 from homebot.config import Config, parse_config
@@ -47,7 +48,7 @@ class Journal:
         self._changed.set()
 
     async def wait_for(self, line: str, times: int = 1) -> None:
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             while self.lines.count(line) < times:
                 self._changed = anyio.Event()
                 await self._changed.wait()
@@ -156,7 +157,7 @@ async def test_the_simulated_house_is_discovered_and_acted_on() -> None:
     async with runtime, Node(runtime.graph, "watcher") as watcher:
         changes = watcher.create_subscription(DeviceChange, DEVICE_CHANGES, qos_profile=10)
         log = watcher.create_subscription(Log, "/rosout", qos_profile=100)
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             while len(found) < 3:
                 found.add((await changes.receive()).device.id)
             while (await log.receive()).msg != "lights/roomlights405 is off":
@@ -209,7 +210,7 @@ async def test_a_start_can_be_cut_short() -> None:
         await JOURNAL.wait_for("never ready")
         runtime.cut_start_short()
 
-    with anyio.fail_after(20):
+    with anyio.fail_after(PATIENCE):
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(cut)
             async with runtime:
@@ -226,7 +227,7 @@ async def test_a_start_that_is_cancelled_stops_what_it_started() -> None:
         async with runtime:
             pytest.fail("it cannot be ready")
 
-    with anyio.fail_after(5):
+    with anyio.fail_after(PATIENCE):
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(start)
             await JOURNAL.wait_for("never ready")
@@ -238,7 +239,7 @@ async def test_a_start_that_is_cancelled_stops_what_it_started() -> None:
 async def test_a_program_that_is_cancelled_stops_everything_at_once() -> None:
     """However its task group and ours lie in each other."""
     runtime = Runtime(config(gateways={"mqtt": {}}, apps={"steady": app(Steady)}))
-    with anyio.fail_after(5):
+    with anyio.fail_after(PATIENCE):
         async with anyio.create_task_group() as tasks:
 
             async def program() -> None:
@@ -264,7 +265,7 @@ async def test_the_log_is_on_rosout_too_while_it_runs() -> None:
     async with Runtime(config()) as runtime, Node(runtime.graph, "watcher") as watcher:
         lines = watcher.create_subscription(Log, "/rosout", qos_profile=10)
         structlog.get_logger(node="/somebody").warning("a.b", message="hear me")
-        with anyio.fail_after(20):
+        with anyio.fail_after(PATIENCE):
             line = await lines.receive()
         assert (line.name, line.msg, line.level) == ("somebody", "hear me", 30)
     assert structlog.get_config()["processors"] == before

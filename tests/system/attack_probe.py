@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import TypeVar
 
 import anyio
+from tests.patience import PATIENCE
 from websockets.sync.client import connect
 
 from homebot.apps import App
@@ -140,14 +141,14 @@ class Attacked:
     def toll(self) -> Toll:
         """Read what was seen since the last reading; through the door, as anybody can."""
         headers = {"Authorization": f"Bearer {self._token}"} if self._token else None
-        with connect(self.url, additional_headers=headers, proxy=None, compression=None, open_timeout=30) as door:
-            door.send(json.dumps({"op": "call_service", "id": "toll", "service": _SERVICE, "timeout": 30}))
-            while (answer := json.loads(door.recv(timeout=30))).get("id") != "toll":
+        with connect(self.url, additional_headers=headers, proxy=None, compression=None, open_timeout=PATIENCE) as door:
+            door.send(json.dumps({"op": "call_service", "id": "toll", "service": _SERVICE, "timeout": PATIENCE}))
+            while (answer := json.loads(door.recv(timeout=PATIENCE))).get("id") != "toll":
                 pass
         seen = json.loads(answer["values"]["message"])
         return Toll(rss=rss(self.pid), files=open_files(self.pid), **seen)
 
-    def settled(self, before: Toll, within: float = 30.0) -> Toll:
+    def settled(self, before: Toll, within: float = PATIENCE) -> Toll:
         """Return the toll once as much is open as *before*, or the last one after *within* seconds."""
         deadline = time.monotonic() + within
         now = self.toll()
@@ -167,7 +168,7 @@ class Attacked:
             text = self.text()
             return text if words in text else None
 
-        return until(line, 30)
+        return until(line, PATIENCE)
 
 
 @contextmanager
@@ -186,7 +187,7 @@ def attacked(folder: Path, *arguments: str, token: str = "") -> Iterator[Attacke
         try:
             yield Attacked(process, log, token)
             process.terminate()
-            assert process.wait(15) == 0, log.read_text(encoding="utf-8")[-4000:]
+            assert process.wait(PATIENCE) == 0, log.read_text(encoding="utf-8")[-4000:]
         finally:
             process.kill()
     assert "Traceback" not in log.read_text(encoding="utf-8")

@@ -18,6 +18,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from tests.patience import PATIENCE
 from tests.system.attack_probe import ROOT, open_files, rss, until
 
 from homebot.log import configure_logging
@@ -77,7 +78,7 @@ class AttackedBroker:
         seen = self._answer()
         return Toll(seen["turn"], rss(self.pid), open_files(self.pid), BrokerStats(**seen["stats"]))
 
-    def settled(self, before: Toll, within: float = 30.0) -> Toll:
+    def settled(self, before: Toll, within: float = PATIENCE) -> Toll:
         """Return the toll once as much is open as *before* and the memory is back, or the last one after *within*."""
         deadline = time.monotonic() + within
         now = self.toll()
@@ -88,7 +89,7 @@ class AttackedBroker:
 
     def open(self, data: bytes = b"") -> socket.socket:
         """Open a socket and send *data*."""
-        opened = socket.create_connection(("127.0.0.1", self.port), timeout=30)
+        opened = socket.create_connection(("127.0.0.1", self.port), timeout=PATIENCE)
         self.sockets.append(opened)
         if data:
             opened.sendall(data)
@@ -177,7 +178,7 @@ def is_closed(opened: socket.socket) -> bool:
     return True
 
 
-def wait_for(look: Any, within: float = 30.0) -> None:
+def wait_for(look: Any, within: float = PATIENCE) -> None:
     """Wait until *look* is true."""
     until(lambda: True if look() else None, within)
 

@@ -11,7 +11,7 @@ from pathlib import Path
 __all__ = ["own_time_until_end"]
 
 
-def own_time_until_end(process: subprocess.Popen[str], within: float = 40.0) -> float:
+def own_time_until_end(process: subprocess.Popen[str], within: float = 120.0) -> float:
     """Wait until *process* has ended, without reaping it, and return the seconds that it took from now.
 
     Without those for which its main thread was ready to go on and others had the processor, as Linux counts them

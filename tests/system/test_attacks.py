@@ -10,6 +10,7 @@ from typing import Any
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 from websockets.asyncio.client import connect
 
 from homebot.config import parse_config
@@ -49,7 +50,7 @@ async def forge(runtime: Runtime, topic: str, sighting: dict[str, Any]) -> None:
         )
         for frame in frames:
             await client.send(json.dumps(frame))
-        with anyio.fail_after(10):
+        with anyio.fail_after(PATIENCE):
             while json.loads(await client.recv()).get("id") != "end":
                 pass
 
@@ -57,7 +58,7 @@ async def forge(runtime: Runtime, topic: str, sighting: dict[str, Any]) -> None:
 async def known(runtime: Runtime, device: str) -> None:
     """Wait until *device* is there."""
     async with Node(runtime.graph, "watcher") as node:
-        with anyio.fail_after(10):
+        with anyio.fail_after(PATIENCE):
             async for change in Devices(node).follow():
                 if change.device.id == device:
                     return
@@ -69,7 +70,7 @@ async def ids(runtime: Runtime) -> set[str]:
         await client.send(
             json.dumps({"op": "call_service", "id": "f", "service": "/discovery/find_devices", "args": {}})
         )
-        with anyio.fail_after(10):
+        with anyio.fail_after(PATIENCE):
             while (frame := json.loads(await client.recv())).get("id") != "f":
                 pass
     return {device["id"] for device in frame["values"]["devices"]}

@@ -18,6 +18,7 @@ import pytest
 from tests.gateways.mqtt.test_long_lists import TOPIC, house_of
 from tests.system.attack_probe import Attacked, attacked, rss, until
 from tests.system.broker_probe import Client
+from tests.turns import slowness
 from websockets.sync.client import connect
 
 from homebot.devices.names import DISCOVERY_HEALTH, GatewayNames
@@ -27,12 +28,11 @@ from homebot.mqtt.packets import Connect, Pingreq, ProtocolVersion, Puback, Publ
 pytestmark = [
     pytest.mark.system,
     pytest.mark.skipif(sys.platform != "linux", reason="reads /proc"),
-    pytest.mark.timeout(180),
 ]
 
 MOST_BUSY = 0.1
 """Seconds of the processor between two turns of somebody else, who waits for a timer and so for up to three rounds of
-the loop; the aim is 0.05, but a machine under load is slower."""
+the loop, on the reference machine; the aim is 0.05."""
 
 MOST = 128
 """MiB; the aim is 64, and a machine under load frees later."""
@@ -267,4 +267,4 @@ def test_large_announcements_leave_turns_to_others(tmp_path: Path) -> None:
             until(lambda honest=honest: finds(homebot, honest) or None, 30)  # type: ignore[misc]  # a default binds it now
             toll = homebot.toll()
             print(f"\n{name}: {toll}", end="")
-            assert toll.busy < MOST_BUSY
+            assert toll.busy < MOST_BUSY * slowness()

@@ -12,7 +12,9 @@ from itertools import product
 from typing import Any
 
 import pytest
+from tests.patience import PATIENCE
 from tests.system.broker_probe import PASSWORD, AttackedBroker, Client, Toll, attacked_broker, closing, is_closed
+from tests.turns import slowness
 
 from homebot.mqtt.packets import (
     Connect,
@@ -31,10 +33,9 @@ from homebot.mqtt.packets import (
 pytestmark = [
     pytest.mark.system,
     pytest.mark.skipif(sys.platform != "linux", reason="reads /proc"),
-    pytest.mark.timeout(120),
 ]
 
-LONGEST_TURN = 0.1  # the aim is 0.05; a machine under load takes longer over the same
+LONGEST_TURN = 0.1  # seconds of the processor of the reference machine; the aim is 0.05
 MOST_MEMORY = 64
 
 
@@ -62,7 +63,7 @@ def withstood(broker: AttackedBroker, before: Toll, what: str, *, memory: float 
     now = broker.toll()
     print(f"\n{what}: {now}, {now.rss - before.rss:+.0f} MiB, a ping took {answered * 1000:.0f} ms")
     assert now.rss < before.rss + memory
-    assert now.turn < LONGEST_TURN
+    assert now.turn < LONGEST_TURN * slowness()
     return now
 
 
@@ -84,7 +85,7 @@ def flood(broker: AttackedBroker, count: int, data: bytes) -> list[socket.socket
     """Open many sockets and say *data* on each."""
     opened = []
     for _ in range(count):
-        opened.append(socket.create_connection(("127.0.0.1", broker.port), timeout=30))
+        opened.append(socket.create_connection(("127.0.0.1", broker.port), timeout=PATIENCE))
         try:
             opened[-1].sendall(data)
         except OSError:  # the broker closed it already
@@ -173,7 +174,7 @@ def test_no_subscribe_stops_the_others(broker: AttackedBroker, topics: list[str]
     client.close()
     after = recovered(broker, before)
     print(f"the subscriber got {received} of its retained messages before its ping was answered")
-    assert after.turn < LONGEST_TURN
+    assert after.turn < LONGEST_TURN * slowness()
 
 
 def test_a_flood_of_small_messages_to_many_stops_nobody(broker: AttackedBroker) -> None:
@@ -205,7 +206,7 @@ def test_passwords_are_guessed_slowly_and_a_known_client_comes_in_at_once() -> N
             took = time.monotonic() - began
             print(f"\n2,000 guesses in {took:.1f} s: {toll.stats.logins_failed} were looked at; {toll}")
             assert toll.stats.logins_failed <= 4 + took / 0.5
-            assert toll.turn < LONGEST_TURN
+            assert toll.turn < LONGEST_TURN * slowness()
         recovered(broker, before)
 
 

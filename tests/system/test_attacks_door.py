@@ -10,20 +10,22 @@ import json
 import socket
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.patience import PATIENCE
 from tests.system.attack_probe import Attacked, Toll, attacked
+from tests.turns import slowness
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-pytestmark = [pytest.mark.system, pytest.mark.timeout(120)]
+pytestmark = pytest.mark.system
 
 CLIENTS = 8
-WORST_LAG = 0.5
-"""Seconds; ten times the aim, for a machine on which much else runs."""
+MOST_BUSY = 0.05
+"""Seconds of the processor between two turns of somebody else, on the reference machine."""
 
 MOST_MEMORY = 150
 """MiB above what it was before, at any time."""
@@ -37,7 +39,9 @@ def homebot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Attacked]:
 
 
 def client(homebot: Attacked) -> ClientConnection:
-    return connect(homebot.url, proxy=None, compression=None, open_timeout=20, ping_interval=None, close_timeout=1)
+    return connect(
+        homebot.url, proxy=None, compression=None, open_timeout=PATIENCE, ping_interval=None, close_timeout=1
+    )
 
 
 @contextmanager
@@ -52,16 +56,17 @@ def send(peer: ClientConnection, **frame: object) -> None:
 
 def settle(peer: ClientConnection) -> list[dict[str, Any]]:
     """Return what came until everything sent before was dealt with."""
-    send(peer, op="call_service", id="settle", service="/rosapi/get_time", timeout=60)
+    send(peer, op="call_service", id="settle", service="/rosapi/get_time", timeout=PATIENCE)
     frames = []
-    while (frame := json.loads(peer.recv(timeout=60))).get("id") != "settle":
+    while (frame := json.loads(peer.recv(timeout=PATIENCE))).get("id") != "settle":
         frames.append(frame)
     return frames
 
 
 def leave(peer: ClientConnection) -> None:
-    """Hang up without a word."""
-    peer.socket.shutdown(socket.SHUT_RDWR)
+    """Hang up without a word, where the door has not done so first."""
+    with suppress(OSError):
+        peer.socket.shutdown(socket.SHUT_RDWR)
 
 
 def check(name: str, homebot: Attacked, before: Toll, attack: Callable[[Callable[[], None]], object]) -> None:
@@ -80,7 +85,7 @@ def check(name: str, homebot: Attacked, before: Toll, attack: Callable[[Callable
     after = homebot.settled(before)
     print(f"\n{name} ({time.monotonic() - started:.1f} s{f', {result}' if result else ''})")
     print(f"  before {before}", *(f"  during {one}" for one in during), f"  after  {after}", sep="\n")
-    assert max(one.lag for one in during) < WORST_LAG
+    assert max(one.busy for one in during) < MOST_BUSY * slowness()
     assert max(one.rss for one in (*during, after)) < before.rss + MOST_MEMORY
     assert after.left_open == before.left_open
 
@@ -243,7 +248,7 @@ def test_connections_that_say_nothing(homebot: Attacked) -> None:
     def attack(_hold: Callable[[], None]) -> None:
         with ExitStack() as stack:
             for _ in range(300):
-                stack.enter_context(socket.create_connection(("127.0.0.1", homebot.door), timeout=20))
+                stack.enter_context(socket.create_connection(("127.0.0.1", homebot.door), timeout=PATIENCE))
             started = time.monotonic()
             with client(homebot) as honest:
                 settle(honest)
@@ -287,7 +292,7 @@ def test_guessed_tokens_wait_longer_and_longer(tmp_path: Path) -> None:
         answers: list[int] = []
         while time.monotonic() - started < 2.5:
             try:
-                connect(f"{locked.url}?token={len(answers)}", proxy=None, open_timeout=5).close()
+                connect(f"{locked.url}?token={len(answers)}", proxy=None, open_timeout=PATIENCE).close()
             except InvalidStatus as exc:
                 answers.append(exc.response.status_code)
         took = time.monotonic() - started

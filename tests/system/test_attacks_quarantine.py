@@ -10,6 +10,7 @@ from pathlib import Path
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 from tests.system.attack_probe import Attacked, attacked, open_files, until
 from websockets.sync.client import connect
 
@@ -54,9 +55,9 @@ def discovery(name: str) -> bytes:
 
 
 def call(homebot: Attacked, service: str) -> dict[str, object]:
-    with connect(homebot.url, proxy=None, compression=None, open_timeout=30) as door:
-        door.send(json.dumps({"op": "call_service", "id": "q", "service": service, "args": {}, "timeout": 30}))
-        while (answer := json.loads(door.recv(timeout=30))).get("id") != "q":
+    with connect(homebot.url, proxy=None, compression=None, open_timeout=PATIENCE) as door:
+        door.send(json.dumps({"op": "call_service", "id": "q", "service": service, "args": {}, "timeout": PATIENCE}))
+        while (answer := json.loads(door.recv(timeout=PATIENCE))).get("id") != "q":
             pass
     values: dict[str, object] = answer["values"]
     return values
@@ -118,17 +119,17 @@ async def test_a_flood_of_garbage_silences_nobody(
     async with client(homebot) as house, anyio.create_task_group() as tasks:
         await house.wait_connected()
         await house.publish(LIST, bridge_list(f"Desk {case}"), qos=1, retain=True)
-        await known_after(homebot, f"Desk {case}", 10)
+        await known_after(homebot, f"Desk {case}", PATIENCE)
         before, used, counts, sent = homebot.toll(), cpu(homebot.pid), counted(homebot), [0]
         tasks.start_soon(flood, homebot, topic, payload, sent)
         await anyio.sleep(SECONDS * 0.6)
         await house.publish(LIST, bridge_list(f"Desk {case}", f"Shelf {case}"), qos=1, retain=True)
-        heard = await known_after(homebot, f"Shelf {case}", 10)
+        heard = await known_after(homebot, f"Shelf {case}", PATIENCE)
         await anyio.sleep(max(0.0, SECONDS * 0.4 - heard))
         used = cpu(homebot.pid) - used
         counts = {name: count - counts[name] for name, count in counted(homebot).items()}
         await house.publish(f"homeassistant/light/{case}/config", discovery(f"New {case}"), qos=1, retain=True)
-        newcomer = await known_after(homebot, f"New {case}", 10)
+        newcomer = await known_after(homebot, f"New {case}", PATIENCE)
         after = homebot.toll()
     print(
         f"\n{case}: {sent[0]:,} messages; the bridge was heard after {heard:.2f} s, a newcomer after {newcomer:.2f} s; "
@@ -139,6 +140,6 @@ async def test_a_flood_of_garbage_silences_nobody(
     assert newcomer < 4
     assert counts["announcements_rejected"] <= 1024 + 8 * 256
     assert counts["announcements_deferred"] > 0
-    until(lambda: open_files(homebot.pid) <= before.files or None, 10)  # without opening one more to read it
+    until(lambda: open_files(homebot.pid) <= before.files or None, PATIENCE)  # without opening one more to read it
     assert after.left_open[1:] == before.left_open[1:]
     assert after.rss < before.rss + 64

@@ -14,6 +14,7 @@ from subprocess import DEVNULL
 import anyio
 import pytest
 from tests.conftest import free_port, listening
+from tests.patience import PATIENCE
 
 from homebot.config import parse_config
 from homebot.devices import Devices
@@ -183,7 +184,7 @@ async def test_a_plug_without_rights_opens_no_door(mosquitto: Mosquitto, order: 
         await spy.wait_connected()
         await spy.subscribe(MqttSubscription("#", qos=1, retain_handling=2), MqttSubscription("$SYS/broker/log", qos=1))
         devices = Devices(node)
-        with anyio.fail_after(20):
+        with anyio.fail_after(PATIENCE):
             await found(devices, Light, len(WANTED) + 1)
             await found(devices, DoorLock, 4)
         refused = 0
@@ -196,7 +197,7 @@ async def test_a_plug_without_rights_opens_no_door(mosquitto: Mosquitto, order: 
         locks = await devices.find(DoorLock)
         for lock in locks:
             await lock.lock()
-        with anyio.fail_after(20):
+        with anyio.fail_after(PATIENCE):
             while ("end", b"") not in heard:
                 if not heard:
                     await spy.publish("end", b"", qos=1)

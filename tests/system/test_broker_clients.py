@@ -10,6 +10,7 @@ from contextlib import asynccontextmanager
 import anyio
 import pytest
 from anyio.abc import Process
+from tests.patience import PATIENCE
 
 from homebot.mqtt.broker import Broker
 
@@ -31,7 +32,7 @@ async def broker() -> AsyncIterator[Broker]:
 async def publish(broker: Broker, *arguments: str, version: str = "mqttv5") -> None:
     """Run mosquitto_pub to its end."""
     command = ["mosquitto_pub", "-p", str(broker.port), "-V", version, *arguments]
-    with anyio.fail_after(10):
+    with anyio.fail_after(PATIENCE):
         await anyio.run_process(command)
 
 
@@ -53,7 +54,7 @@ async def lines(process: Process, count: int) -> list[str]:
     """The next *count* lines of its output."""
     assert process.stdout is not None
     text = b""
-    with anyio.fail_after(10):
+    with anyio.fail_after(PATIENCE):
         while text.count(b"\n") < count:
             text += await process.stdout.receive()
     return text.decode().splitlines()
@@ -72,7 +73,7 @@ async def test_many_messages_at_qos_2_all_arrive_once(broker: Broker, version: s
     async with listener(broker, "-t", "n", "-q", "2", version=version) as subscriber:
         numbers = "\n".join(str(number) for number in range(300))
         command = ["mosquitto_pub", "-p", str(broker.port), "-V", version, "-t", "n", "-q", "2", "-l"]
-        with anyio.fail_after(10):
+        with anyio.fail_after(PATIENCE):
             await anyio.run_process(command, input=numbers.encode())
         assert await lines(subscriber, 300) == [f"n 2 0 {number}" for number in range(300)]
 

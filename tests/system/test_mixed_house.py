@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.clock import LoopClock
 from homebot.config import parse_config
@@ -41,7 +42,7 @@ async def test_the_light_service_switches_lamps_of_every_family(mosquitto_url: s
     house = SimulatedHouse(mosquitto_url, "home425", world, LoopClock())
     async with Runtime(config, with_door=False), anyio.create_task_group() as tasks:
         await tasks.start(house.serve)
-        with anyio.fail_after(30):
+        with anyio.fail_after(PATIENCE):
             for lamp in lamps.values():
                 await lamp.dark.wait()
                 lamp.dark = anyio.Event()

@@ -10,6 +10,7 @@ from typing import Any
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door, DoorSettings
@@ -73,7 +74,7 @@ async def test_roslibpy_subscribes_publishes_calls_and_serves(transport: str) ->
         _furnish(lamp, heard)
         await tasks.start(door.run)
         command = [sys.executable, "-c", CLIENT, str(door.port), transport]
-        with anyio.fail_after(45):
+        with anyio.fail_after(PATIENCE):
             done = await anyio.run_process(command, check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         tasks.cancel_scope.cancel()
     assert done.returncode == 0, done.stderr.decode()

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import pytest
 from tests.system.own_time import own_time_until_end
+from tests.turns import slowness
 
 from homebot.cli.watchdog import EXIT_AFTER
 
@@ -54,7 +55,7 @@ class Run:
     def until(self, words: str) -> str:
         """Read the log up to the line that holds *words* and return it."""
         assert self.process.stderr is not None
-        guard = threading.Timer(40, self.process.kill)
+        guard = threading.Timer(120, self.process.kill)
         guard.start()
         for line in self.process.stderr:
             self.log.append(line)
@@ -66,11 +67,11 @@ class Run:
     def stop(self, number: signal.Signals = signal.SIGTERM, within: float = STOPS_WITHIN) -> int:
         """Send a signal, read the rest of the log, and return the exit code; it must come in time."""
         self.process.send_signal(number)
-        assert own_time_until_end(self.process) < within
+        assert own_time_until_end(self.process) < within * slowness()
         return self.end()
 
     def end(self) -> int:
-        _, rest = self.process.communicate(timeout=20)
+        _, rest = self.process.communicate(timeout=120)
         self.log += rest.splitlines(keepends=True)
         return self.process.returncode
 
@@ -285,4 +286,4 @@ def test_a_reader_of_the_log_that_leaves_does_not_end_it(start: Start) -> None:
     run.until("embedded MQTT broker")
     assert run.process.stderr is not None
     run.process.stderr.close()
-    assert run.process.wait(50) == 0
+    assert run.process.wait(120) == 0

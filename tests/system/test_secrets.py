@@ -51,7 +51,7 @@ def command(folder: Path, *arguments: str) -> str:
         env={**SETTINGS, "HOMEBOT_DATA": str(folder / "data")},
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=120,
         check=False,
     )
     return done.stdout + done.stderr

@@ -89,6 +89,7 @@ def test_the_simplest_day_is_an_hour_in_an_empty_house_of_one_room() -> None:
     assert str(find(days(), lambda _: True, settings=FOUND)) == EMPTY
 
 
+@pytest.mark.no_cover
 def test_a_lamp_that_reverts_is_found_and_its_day_has_nothing_else() -> None:
     """One room, one lamp, one fault, two commands."""
     assert (
@@ -250,5 +251,5 @@ def test_a_day_that_passes_or_is_turned_down_is_not_saved(tmp_path: Path) -> Non
 def test_without_the_extra_it_is_told_what_to_install(missing: str, module: str) -> None:
     """And not which module of ours wanted it."""
     program = f"import sys; sys.modules[{missing!r}] = None; import {module}"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=30, check=False)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False)
     assert "pip install 'homebot[testing]'" in done.stderr.splitlines()[-1]

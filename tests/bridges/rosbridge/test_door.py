@@ -11,6 +11,7 @@ import anyio
 import pytest
 from pydantic import SecretStr
 from structlog.testing import capture_logs
+from tests.patience import PATIENCE
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
@@ -36,10 +37,10 @@ async def test_everything_a_client_holds_goes_with_it(open_house: Any) -> None:
             }
             with house.graph.watch() as changes:
                 peer.connection.transport.abort()
-                with anyio.fail_after(5):
+                with anyio.fail_after(PATIENCE):
                     while house.entities():
                         await changes.receive()
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             while house.door.client_count:
                 await anyio.lowlevel.checkpoint()
 
@@ -75,7 +76,7 @@ async def test_a_client_that_takes_no_bytes_is_cut_off(open_house: Any) -> None:
         await stalled.send("subscribe", topic="/image")
         await stalled.settle()
         stalled.connection.transport.pause_reading()
-        with house.graph.watch() as changes, anyio.fail_after(10):
+        with house.graph.watch() as changes, anyio.fail_after(PATIENCE):
             for _ in range(30):
                 publisher.publish(String(data="x" * 500_000))
             while house.entities():
@@ -84,7 +85,7 @@ async def test_a_client_that_takes_no_bytes_is_cut_off(open_house: Any) -> None:
 
 
 async def test_a_stopped_door_does_not_wait_for_a_client_that_says_nothing(open_house: Any) -> None:
-    with anyio.fail_after(20):
+    with anyio.fail_after(PATIENCE):
         async with open_house() as house:
             silent = await anyio.connect_tcp("127.0.0.1", house.door.port)
             async with house.peer() as peer:
@@ -231,7 +232,7 @@ async def test_a_frame_that_cannot_be_taken_ends_that_connection(
     settings = DoorSettings(port=0, max_frame_bytes=4096)
     async with open_house(settings) as house, house.peer() as bad, house.peer() as good:
         await bad.connection.send(frame)
-        with anyio.fail_after(5), pytest.raises(ConnectionClosed) as caught:
+        with anyio.fail_after(PATIENCE), pytest.raises(ConnectionClosed) as caught:
             await bad.connection.recv()
         assert caught.value.rcvd is not None
         assert caught.value.rcvd.code == code
@@ -292,7 +293,7 @@ async def test_a_client_that_sends_too_fast_is_read_more_slowly_and_loses_nothin
         for number in range(150):
             await peer.send("publish", topic="/chatter", msg={"data": f"{number}"})
         assert "more than 100 frames a second came from this client" in (await peer.receive())["msg"]
-        with anyio.fail_after(10):
+        with anyio.fail_after(PATIENCE):
             got = [(await reader.receive()).data for _ in range(150)]
     assert anyio.current_time() - started >= 0.5
     assert got == [f"{number}" for number in range(150)]
@@ -340,7 +341,7 @@ async def get(port: int) -> str:
     async with await anyio.connect_tcp("127.0.0.1", port) as stream:
         await stream.send(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nAccept: */*\r\n\r\n")
         answer = b""
-        with anyio.fail_after(5), suppress(anyio.EndOfStream):
+        with anyio.fail_after(PATIENCE), suppress(anyio.EndOfStream):
             while True:
                 answer += await stream.receive()
     return answer.decode()
@@ -367,7 +368,7 @@ async def test_a_rebound_name_is_turned_away(open_house: Any) -> None:
                 b"GET / HTTP/1.1\r\nHost: evil.example\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
                 b"Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n"
             )
-            with anyio.fail_after(5):
+            with anyio.fail_after(PATIENCE):
                 await anyio.wait_readable(raw)
             assert raw.recv(100).startswith(b"HTTP/1.1 403")
 
@@ -379,7 +380,7 @@ async def test_something_that_is_no_web_socket_is_logged_and_harms_nobody(open_h
                 stream = await anyio.connect_tcp("127.0.0.1", house.door.port)
                 async with stream:
                     await stream.send(b"\x16\x03\x01 not http\r\n\r\n")
-                    with anyio.fail_after(5), pytest.raises(anyio.EndOfStream):
+                    with anyio.fail_after(PATIENCE), pytest.raises(anyio.EndOfStream):
                         await stream.receive()
             await peer.settle()
     assert [line["event"] for line in logs] in ([], ["door.handshake_failed"] * 3)  # not every websockets release tells

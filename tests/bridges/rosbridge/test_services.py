@@ -7,6 +7,7 @@ from typing import Any
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.bridges.rosbridge import DoorSettings
 from homebot.errors import ServiceFailedError, ServiceGoneError
@@ -152,7 +153,7 @@ async def test_a_call_to_a_client_that_leaves_fails_at_once(open_house: Any) -> 
                 await peer.connection.close()
 
             tasks.start_soon(leave)
-            with anyio.fail_after(30), pytest.raises(ServiceGoneError):
+            with anyio.fail_after(PATIENCE), pytest.raises(ServiceGoneError):
                 await client.call(TriggerRequest(), timeout=60)
         assert not client.service_is_ready()
 

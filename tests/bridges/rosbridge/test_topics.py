@@ -6,6 +6,7 @@ from typing import Any
 
 import anyio
 from structlog.testing import capture_logs
+from tests.patience import PATIENCE
 
 from homebot.bridges.rosbridge import DoorSettings
 from homebot.devices import RawMessage
@@ -122,7 +123,7 @@ async def test_a_topic_without_a_type_is_read_once_it_appears(open_house: Any) -
         assert (remark["op"], remark["level"], remark["id"]) == ("status", "warning", "s")
         assert "there is no topic /later yet" in remark["msg"]
         publisher = house.node("talker").create_publisher(String, "/later")
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             while not publisher.subscription_count:
                 await peer.settle()
         publisher.publish(String(data="now"))
@@ -181,7 +182,7 @@ async def test_a_slow_client_loses_its_oldest_messages_and_holds_up_nobody(open_
             await peer.settle()
         slow.connection.transport.pause_reading()
         big = "x" * 500_000
-        with anyio.fail_after(20):
+        with anyio.fail_after(PATIENCE):
             for number in range(60):
                 await publisher.send(String(data=f"{number} {big}"))
                 assert (await quick.receive())["msg"]["data"].startswith(f"{number} ")

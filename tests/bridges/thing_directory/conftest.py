@@ -9,7 +9,8 @@ from typing import Any, Protocol
 import aiohttp
 import anyio
 import pytest
-from tests.gateways.contract import PATIENCE, running
+from tests.gateways.contract import running
+from tests.patience import PATIENCE
 
 from homebot.bridges.thing_directory import DirectoryBridgeSettings
 from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge

@@ -10,7 +10,7 @@ import aiohttp
 import anyio
 import pytest
 from tests.bridges.thing_directory.conftest import LAMP, OWNER, OpenHouse, ServedHouse
-from tests.gateways.contract import PATIENCE
+from tests.patience import PATIENCE
 from yarl import URL
 
 from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge

@@ -8,7 +8,8 @@ from contextlib import asynccontextmanager
 import anyio
 import pytest
 from tests.bridges.thing_directory.conftest import LAMP, OpenHouse
-from tests.gateways.contract import PATIENCE, running
+from tests.gateways.contract import running
+from tests.patience import PATIENCE
 
 from homebot.devices import Devices
 from homebot.devices.handles import Light

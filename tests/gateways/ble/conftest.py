@@ -8,6 +8,7 @@ from random import Random
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Report
@@ -17,7 +18,6 @@ from homebot.gateways.context import GatewayContext
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
 from homebot.house.virtual_radio import VirtualRadio
 
-PATIENCE = 60.0
 KEPT = QoSProfile(depth=20_000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 

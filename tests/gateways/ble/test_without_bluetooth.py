@@ -10,6 +10,7 @@ from pathlib import Path
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState
 from homebot.gateways.ble import BleGateway, BleGatewaySettings
@@ -66,7 +67,7 @@ async def reason(scan: str) -> str:
         gateway = BleGateway(node, BleGatewaySettings.model_validate({"scan": scan}))
         states = watcher.create_subscription(GatewayState, gateway.names.state, qos_profile=qos_profile_latched)
         async with anyio.create_task_group() as tasks:
-            with anyio.fail_after(20):
+            with anyio.fail_after(PATIENCE):
                 await tasks.start(gateway.serve)
                 state = await states.receive()
             tasks.cancel_scope.cancel()

@@ -14,6 +14,7 @@ from aiocoap import resource
 from aiocoap.credentials import CredentialsMap
 from aiocoap.oscore_sitewrapper import OscoreSiteWrapper
 from tests.gateways.test_contract_coap import free_port
+from tests.patience import PATIENCE
 
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.coap.aiocoap_client import MAX_BODY, CoapClient
@@ -73,7 +74,7 @@ async def test_an_answer_of_empty_blocks_without_end_is_refused() -> None:
 
     asked: list[aiocoap.Message] = []
     async with server(Endless(), free_port()) as uri, CoapClient.open(5.0, ()) as client:
-        with anyio.fail_after(10), pytest.raises(WireError, match="not full and not the last"):
+        with anyio.fail_after(PATIENCE), pytest.raises(WireError, match="not full and not the last"):
             await client.request("GET", uri)
     assert len(asked) == 1
 
@@ -103,7 +104,7 @@ async def test_an_observation_is_registered_again_when_its_last_state_is_too_old
         async with server(Value(b"old", max_age=1), port):
             assert (await anext(states)).payload == b"old"
         async with server(Value(b"new", max_age=1), port):
-            with anyio.fail_after(20):
+            with anyio.fail_after(PATIENCE):
                 assert (await anext(states)).payload == b"new"
 
 

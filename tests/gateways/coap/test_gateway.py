@@ -10,6 +10,7 @@ import anyio
 import pytest
 from tests.gateways.contract import KEPT, running
 from tests.gateways.test_contract_coap import free_port
+from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
 from homebot.devices.gateway_messages import REACHABLE, Command, Report, SendCommand, SendCommandResponse
@@ -19,8 +20,6 @@ from homebot.gateways.coap.registry import MAX_PER_HOST
 from homebot.graph import Graph, Node
 from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-
-PATIENCE = 30.0
 
 
 class Watcher:

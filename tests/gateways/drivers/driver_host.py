@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 
 import anyio
+from tests.patience import PATIENCE
 
 from homebot.clock import Clock, LoopClock
 from homebot.devices.gateway_messages import Command
@@ -64,7 +65,7 @@ class KeepingHost:
 
     async def until(self, is_so: Callable[[], bool]) -> None:
         """Wait until what it keeps fulfils a condition."""
-        with anyio.fail_after(20):
+        with anyio.fail_after(PATIENCE):
             while not is_so():
                 self._changed = anyio.Event()
                 await self._changed.wait()

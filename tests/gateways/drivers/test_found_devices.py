@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 import anyio
 import pytest
 from tests.loopback import alone_on_loopback
+from tests.patience import PATIENCE
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
@@ -50,7 +51,7 @@ async def found_and_turned_on(watcher: Node, gateway: MdnsGateway, name: str) ->
     sightings = watcher.create_subscription(Sighting, gateway.names.received_topics, qos_profile=KEPT)
     reports = watcher.create_subscription(Report, gateway.names.readings, qos_profile=KEPT)
     client = watcher.create_client(SendCommand, gateway.names.send_command)
-    with anyio.fail_after(30):
+    with anyio.fail_after(PATIENCE):
         while not ((sighting := await sightings.receive()).name == name and sighting.parts):
             pass
         part = sighting.parts[0].id

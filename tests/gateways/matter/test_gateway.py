@@ -14,6 +14,7 @@ from aiohttp import web
 from anyio.abc import TaskGroup
 from tests.gateways.contract import KEPT, running
 from tests.gateways.http_servers import serving
+from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
@@ -22,8 +23,6 @@ from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
 from homebot.graph import Graph, Node, Subscription
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.matter import ServedMatterNode, SimulatedMatterServer
-
-PATIENCE = 10.0
 
 
 @dataclass

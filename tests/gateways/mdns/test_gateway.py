@@ -10,6 +10,7 @@ import anyio
 import pytest
 from tests.gateways.mdns.lamp import DRIVER, LOOPBACK, SERVICE_TYPE, LampServer, Publisher, publisher
 from tests.gateways.mdns.packets import address, answer, pointer, service, text
+from tests.patience import PATIENCE
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
@@ -19,7 +20,6 @@ from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
 from homebot.gateways.mdns.services import CHANGE_EVERY, CHANGES_AT_ONCE
 from homebot.graph import Graph, Node, Subscription
 
-PATIENCE = 20.0
 KEY = f"Hall.{SERVICE_TYPE}"
 
 

@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 
 import anyio
 from tests.gateways.mdns.lamp import LOOPBACK
+from tests.patience import PATIENCE
 from zeroconf import IPVersion
 from zeroconf.asyncio import AsyncServiceInfo, AsyncZeroconf
 
@@ -44,7 +45,7 @@ async def look(
     other: AsyncZeroconf, service_type: str, *, port: int | None = None, is_there: bool = True
 ) -> AsyncServiceInfo:
     """Look until a service of homebot is there, with a port, or is not."""
-    with anyio.fail_after(20):
+    with anyio.fail_after(PATIENCE):
         while True:
             info = AsyncServiceInfo(f"{service_type}.local.", f"{NAME}.{service_type}.local.")
             found = await info.async_request(other.zeroconf, 500)

@@ -13,6 +13,7 @@ import anyio.abc
 import anyio.lowlevel
 import pytest
 from structlog.testing import capture_logs
+from tests.patience import PATIENCE
 
 from homebot.devices import Device, Devices, Endpoint, GatewayState, RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.health import GetHealth, HealthRequest
@@ -45,7 +46,7 @@ class House:
         await self.devices.publish(topic, payload, qos=qos, retain=retain)
 
     async def next_sighting(self) -> Sighting:
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             return await self.sightings.receive()
 
     async def listen(self, topic: str, *, listener: str = "", since: Time = NEVER) -> SubscribeToTopicResponse:
@@ -202,7 +203,7 @@ async def test_raw_messages_reach_the_inbox_of_the_node_that_asked(embedded_brok
         await house.say("home425/lights/other/out")
         await house.say("home425/lights/lamp/out", b"off", qos=0)
 
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             first, second = await inbox.receive(), await inbox.receive()
         assert answer.data_topic == "/watcher/inbox"
         assert (first.payload, first.address, first.key) == (b"\xff\x00", "home425/lights/lamp/out", "lights/lamp")
@@ -225,7 +226,7 @@ async def test_a_burst_of_qos_0_does_not_overrun_an_inbox_whose_reader_keeps_up(
         for number in range(3000):
             await house.say("h/l/x/out", b"%d" % number, qos=0)
 
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             await everything.wait()
         assert heard == [b"%d" % number for number in range(3000)]
 
@@ -266,7 +267,7 @@ async def test_an_inbox_ends_with_its_node(embedded_broker_url: str) -> None:
         answer = await house.listen("home425/lights/lamp/out", listener="/guest")
         assert answer.data_topic in house.graph.get_topic_names_and_types()
         node.close()
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             await anyio.wait_all_tasks_blocked()
         assert answer.data_topic not in house.graph.get_topic_names_and_types()
 
@@ -277,7 +278,7 @@ async def test_a_command_is_published_to_the_device(embedded_broker_url: str) ->
         await house.devices.subscribe(MqttSubscription("home425/lights/lamp/in", qos=1))
         house.command("home425/lights/lamp/in", "öff")
 
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             (message,) = await house.devices.receive()
         assert message.payload.decode() == "öff"
 
@@ -290,7 +291,7 @@ async def test_commands_to_illegal_addresses_are_refused_counted_and_told(embedd
             for address in ("home425/+/in", "", "a\0b"):
                 house.command(address)
             house.command("home425/lights/lamp/in")
-            with anyio.fail_after(5):
+            with anyio.fail_after(PATIENCE):
                 await house.devices.receive()
 
         assert house.gateway.counters.commands_refused == 3
@@ -325,7 +326,7 @@ async def test_an_absent_broker_is_reported_and_the_gateway_waits_for_it() -> No
         gateway = MqttGateway(node, MqttGatewaySettings(url=url))
         await tasks.start(_serve, gateway)
         states = watcher.create_subscription(GatewayState, "/gateway/mqtt/state", qos_profile=qos_profile_latched)
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             assert (await states.receive()).state == "unavailable"
             async with broker:
                 while (await states.receive()).state != "active":
@@ -343,7 +344,7 @@ async def test_a_restarted_broker_loses_no_acknowledged_message_and_the_gateway_
         answer = await house.listen("home425/lights/lamp/out", listener="/watcher")
         inbox = house.data(answer.data_topic)
         acknowledged: set[bytes] = set()
-        with anyio.fail_after(20):
+        with anyio.fail_after(PATIENCE):
             async with anyio.create_task_group() as tasks:
                 for number in range(600):
                     if number % 150 == 149:
@@ -357,7 +358,7 @@ async def test_a_restarted_broker_loses_no_acknowledged_message_and_the_gateway_
                             await anyio.lowlevel.checkpoint()
                             await house.devices.wait_connected()
         received: set[bytes] = set()
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             while not acknowledged <= received:
                 received.add((await inbox.receive()).payload)
 
@@ -443,7 +444,7 @@ async def test_one_status_topic_is_all_that_runs_leave_at_the_broker(embedded_br
     async with MqttConnection(MqttOptions.from_url(embedded_broker_url), AiomqttClient, status_topic=None) as late:
         await late.subscribe(MqttSubscription("homebot/#", qos=1))
         await late.wait_connected()
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             (status,) = await late.receive()
     assert status.topic == f"homebot/{platform.node()}/mqtt/status"
     assert status.payload == b"offline"
@@ -455,12 +456,12 @@ async def test_each_lost_link_is_told_and_the_waiting_for_the_next_is_not_repeat
         async with Broker() as broker, gateway_on(broker.url) as house:
             for _ in range(2):
                 await broker.stop()
-                with anyio.fail_after(5):
+                with anyio.fail_after(PATIENCE):
                     async for state in house.gateway._connection.states():
                         if state.phase is LinkPhase.WAITING:
                             break
                 await broker.start()
-                with anyio.fail_after(5):
+                with anyio.fail_after(PATIENCE):
                     await house.gateway._connection.wait_connected()
                 await anyio.wait_all_tasks_blocked()
     assert sum(line["event"] == "gateway.link_lost" for line in lines) == 2
@@ -486,7 +487,7 @@ async def test_a_broker_that_refuses_subscriptions_is_told_in_one_line(
             states = house.watcher.create_subscription(
                 GatewayState, "/gateway/mqtt/state", qos_profile=qos_profile_latched
             )
-            with anyio.fail_after(5):
+            with anyio.fail_after(PATIENCE):
                 now = await states.receive()
     assert now.state == state
     assert "refused the subscription to" in now.reason

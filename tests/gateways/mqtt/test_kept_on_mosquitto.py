@@ -6,6 +6,7 @@ import json
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Report
@@ -52,7 +53,7 @@ async def test_every_lamp_and_its_state_is_found(mosquitto_url: str) -> None:
         sightings = watcher.create_subscription(Sighting, gateway.names.received_topics, qos_profile=latched)
         reports = watcher.create_subscription(Report, gateway.names.readings, qos_profile=latched)
         await tasks.start(gateway.serve)
-        with anyio.fail_after(30):
+        with anyio.fail_after(PATIENCE):
             found = {(await sightings.receive()).key for _ in range(LAMPS)}
             told = {(await reports.receive()).key for _ in range(LAMPS)}
         tasks.cancel_scope.cancel()

@@ -7,6 +7,7 @@ import importlib.util
 import anyio
 import pytest
 from tests.gateways.nfc.world import KEPT, UID, take, uri
+from tests.patience import PATIENCE
 
 from homebot.conventions.nfc.tag_content import TagContent
 from homebot.devices import GatewayState
@@ -72,7 +73,7 @@ async def test_a_flood_of_tags_is_bounded_and_the_others_are_read() -> None:
         gateway = NfcGateway(node, NfcGatewaySettings(max_tags=100), GatewayContext.of(TagReaders((FloodReader(),))))
         async with anyio.create_task_group() as tasks:
             await tasks.start(gateway.serve)
-            with anyio.fail_after(50):
+            with anyio.fail_after(PATIENCE):
                 while (await taps.receive()).points_to != "again":
                     pass
             assert UID in gateway.devices.keys
@@ -92,7 +93,7 @@ async def test_a_reader_that_fails_is_tried_again() -> None:
             await tasks.start(gateway.serve)
             first = await take(states)
             assert (first.state, first.reason) == ("unavailable", "attempt 1 failed")
-            with anyio.fail_after(20):
+            with anyio.fail_after(PATIENCE):
                 while (await states.receive()).state != "active":
                     pass
             assert reader.tries == 3

@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from typing import TypeVar
 
 import anyio
+from tests.patience import PATIENCE
 
 from homebot.conventions.nfc.ndef_message import NdefRecord, write_ndef
 from homebot.devices.gateway_messages import GatewayState
@@ -59,5 +60,5 @@ async def tag_house(**settings: object) -> AsyncIterator[TagHouse]:
 
 
 async def take(subscription: Subscription[MessageT]) -> MessageT:
-    with anyio.fail_after(10):
+    with anyio.fail_after(PATIENCE):
         return await subscription.receive()

@@ -10,7 +10,8 @@ import anyio
 import anyio.lowlevel
 import pytest
 from pydantic import ValidationError
-from tests.gateways.contract import PATIENCE, listen, running
+from tests.gateways.contract import listen, running
+from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
 from homebot.gateways.thing_directory import ThingDirectoryGateway, ThingDirectorySettings

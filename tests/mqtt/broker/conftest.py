@@ -10,6 +10,7 @@ from typing import TypeVar
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import Broker, BrokerLimits, BrokerPolicy, BrokerState, Peer
@@ -38,9 +39,6 @@ from homebot.mqtt.packets import (
 )
 
 Kind = TypeVar("Kind")
-
-PATIENCE = 30.0
-"""Seconds after which something that is to come never will, however busy the machine is."""
 
 
 def owed(retained: RetainedMessages, *filters: str) -> list[Owed]:

@@ -43,6 +43,7 @@ def test_who_mistypes_thrice_is_answered_at_once_and_let_in(state: BrokerState) 
     assert answer(attempt(state, b"right")) is ReasonCode.SUCCESS
 
 
+@pytest.mark.no_cover
 def test_passwords_are_tried_ever_more_slowly(state: BrokerState, clock: ManualClock) -> None:
     """An hour of attempts, ten a second: some five hundred are looked at."""
     began = clock.monotonic()

@@ -11,7 +11,7 @@ import anyio
 import pytest
 import trustme
 from structlog.testing import capture_logs
-from tests.mqtt.broker.conftest import PATIENCE
+from tests.patience import PATIENCE
 
 from homebot.clock import ManualClock
 from homebot.errors import LinkError, UsageError

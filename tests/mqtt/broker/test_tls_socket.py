@@ -10,7 +10,8 @@ from datetime import UTC, datetime
 import anyio
 import pytest
 from structlog.testing import capture_logs
-from tests.mqtt.broker.conftest import PATIENCE, Dial
+from tests.mqtt.broker.conftest import Dial
+from tests.patience import PATIENCE
 
 from homebot.mqtt.broker import Broker, BrokerLimits
 from homebot.mqtt.packets import Connect, FilterRequest, Pingreq, Pingresp, Puback, Publish, Subscribe, encode

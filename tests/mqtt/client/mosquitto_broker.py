@@ -12,6 +12,7 @@ from types import TracebackType
 from typing import Final, Self
 
 import anyio
+from tests.patience import PATIENCE
 
 __all__ = ["MOSQUITTO", "MosquittoBroker"]
 
@@ -76,7 +77,7 @@ class MosquittoBroker:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
-        with anyio.fail_after(10):
+        with anyio.fail_after(PATIENCE):
             while True:
                 try:
                     async with await anyio.connect_tcp(self.host, self.port):

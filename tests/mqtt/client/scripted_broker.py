@@ -8,6 +8,7 @@ from typing import Protocol, TypeVar
 
 import anyio
 from anyio.abc import SocketAttribute, SocketStream
+from tests.patience import PATIENCE
 
 from homebot.mqtt.client import MqttClient
 from homebot.mqtt.packets import Connack, Connect, Disconnect, Packet, PacketReader, Pingreq, Properties, encode
@@ -79,7 +80,7 @@ async def broker(*scripts: Script) -> AsyncIterator[int]:
             done.set()
 
     listener = await anyio.create_tcp_listener(local_host="127.0.0.1")
-    with anyio.fail_after(60):
+    with anyio.fail_after(PATIENCE):
         async with listener, anyio.create_task_group() as tasks:
             tasks.start_soon(listener.serve, play)
             yield listener.extra(SocketAttribute.local_port)  # noqa: S610 - no database

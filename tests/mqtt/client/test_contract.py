@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import anyio
 import pytest
 from tests.mqtt.client.mosquitto_broker import MOSQUITTO, MosquittoBroker
+from tests.patience import PATIENCE
 
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.broker import Broker
@@ -96,7 +97,7 @@ def options(broker: AnyBroker, link: Link) -> MqttOptions:
 async def receive(client: MqttClient | MqttConnection, count: int) -> list[MqttMessage]:
     """At least *count* messages, not acknowledged."""
     messages: list[MqttMessage] = []
-    with anyio.fail_after(5):
+    with anyio.fail_after(PATIENCE):
         while len(messages) < count:
             messages += await client.receive()
     return messages
@@ -294,7 +295,7 @@ async def test_a_restarted_broker_is_found_again_and_no_accepted_message_is_lost
                 await progress.wait()
             await broker.restart(keep_sessions=True, abrupt=abrupt)
 
-    with anyio.fail_after(20):
+    with anyio.fail_after(PATIENCE):
         async with (
             MqttConnection(options, make, status_topic=None) as hub,
             MqttConnection(replace(options, client_id="publisher"), make, status_topic=None) as publisher,
@@ -332,7 +333,7 @@ async def test_a_broken_link_leaves_the_session_in_any_case(
     client = make(replace(options, session_expiry=60, session_ends_on_close=True))
     async with client.connected():
         await broker.restart(keep_sessions=True, abrupt=True)
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             await client.wait_lost()
     async with client.connected() as session:
         assert session.resumed

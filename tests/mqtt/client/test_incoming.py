@@ -7,6 +7,7 @@ import time
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.turns import slowness
 
 from homebot.errors import WireError
 from homebot.mqtt.client.incoming import Frame, FrameReader, PublishReader
@@ -103,6 +104,7 @@ def test_of_a_huge_frame_only_a_bounded_head_is_kept() -> None:
     assert len(frames[0].body) == 65_539
 
 
+@pytest.mark.no_cover
 def test_a_long_packet_is_not_copied_for_each_of_its_pieces() -> None:
     body = bytes(16 * 1024 * 1024)
     data = b"\x30" + encode_varint(len(body)) + body
@@ -113,7 +115,7 @@ def test_a_long_packet_is_not_copied_for_each_of_its_pieces() -> None:
         frames += reader.feed(data[start : start + 4096])
 
     assert frames == [Frame(0x30, body)]
-    assert time.thread_time() - began < 1
+    assert time.thread_time() - began < slowness()
 
 
 def test_a_length_of_five_bytes_ends_the_stream() -> None:

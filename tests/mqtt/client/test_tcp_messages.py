@@ -9,6 +9,7 @@ from typing import Any
 import anyio
 import pytest
 from tests.mqtt.client.scripted_broker import MakeClient, Peer, broker, idle
+from tests.patience import PATIENCE
 
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.client import MqttClient, MqttSubscription
@@ -201,7 +202,7 @@ async def test_a_publish_in_flight_fails_at_once_when_the_link_drops(make: MakeC
         await peer.expect(Publish)
 
     async with broker(script) as port, (client := make(port)).connected():
-        with anyio.fail_after(5), pytest.raises(LinkError, match="the broker closed the connection"):
+        with anyio.fail_after(PATIENCE), pytest.raises(LinkError, match="the broker closed the connection"):
             await client.publish("t", qos=1)
         with pytest.raises(LinkError):
             await client.publish("t")
@@ -220,7 +221,7 @@ async def test_a_subscription_in_flight_fails_at_once_when_the_link_drops(make: 
 
     async with broker(script, second) as port:
         client = make(port)
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             async with client.connected():
                 with pytest.raises(LinkError):
                     await client.subscribe(MqttSubscription("t"))

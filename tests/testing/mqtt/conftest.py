@@ -8,6 +8,7 @@ from contextlib import suppress
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.mqtt.packets import Connack, Connect, Packet, PacketReader, ProtocolVersion, encode
 from homebot.testing.mqtt import TestBroker
@@ -27,7 +28,7 @@ class RawClient:
 
     async def take(self) -> Packet:
         """The next packet; EOFError where the broker closed instead, ``unread`` is then what a packet began with."""
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             while (packet := self._packets.pop()) is None:
                 data = await self._reader.read(65_536)
                 if not data:

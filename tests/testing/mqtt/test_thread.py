@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import anyio
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.testing.mqtt import BrokerThread, TestBroker, broker_thread
 from homebot.testing.mqtt.journal import RecordedMessage
@@ -47,7 +48,7 @@ async def test_a_cancelled_caller_cancels_the_work(thread: BrokerThread) -> None
         finally:
             home.call_soon_threadsafe(ended.set)
 
-    with anyio.fail_after(5):
+    with anyio.fail_after(PATIENCE):
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(thread.run, work)
             await begun.wait()

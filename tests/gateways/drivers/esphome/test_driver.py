@@ -11,6 +11,7 @@ import pytest
 from pydantic import ValidationError
 from tests.gateways.drivers.driver_host import KeepingHost, command
 from tests.gateways.drivers.esphome.served import KEY, OTHER_KEY, DriverRun, driven, living, service_of, simulated
+from tests.patience import PATIENCE
 
 from homebot.conventions.esphome.device import EsphomeDevice
 from homebot.devices.value import PlainValue
@@ -45,7 +46,7 @@ async def failure(device: EsphomeServedDevice, given: EsphomeSettings, txt: dict
 
 
 async def told_to(told: list[str], text: str) -> None:
-    with anyio.fail_after(10):
+    with anyio.fail_after(PATIENCE):
         while text not in told:  # noqa: ASYNC110 - a device tells nobody what it was told
             await anyio.sleep(0.01)
 

@@ -8,7 +8,7 @@ from contextlib import ExitStack
 
 import anyio
 import pytest
-from tests.mqtt.broker.conftest import PATIENCE
+from tests.patience import PATIENCE
 
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.packets import Connack, Connect, ProtocolVersion, encode

@@ -1,0 +1,10 @@
+"""How long tests wait for sockets, threads and other programs."""
+
+from __future__ import annotations
+
+from typing import Final
+
+__all__ = ["PATIENCE"]
+
+PATIENCE: Final = 60.0
+"""Seconds for what mostly takes milliseconds: only what is broken takes as long, on however slow or busy a machine."""
