@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 STATE = DeviceState(text="on", is_on=True, value=5.0)
 NODES = tuple(attributes_of(SimulatedDeviceInfo("home", kind, "x", "x", "hall"), STATE) for kind in DEVICE_TYPES)
 CLUSTERS = (3, 6, 8, 29, 40, 47, 51, 57, 59, 64, 65, 69, 80, 84, 91, 92, 96, 97, 129, 144, 145, 153, 257, 258, 260, 261)
-CLUSTERS_MORE = (82, 85, 158, 513, 514, 768, 2820)
+CLUSTERS_MORE = (82, 85, 86, 158, 513, 514, 768, 2820)
 CLUSTERS_MEASURED = (1024, 1026, 1027, 1028, 1029, 1030, 1036, 1037, 1066, 1068, 1069, 1070, 1072)
 ATTRIBUTES = (*range(32), 41, 51, 0x505, 0x600, 0x601, 16384, 16385, 16394, 16395, 16396, 65532)
 WANTED: tuple[PlainValue, ...] = (True, False, 0.0, 50.0, 4000.0, 20.0, (120.0, 50.0))

@@ -39,6 +39,9 @@ WASHER = {
     "1/81/1": 4,
     "1/96/4": 1,
 }
+COLD = {"1/86/0": -1800, "1/86/1": -2000, "1/86/2": -1500, "1/86/65532": 1}
+WARM = {"1/86/4": 1, "1/86/5": ["Low", "High"], "1/86/65532": 2}
+HOB = {"1/29/0": [{"0": 0x0078, "1": 1}], "1/6/0": True, "1/6/65529": [0], "1/6/65532": 4}
 PLUG = {"1/29/0": [{"0": 266, "1": 2}], "1/6/0": True}
 METER = {"1/2820/1285": 2301, "1/2820/1536": 1, "1/2820/1537": 10, "1/2820/1288": 250, "1/2820/1539": 1000}
 
@@ -66,6 +69,9 @@ METER = {"1/2820/1285": 2301, "1/2820/1536": 1, "1/2820/1537": 10, "1/2820/1288"
             {"fan_speed": 0.0, "on_off": False},
         ),
         ({"1/153/0": 3}, "x_sensor", {"plugged_in": True}),
+        (COLD, "x_setting", {"number": -18.0}),
+        (WARM, "x_setting", {"option": "High"}),
+        ({**WARM, "1/86/4": 7}, "x_setting", {"option": None}),
         ({"1/153/0": 6}, "x_sensor", {"plugged_in": None}),
     ],
 )
@@ -88,6 +94,9 @@ def test_attributes_become_readings(
         (VACUUM, "vacuum", "paused", 97, "Pause", {}),
         (VACUUM, "option", "Quiet", 85, "ChangeToMode", {"newMode": 0}),
         (WASHER, "option", "Cotton", 81, "ChangeToMode", {"newMode": 3}),
+        (COLD, "number", -16.5, 86, "SetTemperature", {"targetTemperature": -1650}),
+        (WARM, "option", "Low", 86, "SetTemperature", {"targetTemperatureLevel": 0}),
+        (HOB, "on_off", False, 6, "Off", {}),
         (CLOSURE, "movement", "closed", 260, "MoveTo", {"position": 0}),
         ({**CLOSURE, "1/260/65532": 3}, "movement", "open", 260, "MoveTo", {"position": 1, "latch": False}),
         (CLOSURE, "movement", "stopped", 260, "Stop", {}),
@@ -109,6 +118,16 @@ def test_commands_become_those_of_the_cluster(
 def test_what_a_vacuum_cleaner_does_not_take_is_refused() -> None:
     with pytest.raises(RefusedError, match="cleaning"):
         orders({**VACUUM, "1/97/65529": [0]}, "vacuum", "returning")
+
+
+def test_what_can_only_be_turned_off_is_not_turned_on() -> None:
+    with pytest.raises(RefusedError, match="only be turned off"):
+        orders(HOB, "on_off", True)
+
+
+def test_a_temperature_is_kept_within_its_limits() -> None:
+    with pytest.raises(RefusedError, match="-15"):
+        orders(COLD, "number", 4.0)
 
 
 def test_a_mode_that_cannot_be_changed_is_only_reported() -> None:
@@ -145,6 +164,7 @@ def test_a_lock_is_only_moved_as_a_lock() -> None:
             {"1/29/4": [{"1": 8, "2": 6, "3": "1"}, {"1": 0x43, "2": 3}, {"1": 0x43, "2": 8, "3": "wheel"}]},
             "column 1 up wheel",
         ),
+        ({"1/29/4": [{"0": None, "1": 0x41, "2": 1}]}, "freezer"),
         ({"1/29/4": [{"1": 8, "2": 99}, {"1": 99, "2": 1}, 7, {"1": None}]}, ""),
     ],
 )

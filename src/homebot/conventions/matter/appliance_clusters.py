@@ -1,7 +1,7 @@
 """The clusters of appliances: the modes that they run in, whether they run, vacuum cleaners, and car chargers. Pure.
 
 Source: Matter 1.4 Application Clusters, 1.9 (Mode Select), 1.10 (Mode Base), 1.14 (Operational State), 7.2 to 7.4
-(RVC), 8 (home appliances), 9.3 (Energy EVSE).
+(RVC), 8 (home appliances, among them 8.2, Temperature Control), 9.3 (Energy EVSE).
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Final, NamedTuple
 
-from homebot.conventions.command_values import require_option
+from homebot.conventions.command_values import require_number, require_option
 from homebot.conventions.matter.ability import MatterAbility
 from homebot.conventions.matter.endpoint import ClusterInvocation, MatterEndpoint, MatterOrder
 from homebot.conventions.payload import clean_text
@@ -19,7 +19,7 @@ from homebot.devices.value import PlainValue
 
 __all__ = ["appliance_abilities"]
 
-MODE_SELECT, RUN_MODE, OPERATION, CLEANING, EVSE = 80, 84, 96, 97, 153
+MODE_SELECT, RUN_MODE, TEMPERATURE, OPERATION, CLEANING, EVSE = 80, 84, 86, 96, 97, 153
 _HEATER_MODE: Final = 158
 
 
@@ -38,6 +38,9 @@ endpoint with several is operated by the first."""
 
 _CHANGE_TO_MODE: Final = 0
 _MOST_MODES: Final = 100
+
+_SETPOINT, _LIMITS, _LEVEL, _LEVELS = 0, (1, 2), 4, 5
+_BY_NUMBER: Final = 1 << 0
 
 _STATE: Final = 4
 _STOPPED, _RUNNING, _PAUSED, _ERROR = 0, 1, 2, 3
@@ -58,6 +61,7 @@ def appliance_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
             capability = Capability(name=name, settable=settable, options=tuple(labels.values()))
             write = partial(_write_mode, cluster, name) if settable else None
             yield MatterAbility(cluster, capability, partial(_read_mode, cluster), write)
+    yield from _temperature_control(endpoint)
     if endpoint.has(OPERATION, _STATE):
         yield MatterAbility(OPERATION, Capability(name="running"), partial(_read_state, _RUNNING))
         yield MatterAbility(OPERATION, Capability(name="problem"), partial(_read_state, _ERROR))
@@ -66,6 +70,49 @@ def appliance_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
         yield MatterAbility(CLEANING, capability, _read_vacuum, _write_vacuum, also_read=RUN_MODE)
     if endpoint.has(EVSE, 0):
         yield MatterAbility(EVSE, Capability(name="plugged_in"), _read_plugged_in)
+
+
+def _temperature_control(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
+    """Yield the temperature of an oven, a refrigerator or a washer, or its level: a number or a name."""
+    if endpoint.features(TEMPERATURE) & _BY_NUMBER:
+        bounds = tuple(one / 100 for one in map(partial(endpoint.number, TEMPERATURE), _LIMITS) if one is not None)
+        bounds = bounds if len(bounds) == 2 and bounds[0] < bounds[1] else ()
+        capability = Capability(name="number", settable=True, unit="°C", bounds=bounds)
+        yield MatterAbility(TEMPERATURE, capability, _read_temperature, partial(_write_temperature, bounds))
+    elif levels := _levels(endpoint):
+        capability = Capability(name="option", settable=True, options=levels)
+        yield MatterAbility(TEMPERATURE, capability, _read_temperature_level, _write_temperature_level)
+
+
+def _levels(endpoint: MatterEndpoint) -> tuple[str, ...]:
+    listed = endpoint.value(TEMPERATURE, _LEVELS)
+    return tuple(clean_text(one) for one in listed if isinstance(one, str)) if isinstance(listed, list) else ()
+
+
+def _read_temperature(endpoint: MatterEndpoint) -> PlainValue:
+    hundredths = endpoint.number(TEMPERATURE, _SETPOINT)
+    return None if hundredths is None else hundredths / 100
+
+
+def _write_temperature(
+    bounds: tuple[float, ...], _at: MatterEndpoint, value: PlainValue, _transition: float, _code: str
+) -> tuple[MatterOrder, ...]:
+    least, most = bounds or (-273.15, 327.67)
+    celsius = require_number("number", value, least, most, "°C")
+    return (ClusterInvocation(TEMPERATURE, "SetTemperature", {"targetTemperature": round(celsius * 100)}),)
+
+
+def _read_temperature_level(endpoint: MatterEndpoint) -> PlainValue:
+    levels, level = _levels(endpoint), endpoint.whole(TEMPERATURE, _LEVEL)
+    return levels[level] if level is not None and 0 <= level < len(levels) else None
+
+
+def _write_temperature_level(
+    endpoint: MatterEndpoint, value: PlainValue, _transition: float, _code: str
+) -> tuple[MatterOrder, ...]:
+    levels = _levels(endpoint)
+    level = levels.index(require_option("option", value, levels))
+    return (ClusterInvocation(TEMPERATURE, "SetTemperature", {"targetTemperatureLevel": level}),)
 
 
 def _modes(endpoint: MatterEndpoint, cluster: int) -> Iterator[tuple[int, str, tuple[int, ...]]]:

@@ -24,9 +24,11 @@ _PLACES: Final = frozenset({"top", "bottom", "left", "right", "middle", "center"
 _NUMBER: Final = 0x07
 _NAMESPACES: Final[Mapping[int, tuple[str, ...]]] = {
     0x08: ("left", "right", "top", "bottom", "middle", "row", "column"),
+    0x41: ("refrigerator", "freezer"),
     0x43: ("on", "off", "toggle", "up", "down", "next", "previous", "select"),
+    0x45: ("lift", "tilt"),
 }
-"""Common Position, and Switches: each the words of its tags."""
+"""Common Position, Refrigerator, Switches and Closure Panel: each the words of its tags."""
 
 _COUNTED: Final = frozenset({"row", "column"})
 _LONGEST: Final = 40

@@ -14,12 +14,14 @@ from homebot.conventions.matter.ability import MatterAbility
 from homebot.conventions.matter.endpoint import ClusterInvocation, MatterEndpoint, MatterOrder
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
 
 __all__ = ["light_abilities"]
 
 ON_OFF, LEVEL, LOCK, COLOR = 6, 8, 257, 768
 
 _ON_OFF_VALUE = 0
+_ON: Final = 1
 _CURRENT_LEVEL, _MIN_LEVEL, _MAX_LEVEL = 0, 2, 3
 _HUE, _SATURATION, _X, _Y, _MIREDS, _COLOR_MODE = 0, 1, 3, 4, 7, 8
 _ENHANCED_HUE, _ENHANCED_MODE, _CAPABILITIES, _LEAST_MIREDS, _MOST_MIREDS = 0x4000, 0x4001, 0x400A, 0x400B, 0x400C
@@ -67,7 +69,9 @@ def _read_on(endpoint: MatterEndpoint) -> PlainValue:
     return endpoint.flag(ON_OFF, _ON_OFF_VALUE)
 
 
-def _write_on(_at: MatterEndpoint, value: PlainValue, _transition: float, _code: str) -> tuple[MatterOrder, ...]:
+def _write_on(endpoint: MatterEndpoint, value: PlainValue, _transition: float, _code: str) -> tuple[MatterOrder, ...]:
+    if value is True and not endpoint.accepts(ON_OFF, _ON):
+        raise RefusedError("on_off true", "the device can only be turned off, as a cooktop for safety")
     return (ClusterInvocation(ON_OFF, "On" if value is True else "Off"),)
 
 

@@ -30,6 +30,7 @@ _CAPABILITY_TYPES: Final = {
     "movement": "closure",
     "position": "closure",
     "tilt": "closure",
+    "number": "x_setting",
     "option": "x_setting",  # of an appliance too: what turns all switches off shall not stop a freezer
     "on_off": "switch",
     "press": "generic_switch",
