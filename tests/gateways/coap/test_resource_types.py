@@ -34,6 +34,12 @@ def kinds(parts: tuple[ClassifiedPart, ...]) -> dict[str, list[tuple[str, bool]]
         ('</l>;rt="oic.r.lock.status";if="oic.if.a"', {"door_lock": [("lock", True)]}),
         ("</3311/0/5850>,</3311/0/5851>", {"light": [("on_off", True), ("level", True)]}),
         ("</3303/0/5700>;obs", {"temperature_sensor": [("temperature", False)]}),
+        (
+            '</>;rt="oma.lwm2m";ct=11542,</1/0>;ver=1.1,</3/0>,</3303>;ver=1.1,</3303/0>,</3311/0>',
+            {"light": [("on_off", True)], "temperature_sensor": [("temperature", False)]},
+        ),
+        ("</3311/0>,</3311/0/5851>", {"light": [("level", True)]}),
+        ("</3310/0>,</3303>", {}),
         ('</time>;obs;rt="ticktock";title="Clock"', {"x_sensor": [("value", False)]}),
         ("</storage>,</.well-known/core>,</oic/res>;rt=oic.wk.res", {}),
         ('</t>;rt="oic.r.temperature";ct=30000', {}),

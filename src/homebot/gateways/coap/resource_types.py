@@ -10,7 +10,7 @@ CoRE interfaces draft (``core.s``, ``core.a``) for ``if``.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from urllib.parse import unquote
@@ -92,6 +92,7 @@ _IPSO: Mapping[tuple[int, int], _Known] = MappingProxyType(
         (3342, 5500): _Known("on", "string", enum=_ONE_OR_ZERO),
     }
 )
+_IPSO_INSTANCE = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}")
 _IPSO_PATH = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}/(5\d{3})/?")
 
 _THING_TYPES: Mapping[str, str] = MappingProxyType(
@@ -117,7 +118,10 @@ def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: s
         resolve: The absolute address of each target.
         name: What people call the device.
     """
-    listed = sorted(links, key=lambda one: one.target)
+    given = tuple(links)
+    implied = {link: href for one in given for link, href in _implied(one, given, resolve[one.target])}
+    resolve = {**resolve, **{link.target: href for link, href in implied.items()}}
+    listed = sorted((*given, *implied), key=lambda one: one.target)
     kinds = [word for one in listed for word in one.words("rt")]
     types = tuple(dict.fromkeys(_THING_TYPES[word] for word in kinds if word in _THING_TYPES))
     found = [made for one in listed if (made := _affordance(one, resolve[one.target])) is not None]
@@ -129,6 +133,20 @@ def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: s
         description="",
         affordances=tuple(found[:MAX_RESOURCES]),
     )
+
+
+def _implied(link: WebLink, listed: Iterable[WebLink], href: str) -> Iterator[tuple[WebLink, str]]:
+    """Yield the resource that an instance of an IPSO object must have, where the device lists the instance alone.
+
+    LwM2M devices do: ``</3303/0>``, section 6.4.1 of the LwM2M Core specification.
+    """
+    target = link.target.rstrip("/")
+    match = _IPSO_INSTANCE.fullmatch(target)
+    if match is None or not href or any(one.target.startswith(f"{target}/") for one in listed):
+        return
+    number = next((resource for known, resource in _IPSO if known == int(match[1])), None)
+    if number is not None:
+        yield WebLink(f"{target}/{number}"), f"{href.rstrip('/')}/{number}"
 
 
 def _affordance(link: WebLink, href: str) -> Affordance | None:
