@@ -2,7 +2,8 @@
 
 The firmware is ``peer-light.yaml`` for ESPHome's ``host`` platform, which has no mDNS of its own and cannot be compiled
 with encryption without a package from a registry of boards; encryption is tested against ``homebot.house.esphome``.
-``HOMEBOT_ESPHOME`` names the program of ESPHome, which needs Python 3.12, where it is not on the path.
+ESPHome is installed into an environment of its own, with Python 3.12, unless it is on the path or ``HOMEBOT_ESPHOME``
+names it.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from tests.gateways.contract import KEPT, running
 from tests.patience import PATIENCE
 from tests.peers.avahi import avahi, why_no_avahi
 from tests.peers.network import Lan, Machine
+from tests.peers.other_python import python_with
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand
@@ -39,11 +41,11 @@ COMPILE_WITHIN = 600.0
 @pytest.fixture(scope="module")
 def firmware(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The program that is the device."""
-    program = os.environ.get("HOMEBOT_ESPHOME") or shutil.which("esphome")
-    if program is None:
-        pytest.skip("ESPHome is not installed (pip install esphome, with Python 3.12; or name it in HOMEBOT_ESPHOME)")
     if shutil.which("g++") is None:
         pytest.skip("g++ is not installed, which compiles ESPHome's firmware")
+    program = os.environ.get("HOMEBOT_ESPHOME") or shutil.which("esphome")
+    if program is None:
+        program = str(Path(python_with("esphome", "3.12", "3.13")).with_name("esphome"))
     folder = tmp_path_factory.mktemp("esphome")
     shutil.copy(CONFIGURATION, folder)
     done = subprocess.run(
