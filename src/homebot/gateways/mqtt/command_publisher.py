@@ -9,7 +9,6 @@ from homebot.errors import HomebotError, RefusedError, UnableError, WrongCodeErr
 from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.command_server import FindPart
 from homebot.gateways.announced.quarantine import PeerQuarantine
-from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
@@ -25,7 +24,6 @@ class CommandPublisher:
         find_part: Finds who can be told.
         connection: Where it is published.
         quarantine: Judges conventions that fail.
-        reserved: The topics on which no device is told anything.
         secrets: Knows what was sent with a code.
     """
 
@@ -34,13 +32,11 @@ class CommandPublisher:
         find_part: FindPart,
         connection: MqttConnection,
         quarantine: PeerQuarantine[MqttMessage],
-        reserved: ReservedTopics,
         secrets: SentSecrets,
     ) -> None:
         self._find_part = find_part
         self._connection = connection
         self._quarantine = quarantine
-        self._reserved = reserved
         self._secrets = secrets
 
     async def perform(self, command: Command) -> None:
@@ -87,13 +83,9 @@ class CommandPublisher:
         return publications
 
     def _check_topic(self, announced_part: AnnouncedPart, topic: str) -> None:
-        """Refuse what the announcement did not name, because that alone was held against other devices."""
+        """Refuse what the announcement did not name: that alone was held against other devices and reserved topics."""
         validate_topic(topic)
         if topic not in announced_part.described.part.writes:
             raise RefusedError(
                 f"a command to {announced_part.stored.key[:100]}", f"it did not announce {topic} as a command topic"
-            )
-        if why := self._reserved.why(topic, announced_part.stored.described.convention):
-            raise RefusedError(
-                f"a command to {announced_part.stored.key[:100]}", f"{topic} is not a device topic: {why}"
             )

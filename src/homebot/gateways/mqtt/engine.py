@@ -115,11 +115,10 @@ class AnnouncedDevices:
         self._taking = asyncio.Lock()  # anyio's costs as much as a tenth of an announcement
         self._missed: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
         self._subscriber = Subscriber(self._topics, self._registry, conventions, self.quarantine, self.counters)
-        reserved = ReservedTopics(conventions)
         self._announcements = AnnouncementHandler(
             gateway.node.graph.clock,
             self._registry,
-            reserved,
+            ReservedTopics(conventions),
             self._reporter,
             engine.scheduler,
             self.quarantine,
@@ -130,7 +129,7 @@ class AnnouncedDevices:
         )
         self.secrets = SentSecrets()
         self.offers = Offers(gateway, _publishers(conventions, gateway.node.name, connection), self.quarantine)
-        publisher = CommandPublisher(engine.find_part, connection, self.quarantine, reserved, self.secrets)
+        publisher = CommandPublisher(engine.find_part, connection, self.quarantine, self.secrets)
         self.texts = engine.serve(publisher.perform, self, self._health, keeps_states=False)
 
     def filters(self) -> tuple[str, ...]:
