@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+
 import anyio
 import pytest
 from structlog.testing import capture_logs
@@ -106,6 +108,53 @@ async def test_concurrent_callbacks_begin_in_order_each_in_a_task_of_its_own(nod
     assert begun == list("1234567")
     assert len(tasks) == 7
     done.set()
+
+
+async def test_lone_messages_of_a_concurrent_callback_take_no_new_tasks(node: Node) -> None:
+    """Two tasks take turns; one message that takes long costs one more."""
+    tasks: list[int] = []
+    gate = anyio.Event()
+
+    async def handle(message: String) -> None:
+        tasks.append(anyio.get_current_task().id)
+        if message.data == "slow":
+            await gate.wait()
+
+    publisher = node.create_publisher(String, "t")
+    node.create_subscription(String, "t", handle, concurrent=True)
+    for word in ("1", "2", "3", "4"):
+        publisher.publish(text(word))
+        await anyio.wait_all_tasks_blocked()
+    assert len(set(tasks)) == 2
+    for word in ("slow", "5", "6", "7"):
+        publisher.publish(text(word))
+        await anyio.wait_all_tasks_blocked()
+    gate.set()
+    assert len(set(tasks)) == 3
+
+
+@pytest.mark.parametrize("is_busy", [False, True])
+async def test_a_concurrent_subscription_ends_with_what_it_handles(graph: Graph, *, is_busy: bool) -> None:
+    """Neither the task that reads nor the one that stands by outlives it."""
+    gate, done = anyio.Event(), list[str]()
+
+    async def handle(message: String) -> None:
+        if is_busy:
+            await gate.wait()
+        done.append(message.data)
+
+    async with Node(graph, "reader") as reader, Node(graph, "writer") as writer:
+        subscription = reader.create_subscription(String, "t", handle, concurrent=True)
+        before = len(asyncio.all_tasks())
+        publisher = writer.create_publisher(String, "t")
+        for word in ("1", "2"):
+            publisher.publish(text(word))
+            await anyio.wait_all_tasks_blocked()
+        subscription.close()
+        gate.set()
+        await anyio.wait_all_tasks_blocked()
+        assert done == ["1", "2"]
+        assert len(asyncio.all_tasks()) <= before
 
 
 async def test_a_concurrent_plain_function_is_called_too(node: Node) -> None:

@@ -148,7 +148,7 @@ class Subscription(Generic[MessageT]):
         """
         try:
             if concurrent:
-                await self._run_concurrently(callback)
+                await _ConcurrentRun(self, callback, self._on_failure).run()
             else:
                 await self._run_in_turn(callback)
         finally:
@@ -190,50 +190,83 @@ class Subscription(Generic[MessageT]):
             except ClosedError:
                 return
 
-    async def _run_concurrently(self, callback: Callback[MessageT]) -> None:
-        """Let the task that takes a message handle it, while the next one goes on to read.
-
-        So a lone message, as nearly all are, waits for no task to begin. Those that lie there already get their tasks
-        in one go, and begin in their order.
-        """
-        limit = anyio.Semaphore(self.qos.queue_depth, fast_acquire=True)
-
-        async def handle(message: MessageT) -> None:
-            task = asyncio.current_task()
-            try:
-                result = callback(message)
-                if result is not None:
-                    await result
-            except BaseException as exc:  # whatever comes out of it, but what ends this task
-                if is_end_of(task, exc):
-                    raise
-                self._on_failure(exc)
-            finally:
-                limit.release()
-
-        async def read() -> None:
-            while True:
-                await limit.acquire()  # before the message is taken: until then it waits where losses are counted
-                is_first = not self.mailbox.queue
-                try:
-                    await self.mailbox.wait()  # here, because each wake-up goes through all that wait
-                    message = await self.receive()
-                except ClosedError:
-                    return
-                if is_first and not self.mailbox.queue:
-                    tasks.start_soon(read)
-                    await handle(message)
-                    return
-                tasks.start_soon(handle, message)
-
-        async with anyio.create_task_group() as tasks:
-            tasks.start_soon(read)
-
     def _unexpired(self, item: Expiring[MessageT]) -> MessageT | None:
         if self._clock.monotonic() < item.expires_at:
             return item.message
         self.expired += 1
         return None
+
+
+class _ConcurrentRun(Generic[MessageT]):
+    """Calls back with the messages of a subscription side by side, as many at a time as it may have queued.
+
+    The task that takes a message handles it, while another one goes on to read. So a lone message, as nearly all are,
+    waits for no task to begin; and no task is made for it, as one that has handled a message stands by to read on when
+    the next comes. Those that lie there already get their tasks in one go, and begin in their order.
+    """
+
+    def __init__(
+        self,
+        subscription: Subscription[MessageT],
+        callback: Callback[MessageT],
+        on_failure: Callable[[BaseException], None],
+    ) -> None:
+        self._subscription = subscription
+        self._mailbox = subscription.mailbox
+        self._callback = callback
+        self._on_failure = on_failure
+        self._limit = anyio.Semaphore(subscription.qos.queue_depth, fast_acquire=True)
+        self._tasks = anyio.create_task_group()
+        self._standby: asyncio.Future[None] | None = None
+        self._has_ended = False
+
+    async def run(self) -> None:
+        """Run until the subscription is closed and all is handled."""
+        async with self._tasks:
+            self._tasks.start_soon(self._read)
+
+    async def _read(self) -> None:
+        while True:
+            await self._limit.acquire()  # before the message is taken: until then it waits where losses are counted
+            is_first = not self._mailbox.queue
+            try:
+                await self._mailbox.wait()  # here, because each wake-up goes through all that wait
+                message = await self._subscription.receive()
+            except ClosedError:
+                self._has_ended = True
+                self._wake_standby()
+                return
+            if not is_first or self._mailbox.queue:
+                self._tasks.start_soon(self._handle, message)
+                continue
+            if not self._wake_standby():
+                self._tasks.start_soon(self._read)
+            await self._handle(message)
+            if self._has_ended or self._standby is not None:
+                return
+            self._standby = asyncio.get_running_loop().create_future()
+            await self._standby
+
+    async def _handle(self, message: MessageT) -> None:
+        task = asyncio.current_task()
+        try:
+            result = self._callback(message)
+            if result is not None:
+                await result
+        except BaseException as exc:  # whatever comes out of it, but what ends this task
+            if is_end_of(task, exc):
+                raise
+            self._on_failure(exc)
+        finally:
+            self._limit.release()
+
+    def _wake_standby(self) -> bool:
+        """Let the task that stands by read on; return whether there was one."""
+        standby, self._standby = self._standby, None
+        if standby is None or standby.done():  # it was cancelled
+            return False
+        standby.set_result(None)
+        return True
 
 
 def key_of(message_type: type[MessageT]) -> Callable[[MessageT | Expiring[MessageT]], Hashable] | None:
