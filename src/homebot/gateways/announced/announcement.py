@@ -40,7 +40,7 @@ class AnnouncedPart(PartTexts):
     stored: StoredAnnouncement
     described: DescribedPart
     address: str
-    _readings: dict[str, tuple[PlainValue, Reading]] = field(default_factory=dict, init=False)
+    _readings: dict[str, tuple[PlainValue, Reading]] | None = field(default=None, init=False)  # most parts are silent
 
     def readings(self, values: Mapping[str, PlainValue]) -> list[Reading]:
         """Return *values* as readings, each the same one as before where the value is the same.
@@ -48,7 +48,9 @@ class AnnouncedPart(PartTexts):
         Raises:
             pydantic.ValidationError: A value, or the name of a capability, is none that a reading can have.
         """
-        known, part, found = self._readings, self.described.part.id, []
+        if (known := self._readings) is None:
+            known = self._readings = {}
+        part, found = self.described.part.id, []
         for name, value in values.items():
             before = known.get(name)
             if before is not None and before[0] == value and type(before[0]) is type(value):
