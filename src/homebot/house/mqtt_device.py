@@ -14,7 +14,7 @@ from typing import final
 
 import anyio
 
-from homebot.errors import LinkError, RefusedError
+from homebot.errors import ClosedError, LinkError, RefusedError
 from homebot.house.connected_device import ConnectedDevice
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.isolation import run_as
@@ -174,7 +174,10 @@ class MqttDevice(ConnectedDevice):
 
     async def _receive_commands(self) -> None:
         while True:
-            messages = await self._connection.receive()
+            try:
+                messages = await self._connection.receive()
+            except ClosedError:
+                return  # it was closed while what came last was handled
             for message in messages:
                 for command in self._dialect.parse_command(self._device, message.topic, message.payload):
                     self._counters.commands += 1
