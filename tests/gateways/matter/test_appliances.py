@@ -42,6 +42,17 @@ WASHER = {
 COLD = {"1/86/0": -1800, "1/86/1": -2000, "1/86/2": -1500, "1/86/65532": 1}
 WARM = {"1/86/4": 1, "1/86/5": ["Low", "High"], "1/86/65532": 2}
 HOB = {"1/29/0": [{"0": 0x0078, "1": 1}], "1/6/0": True, "1/6/65529": [0], "1/6/65532": 4}
+PRESETS = {
+    "1/29/0": [{"0": 0x0301, "1": 1}],
+    "1/513/78": "AQ==",
+    "1/513/80": [
+        {"0": "AQ==", "1": 1, "2": "Home"},
+        {"0": "Ag==", "1": 2, "2": None},
+        {"0": None, "1": 3},
+        {"0": "Aw=="},
+    ],
+    "1/513/65532": 257,
+}
 PLUG = {"1/29/0": [{"0": 266, "1": 2}], "1/6/0": True}
 METER = {"1/2820/1285": 2301, "1/2820/1536": 1, "1/2820/1537": 10, "1/2820/1288": 250, "1/2820/1539": 1000}
 
@@ -70,6 +81,8 @@ METER = {"1/2820/1285": 2301, "1/2820/1536": 1, "1/2820/1537": 10, "1/2820/1288"
         ),
         ({"1/153/0": 3}, "x_sensor", {"plugged_in": True}),
         (COLD, "x_setting", {"number": -18.0}),
+        (PRESETS, "thermostat", {"preset_mode": "Home"}),
+        ({**PRESETS, "1/513/78": None}, "thermostat", {"preset_mode": None}),
         (WARM, "x_setting", {"option": "High"}),
         ({**WARM, "1/86/4": 7}, "x_setting", {"option": None}),
         ({"1/153/0": 6}, "x_sensor", {"plugged_in": None}),
@@ -94,6 +107,7 @@ def test_attributes_become_readings(
         (VACUUM, "vacuum", "paused", 97, "Pause", {}),
         (VACUUM, "option", "Quiet", 85, "ChangeToMode", {"newMode": 0}),
         (WASHER, "option", "Cotton", 81, "ChangeToMode", {"newMode": 3}),
+        (PRESETS, "preset_mode", "unoccupied", 513, "SetActivePresetRequest", {"presetHandle": "Ag=="}),
         (COLD, "number", -16.5, 86, "SetTemperature", {"targetTemperature": -1650}),
         (WARM, "option", "Low", 86, "SetTemperature", {"targetTemperatureLevel": 0}),
         (HOB, "on_off", False, 6, "Off", {}),

@@ -13,6 +13,7 @@ from homebot.conventions.command_values import require_number, require_option
 from homebot.conventions.matter.ability import MatterAbility
 from homebot.conventions.matter.endpoint import AttributeWrite, MatterEndpoint, MatterOrder
 from homebot.conventions.matter.light_clusters import ON_OFF
+from homebot.conventions.matter.thermostat_presets import preset_abilities
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 
@@ -54,6 +55,7 @@ def climate_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
     """Yield the setpoints, modes and speeds that the endpoint has."""
     if endpoint.has(THERMOSTAT):
         yield from _thermostat_abilities(endpoint)
+        yield from preset_abilities(endpoint)
     if endpoint.has(FAN):
         yield from _fan_abilities(endpoint)
 
