@@ -111,6 +111,7 @@ def test_attributes_become_readings(
         (COLD, "number", -16.5, 86, "SetTemperature", {"targetTemperature": -1650}),
         (WARM, "option", "Low", 86, "SetTemperature", {"targetTemperatureLevel": 0}),
         (HOB, "on_off", False, 6, "Off", {}),
+        ({**HOB, "1/6/65532": 0}, "on_off", True, 6, "On", {}),  # speakers list Off alone, and take both
         (CLOSURE, "movement", "closed", 260, "MoveTo", {"position": 0}),
         ({**CLOSURE, "1/260/65532": 3}, "movement", "open", 260, "MoveTo", {"position": 1, "latch": False}),
         (CLOSURE, "movement", "stopped", 260, "Stop", {}),

@@ -21,7 +21,7 @@ __all__ = ["light_abilities"]
 ON_OFF, LEVEL, LOCK, COLOR = 6, 8, 257, 768
 
 _ON_OFF_VALUE = 0
-_ON: Final = 1
+_OFF_ONLY: Final = 1 << 2
 _CURRENT_LEVEL, _MIN_LEVEL, _MAX_LEVEL = 0, 2, 3
 _HUE, _SATURATION, _X, _Y, _MIREDS, _COLOR_MODE = 0, 1, 3, 4, 7, 8
 _ENHANCED_HUE, _ENHANCED_MODE, _CAPABILITIES, _LEAST_MIREDS, _MOST_MIREDS = 0x4000, 0x4001, 0x400A, 0x400B, 0x400C
@@ -70,7 +70,7 @@ def _read_on(endpoint: MatterEndpoint) -> PlainValue:
 
 
 def _write_on(endpoint: MatterEndpoint, value: PlainValue, _transition: float, _code: str) -> tuple[MatterOrder, ...]:
-    if value is True and not endpoint.accepts(ON_OFF, _ON):
+    if value is True and endpoint.features(ON_OFF) & _OFF_ONLY:
         raise RefusedError("on_off true", "the device can only be turned off, as a cooktop for safety")
     return (ClusterInvocation(ON_OFF, "On" if value is True else "Off"),)
 
