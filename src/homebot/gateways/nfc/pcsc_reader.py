@@ -111,7 +111,10 @@ class _Session:
         self._scard.SCardReleaseContext(self._context)
 
     def _find_readers(self, *, is_first: bool = False) -> None:
-        result, names = self._scard.SCardListReaders(self._context, [])
+        try:
+            result, names = self._scard.SCardListReaders(self._context, [])
+        except (SystemError, UnicodeDecodeError) as exc:  # a service that is stopping may give names that are no text
+            raise LinkError("the smart-card service (pcscd) gave invalid names of readers") from exc
         if result != self._scard.SCARD_E_NO_READERS_AVAILABLE:
             self._check(result, "lists no readers")
         found = [one for one in names or () if self._is_wanted(one)]
