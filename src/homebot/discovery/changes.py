@@ -106,8 +106,12 @@ class ChangeQueue:
         else:
             self.states.append((entry, parts, states))
 
-    def take(self, at_most: int | None) -> tuple[DeviceChange, ...]:
-        """Return the oldest changes, and what they made disputed, and forget them."""
+    def take(self, at_most: int | None = None) -> tuple[DeviceChange, ...]:
+        """Return the oldest changes, and what they made disputed, and forget them.
+
+        Args:
+            at_most: How many to take; None for all.
+        """
         taken = self.pending if at_most is None else self.pending[:at_most]
         self.pending = [] if at_most is None else self.pending[at_most:]
         found: list[DeviceChange] = []

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from typing import final
 
-from homebot.devices import Device, DeviceChange, Sighting, StateChange
+from homebot.devices import Device, Sighting, StateChange
 from homebot.devices.gateway_messages import Report
 from homebot.devices.query import Query, facets_of, type_is
 from homebot.discovery.device_table import DeviceTable, IndexCounters
@@ -42,6 +42,8 @@ class DeviceIndex:
 
     Attributes:
         counters: What was not taken in.
+        take_changes: Returns what happened, at most so many changes or all, oldest first, and forgets it; what became
+            of one device meanwhile is in its change.
         next_deadline: Returns when :meth:`expire` has something to do, in seconds of its clock; None for never.
         tombstones: Devices that went.
     """
@@ -50,6 +52,7 @@ class DeviceIndex:
         table = DeviceTable(first_sequence)
         self.counters = table.counters
         self.tombstones = table.tombstones
+        self.take_changes = table.changes.take
         self._table = table
         self._sources = table.sources
         self._pending = PendingReports()
@@ -158,14 +161,6 @@ class DeviceIndex:
         """True if changes wait to be taken, or devices to be made findable."""
         table = self._table
         return bool(table.changes.pending or table.changes.states or table.outdated)
-
-    def take_changes(self, at_most: int | None = None) -> tuple[DeviceChange, ...]:
-        """Return what happened, oldest first, and forget it; what became of one device meanwhile is in its change.
-
-        Args:
-            at_most: How many to take; None for all.
-        """
-        return self._table.changes.take(at_most)
 
     @property
     def has_states(self) -> bool:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import enum
 from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from random import Random
 from types import TracebackType
 from typing import Final, Self, final
@@ -39,6 +40,8 @@ after the login is not asked in a hot loop."""
 
 _OFFLINE_WITHIN = 1.0
 """Seconds for the last "offline" at a clean close; the broker publishes it otherwise, as the will."""
+
+_FILTER = attrgetter("filter")
 
 _log = get_logger()
 
@@ -214,7 +217,7 @@ class MqttConnection:
             validate_filter(subscription.filter)
         self._standing.want(subscriptions, every_link=every_link)
         try:
-            refused = await self._standing.make([subscription.filter for subscription in subscriptions])
+            refused = await self._standing.make(map(_FILTER, subscriptions))
         except LinkError:
             return
         if refused:

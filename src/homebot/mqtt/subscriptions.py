@@ -8,7 +8,7 @@ from typing import final
 import anyio
 
 from homebot.errors import LinkError, RefusedError
-from homebot.mqtt.client import MqttClient, MqttSubscription
+from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription
 
 __all__ = ["SubscriptionSet", "batches"]
 
@@ -115,18 +115,19 @@ class SubscriptionSet:
         Some brokers, such as Mosquitto 2.0, drop whatever a client does not take in time: of QoS 0 messages, but even
         the answer to its next request.
         """
-        before = self._client.counters.received
+        counters = self._client.counters
+        before = counters.received
         try:
             await self._client.subscribe(*batch)
         except LinkError:
             await self._client.subscribe(*batch)  # raises at once where the link is gone
         if batch[0].qos == 0:
-            await self._wait_for_quiet(before)
+            await self._wait_for_quiet(counters, before)
 
-    async def _wait_for_quiet(self, before: int) -> None:
+    async def _wait_for_quiet(self, counters: MqttCounters, before: int) -> None:
         """Wait while messages come in a burst; one that does not end within a second is no burst."""
         for _ in range(_MOST_ROUNDS if self._bursts_end else 0):
-            now = self._client.counters.received
+            now = counters.received
             if now - before < _BURST:
                 return
             before = now

@@ -142,7 +142,11 @@ class AnnouncementHandler:
             if _takes_slices(type(convention)) and isinstance(convention, SlicedConvention):
                 return iter(convention.take_slices(message.topic, message.payload, retained=message.retain))
             steps = iter(convention.take(message.topic, message.payload, retained=message.retain))
-            self._handle(next(steps, _END), convention, message, len(message.payload))
+            event = next(steps, _END)
+            if isinstance(event, DeviceAnnounced):
+                self._describe(event, message, len(message.payload))
+            else:
+                self._handle(event, convention, message, len(message.payload))
             return steps if length_hint(steps, 1) else None
         except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
             self._record_failure(convention, message, exc)

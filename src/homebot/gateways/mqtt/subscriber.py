@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from functools import partial
+from itertools import islice
 from typing import TypeAlias
 
 import anyio
@@ -72,8 +73,11 @@ class Subscriber:
 
     def ask(self, stored: StoredAnnouncement) -> None:
         """Ask the device for its state once all that is needed now is subscribed to."""
-        asks = _asks_of(stored)
-        for ask in asks:
+        asks: dict[Publication, None] = {}
+        for announced_part in stored.parts.values():
+            if announced_part.described.state_requests:
+                asks.update(dict.fromkeys(announced_part.described.state_requests))
+        for ask in islice(asks, MAX_ASKS_EACH):
             if len(self._asks_later) + len(self._asks) >= MAX_ASKS:
                 self._counters.asks_dropped += 1
                 return
@@ -163,11 +167,3 @@ class Subscriber:
 
 
 _Asks: TypeAlias = tuple[Publication, ...]
-
-
-def _asks_of(stored: StoredAnnouncement) -> _Asks:
-    asks: dict[Publication, None] = {}
-    for announced_part in stored.parts.values():
-        if announced_part.described.state_requests:
-            asks.update(dict.fromkeys(announced_part.described.state_requests))
-    return tuple(asks)[:MAX_ASKS_EACH]

@@ -6,6 +6,7 @@ It keeps every promise of the port.
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Awaitable
 from random import Random
 from typing import Final, final
 
@@ -249,15 +250,15 @@ class ClientProtocol(ClientLink):
     def _send(self, packet: Packet) -> None:
         self._put(encode(packet, self._version))
 
-    async def _answer_to(self, request: bytes, packet_id: int, what: str) -> Answer:
-        """Send a whole packet and wait for its last answer.
+    def _answer_to(self, request: bytes, packet_id: int, what: str) -> Awaitable[Answer]:
+        """Send a whole packet at once; wait for its last answer when awaited.
 
         Raises:
             LinkError: No answer came.
         """
         answer = self._requests.expect(packet_id)
         self._put(request)
-        return await self._wait_for(answer, packet_id, what)
+        return self._wait_for(answer, packet_id, what)
 
 
 def answer_in(frame: Frame, *, is_v5: bool) -> tuple[int, Answer]:
