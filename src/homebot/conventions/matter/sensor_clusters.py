@@ -43,6 +43,8 @@ _MEASURED: Final[Mapping[tuple[int, int], tuple[str, _Convert]]] = {
     (1072, 1): ("soil_moisture", _scaled(1, 0, 100)),
     (144, 4): ("voltage", _scaled(1000)),
     (144, 5): ("current", _scaled(1000)),
+    (144, 11): ("voltage", _scaled(1000)),  # of alternating current, where there is no other
+    (144, 12): ("current", _scaled(1000)),
     (144, 8): ("power", _scaled(1000)),
     (144, 14): ("frequency", _scaled(1000)),
     (_EVE, 0x130A0008): ("voltage", _scaled(1)),
