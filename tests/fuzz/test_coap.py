@@ -7,14 +7,14 @@ import random
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from homebot.conventions.coap.cbor import decode_cbor, encode_cbor
+from homebot.conventions.coap.endpoint import endpoint_of_link
+from homebot.conventions.coap.link_format import parse_links
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.coap.cbor import decode_cbor, encode_cbor
 from homebot.gateways.coap.coap_port import COAP_BINDING
-from homebot.gateways.coap.content_formats import coap_formats
-from homebot.gateways.coap.endpoint import endpoint_of_link
-from homebot.gateways.coap.link_format import parse_links
-from homebot.gateways.coap.resource_types import thing_of_links
 from homebot.wot import CONTEXT, Thing, decode_document, encode_document, parts_of, read_thing
+from homebot.wot.coap.content_formats import coap_formats
+from homebot.wot.coap.resource_types import thing_of_links
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz, Mutator

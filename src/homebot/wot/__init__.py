@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     )
     from homebot.wot.scale import canonical, on_the_wire
     from homebot.wot.thing import Affordance, DataSchema, Form, SecurityScheme, Thing
-    from homebot.wot.uri import resolve_uri
 
 __all__ = [
     "CONTEXT",
@@ -54,7 +53,6 @@ __all__ = [
     "parts_of",
     "property_names",
     "read_thing",
-    "resolve_uri",
     "thing_id",
     "to_thing",
 ]
@@ -75,6 +73,5 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
             ),
             "homebot.wot.scale": "canonical on_the_wire",
             "homebot.wot.thing": "Affordance DataSchema Form SecurityScheme Thing",
-            "homebot.wot.uri": "resolve_uri",
         },
     )

@@ -12,9 +12,9 @@ from dataclasses import replace
 from typing import Final, get_args
 from urllib.parse import unquote, urlsplit
 
+from homebot.conventions.uri import resolve_uri
 from homebot.wot.fields import Fields
 from homebot.wot.thing import Affordance, AffordanceKind, DataSchema, DataType, Form, SecurityScheme, Thing
-from homebot.wot.uri import resolve_uri
 from homebot.wot.webthings import with_forms
 
 __all__ = ["CONTEXT", "read_thing"]

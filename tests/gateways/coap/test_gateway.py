@@ -12,11 +12,11 @@ from tests.gateways.contract import KEPT, running
 from tests.gateways.test_contract_coap import free_port
 from tests.patience import PATIENCE
 
+from homebot.conventions.coap.registry import MAX_PER_HOST
 from homebot.devices import GatewayState, Sighting
 from homebot.devices.gateway_messages import REACHABLE, Command, Report, SendCommand, SendCommandResponse
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
-from homebot.gateways.coap.registry import MAX_PER_HOST
 from homebot.graph import Graph, Node
 from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo

@@ -10,11 +10,11 @@ from collections.abc import AsyncGenerator, Callable
 from contextlib import aclosing
 from typing import TYPE_CHECKING, Final
 
+from homebot.conventions.coap.endpoint import SCHEMES
 from homebot.errors import RefusedError
-from homebot.gateways.coap.content_formats import coap_formats, content_format_of, content_type_of
-from homebot.gateways.coap.settings import SCHEMES
 from homebot.gateways.things.port import ThingPayload
 from homebot.wot import Form, RequestBinding
+from homebot.wot.coap.content_formats import coap_formats, content_format_of, content_type_of
 
 if TYPE_CHECKING:
     from homebot.gateways.coap.aiocoap_client import CoapAnswer, CoapClient

@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Final
 import anyio
 
 from homebot.clock import Clock
+from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoint_of_link
+from homebot.conventions.coap.link_format import parse_links
+from homebot.conventions.uri import resolve_uri
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
-from homebot.gateways.coap.content_formats import LINK_FORMAT
-from homebot.gateways.coap.endpoint import CoapEndpoint, authority_of, endpoint_of_link
-from homebot.gateways.coap.link_format import parse_links
 from homebot.isolation import first_cause, run_as
 from homebot.mqtt.backoff import Backoff
-from homebot.wot import resolve_uri
+from homebot.wot.coap.content_formats import LINK_FORMAT
 
 if TYPE_CHECKING:
     from homebot.gateways.coap.aiocoap_client import CoapClient

@@ -17,11 +17,11 @@ from aiocoap import resource
 from aiocoap.numbers.codes import Code
 
 from homebot.clock import Clock
+from homebot.conventions.coap.endpoint import CoapEndpoint
+from homebot.conventions.coap.link_format import WebLink, format_links, parse_links
+from homebot.conventions.coap.registry import FORBIDDEN, DirectoryRegistry
 from homebot.errors import LinkError, RefusedError, WireError
-from homebot.gateways.coap.content_formats import LINK_FORMAT
-from homebot.gateways.coap.endpoint import CoapEndpoint
-from homebot.gateways.coap.link_format import WebLink, format_links, parse_links
-from homebot.gateways.coap.registry import FORBIDDEN, DirectoryRegistry
+from homebot.wot.coap.content_formats import LINK_FORMAT
 
 __all__ = ["DirectoryServer"]
 

@@ -11,14 +11,14 @@ import anyio
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
+from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoint_at, static_endpoint
+from homebot.conventions.coap.link_format import parse_links
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, UnableError, UsageError, WireError
 from homebot.extras import check_extra
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.coap.directory_client import DirectoryClient
-from homebot.gateways.coap.endpoint import CoapEndpoint, authority_of, endpoint_at, static_endpoint
-from homebot.gateways.coap.link_format import parse_links
 from homebot.gateways.coap.session import RETRY, EndpointSession
 from homebot.gateways.coap.settings import CoapGatewaySettings, split_address
 from homebot.gateways.context import GatewayContext

@@ -14,21 +14,23 @@ from anyio.abc import TaskGroup
 from structlog.typing import FilteringBoundLogger
 
 from homebot.clock import Clock
+from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of
+from homebot.conventions.coap.link_format import WebLink, parse_links
 from homebot.conventions.payload import parse_object
+from homebot.conventions.uri import resolve_uri
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.coap.coap_port import COAP_BINDING, CoapPort
-from homebot.gateways.coap.content_formats import LINK_FORMAT, TD_FORMAT
-from homebot.gateways.coap.endpoint import CoapEndpoint, authority_of, with_own_forms
-from homebot.gateways.coap.link_format import WebLink, parse_links
-from homebot.gateways.coap.resource_types import thing_of_links
 from homebot.gateways.things.host import PublishedDriverHost
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
 from homebot.isolation import first_cause, run_as
 from homebot.mqtt.backoff import Backoff
-from homebot.wot import Thing, read_thing, resolve_uri
+from homebot.wot import Thing, read_thing
+from homebot.wot.coap.content_formats import LINK_FORMAT, TD_FORMAT
+from homebot.wot.coap.own_forms import with_own_forms
+from homebot.wot.coap.resource_types import thing_of_links
 
 if TYPE_CHECKING:
     from homebot.gateways.coap.aiocoap_client import CoapClient

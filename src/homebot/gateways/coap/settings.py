@@ -9,12 +9,11 @@ from urllib.parse import urlsplit
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, model_validator
 
 from homebot.addresses import is_loopback
+from homebot.conventions.coap.endpoint import SCHEMES
 from homebot.gateways.base import GatewaySettings
 from homebot.units import Seconds
 
 __all__ = ["CoapCredentials", "CoapGatewaySettings", "CoapUri", "split_address"]
-
-SCHEMES = frozenset({"coap", "coaps", "coap+tcp", "coaps+tcp"})
 
 
 def _checked_uri(uri: str) -> str:

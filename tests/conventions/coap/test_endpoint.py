@@ -5,17 +5,17 @@ from __future__ import annotations
 import pytest
 from pydantic import ValidationError
 
-from homebot.errors import UsageError, WireError
-from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
-from homebot.gateways.coap.endpoint import (
+from homebot.conventions.coap.endpoint import (
     authority_of,
     endpoint_at,
     endpoint_of_link,
     static_endpoint,
-    with_own_forms,
 )
-from homebot.gateways.coap.link_format import parse_links
+from homebot.conventions.coap.link_format import parse_links
+from homebot.errors import UsageError, WireError
+from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
 from homebot.wot import CONTEXT, read_thing
+from homebot.wot.coap.own_forms import with_own_forms
 
 
 def test_an_address_that_answered_is_an_endpoint() -> None:

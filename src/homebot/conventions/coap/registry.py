@@ -10,11 +10,11 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
+from homebot.conventions.coap.endpoint import CoapEndpoint, endpoint_of_link
+from homebot.conventions.coap.link_format import WebLink
 from homebot.conventions.payload import shown
+from homebot.conventions.uri import resolve_uri
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.coap.endpoint import CoapEndpoint, endpoint_of_link
-from homebot.gateways.coap.link_format import WebLink
-from homebot.wot import resolve_uri
 
 __all__ = ["FORBIDDEN", "DirectoryRegistry", "EndpointRegistration"]
 

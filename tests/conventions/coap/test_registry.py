@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from homebot.conventions.coap.link_format import WebLink, parse_links
+from homebot.conventions.coap.registry import MAX_LINKS_OF_ONE, MAX_PER_HOST, MAX_REGISTRATIONS, DirectoryRegistry
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.coap.link_format import WebLink, parse_links
-from homebot.gateways.coap.registry import MAX_LINKS_OF_ONE, MAX_PER_HOST, MAX_REGISTRATIONS, DirectoryRegistry
 
 LINKS = parse_links(b'</on>;rt="light";ct=50;obs,</t>;rt="temperature-c";if=sensor')
 BASE = "coap://192.168.1.5"

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from homebot.conventions.coap.cbor import decode_cbor, encode_cbor
 from homebot.errors import WireError
-from homebot.gateways.coap.cbor import decode_cbor, encode_cbor
 
 
 @pytest.mark.parametrize(

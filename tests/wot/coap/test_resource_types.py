@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from homebot.conventions.coap.link_format import parse_links
 from homebot.gateways.coap.coap_port import COAP_BINDING
-from homebot.gateways.coap.link_format import parse_links
-from homebot.gateways.coap.resource_types import MAX_RESOURCES, thing_of_links
 from homebot.wot import ClassifiedPart, Thing, decode_document, encode_document, parts_of
+from homebot.wot.coap.resource_types import MAX_RESOURCES, thing_of_links
 
 
 def thing(text: str) -> Thing:

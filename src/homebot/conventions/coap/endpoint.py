@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from urllib.parse import urlsplit
 
+from homebot.conventions.coap.link_format import WebLink
 from homebot.conventions.payload import clean_text
+from homebot.conventions.uri import resolve_uri
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
-from homebot.gateways.coap.link_format import WebLink
-from homebot.gateways.coap.settings import SCHEMES
-from homebot.wot import Thing, resolve_uri
 
-__all__ = ["CoapEndpoint", "authority_of", "endpoint_at", "endpoint_of_link", "static_endpoint", "with_own_forms"]
+__all__ = ["SCHEMES", "CoapEndpoint", "authority_of", "endpoint_at", "endpoint_of_link", "static_endpoint"]
+
+SCHEMES = frozenset({"coap", "coaps", "coap+tcp", "coaps+tcp"})
 
 _COAP_PORT = 5683
 _FACTS = {"d": "sector", "et": "endpoint_type"}
@@ -87,24 +88,6 @@ def authority_of(uri: str) -> str:
     """Return scheme, host and port of an address, for comparison."""
     parts = urlsplit(uri)
     return f"{parts.scheme}://{parts.netloc}".casefold().removesuffix(f":{_COAP_PORT}")
-
-
-def with_own_forms(thing: Thing, base: str) -> Thing:
-    """Return *thing* with those forms alone that are at the endpoint *base*: it does not speak for other hosts."""
-    own = authority_of(base)
-    affordances = (
-        replace(one, forms=tuple(form for form in one.forms if _is_at(form.href, own))) for one in thing.affordances
-    )
-    return replace(
-        thing, affordances=tuple(affordances), forms=tuple(form for form in thing.forms if _is_at(form.href, own))
-    )
-
-
-def _is_at(href: str, own: str) -> bool:
-    try:
-        return authority_of(href) == own
-    except ValueError:
-        return False
 
 
 def _checked_base(base: str, name: str) -> str:

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
+from homebot.conventions.coap.cbor import decode_cbor, encode_cbor
 from homebot.conventions.payload import parse_json, shown
 from homebot.errors import WireError
-from homebot.gateways.coap.cbor import decode_cbor, encode_cbor
-from homebot.wot import PayloadFormat, basic_formats, media_type
+from homebot.wot.payload import PayloadFormat, basic_formats, media_type
 
 __all__ = ["LINK_FORMAT", "TD_FORMAT", "coap_formats", "content_format_of", "content_type_of", "read_senml"]
 

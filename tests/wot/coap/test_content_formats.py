@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.errors import WireError
-from homebot.gateways.coap.content_formats import coap_formats, content_format_of, content_type_of, read_senml
+from homebot.wot.coap.content_formats import coap_formats, content_format_of, content_type_of, read_senml
 
 
 @pytest.mark.parametrize(

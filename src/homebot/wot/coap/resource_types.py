@@ -15,11 +15,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from urllib.parse import unquote
 
+from homebot.conventions.coap.link_format import WebLink
 from homebot.conventions.payload import clean_text
-from homebot.gateways.coap.content_formats import coap_formats, content_type_of
-from homebot.gateways.coap.link_format import WebLink
-from homebot.wot import Affordance, DataSchema, Form, Thing
-from homebot.wot.thing import DataType
+from homebot.wot.coap.content_formats import coap_formats, content_type_of
+from homebot.wot.thing import Affordance, DataSchema, DataType, Form, Thing
 
 __all__ = ["MAX_RESOURCES", "thing_of_links"]
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from homebot.conventions.coap.link_format import MAX_LINKS, WebLink, format_links, parse_links
 from homebot.errors import WireError
-from homebot.gateways.coap.link_format import MAX_LINKS, WebLink, format_links, parse_links
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,1 @@
+"""Formats of CoAP devices and resource directories: CBOR, links, endpoints and their registrations. Pure."""

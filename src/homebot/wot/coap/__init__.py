@@ -1,0 +1,1 @@
+"""Things over CoAP: content formats, and devices that have no Thing Description. Pure."""
