@@ -91,7 +91,7 @@ class Entry:
 
     def hardware(self) -> tuple[str, ...]:
         """Return its hardware addresses."""
-        found = (one for source in self.sources.values() for one in source.sighting.identifiers)
+        found = (one for source in self._believed().values() for one in source.sighting.identifiers)
         return tuple(dict.fromkeys(one for one in found if not one.startswith("id:")))
 
     def is_confirmed(self) -> bool:
@@ -191,7 +191,7 @@ class Entry:
         return self.echoes.is_new(place, capability, value, route, now)
 
     def _believed(self) -> Mapping[SourceKey, SourceRecord]:
-        """Return the announcements by which it is judged whether it can be reached: not claimed ones beside others."""
+        """Return the announcements by which it is judged what it is, and how: not claimed ones beside others."""
         if not self.claimed:
             return self.sources
         return {key: source for key, source in self.sources.items() if not source.is_claimed} or self.sources
@@ -245,15 +245,16 @@ class _Description:
 def _describe(sources: tuple[SourceRecord, ...], topics: TopicOwnership, known_ids: PartIds) -> _Description:
     ordered = sorted(sources, key=preference) if len(sources) > 1 else sources
     merged = merge_parts(ordered, topics, known_ids)
-    main = main_part(merged.parts)
+    main = main_part(merged.believed)
     first = ordered[0].sighting
     is_single = len(ordered) == 1
+    believed = ordered if is_single else [source for source in ordered if not source.is_claimed] or ordered
     return _Description(
         name=first.name,
-        names=(first.name,) if is_single else tuple(dict.fromkeys(source.sighting.name for source in ordered)),
+        names=(first.name,) if is_single else tuple(dict.fromkeys(source.sighting.name for source in believed)),
         service_type=first.service_type if main is None or first.is_plain_text else main.part.service_type,
-        service_types=_service_types(ordered, merged.parts),
-        area=first.area if first.area or is_single else _area(ordered),
+        service_types=_service_types(believed, merged.believed),
+        area=first.area if first.area or is_single else _area(believed),
         identifiers=tuple(dict.fromkeys(first.identifiers)) if is_single else _identifiers(ordered),
         metadata=first.metadata if is_single else _metadata(ordered),
         facts=_facts(ordered),

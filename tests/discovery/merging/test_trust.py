@@ -127,6 +127,30 @@ def test_what_a_stranger_reports_does_not_count_beside_what_the_device_is(index:
     assert index.take_states() == ()
 
 
+def test_a_stranger_does_not_say_what_the_device_is(index: DeviceIndex) -> None:
+    """A plug stays one that takes texts, and is found as a plug, whatever else somebody says that it is."""
+    observe(index, sighting(TRUE, "plug"))
+    (alone,) = index.devices()
+    nowhere = sighting(STRANGER, "light", "on_off", "level", identifiers=(MAC, "mac:000000000001"))
+    observe(index, nowhere)
+    device = only(index)
+    shown = [(one.name, one.names, one.area, one.service_type, one.service_types) for one in (alone, device)]
+    assert shown[0] == shown[1]
+    assert device.endpoints[0].command_address == alone.endpoints[0].command_address != ""
+    assert [part.part.service_type for part in device.parts] == ["plug", "light"], "it is shown"
+    assert device.parts[1].routes == ()
+
+
+def test_a_stranger_does_not_keep_two_true_announcements_from_being_one(index: DeviceIndex) -> None:
+    """Three lamps with one name fit each other equally well; the two of trusted endpoints are matched first."""
+    observe(index, sighting(TRUE), sighting(("radio", "lamp"), authenticated=True))
+    assert len(only(index).parts) == 1
+    lamp = sighting(("radio", "evil")).parts[0]
+    evil = sighting(("radio", "evil")).model_copy(update={"parts": (lamp.model_copy(update={"id": "q"}),)})
+    observe(index, evil)
+    assert len(only(index).parts[0].routes) == 2
+
+
 def test_a_stranger_in_the_same_gateway_is_one_as_well(index: DeviceIndex) -> None:
     """Two services on one network: what the gateway calls them is all that tells them apart."""
     true, stranger = ("air", "lamp"), ("air", "evil")

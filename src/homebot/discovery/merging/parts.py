@@ -49,8 +49,9 @@ NO_IDS: PartIds = MappingProxyType({})
 MAX_LOST = 1000
 """Places of a device that tell nothing now and whose ids are remembered; the oldest are forgotten."""
 
-_Origin: TypeAlias = tuple[bool, str, str]
-"""True for what is not native, gateway, convention: native ones sort first."""
+_Origin: TypeAlias = tuple[bool, bool, str, str]
+"""True for what is only claimed, true for what is not native, gateway, convention. Claimed ones sort last, so that they
+do not decide which parts of others are one."""
 
 _Way: TypeAlias = tuple[PartPlace, _Origin, Part]
 """The place of a part, the origin of its announcement, and its description."""
@@ -91,11 +92,20 @@ class MergedParts:
         parts: The parts, in the order of the preferred announcements.
         conflicts: What was left out, and why, in words.
         places: Which part of the device each part of a source is, by gateway, key and part.
+        claimed: The numbers of those that only claimed announcements describe, beside others.
     """
 
     parts: tuple[DevicePart, ...]
     conflicts: tuple[str, ...]
     places: dict[PartPlace, int]
+    claimed: frozenset[int] = frozenset()
+
+    @property
+    def believed(self) -> tuple[DevicePart, ...]:
+        """The parts by which it is judged what the device is."""
+        if not self.claimed:
+            return self.parts
+        return tuple(part for number, part in enumerate(self.parts) if number not in self.claimed)
 
     def part_of(self, source: SourceRecord, part: str) -> DevicePart | None:
         """Return which part of the device *part* of *source* is; None where it was left out."""
@@ -122,6 +132,7 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
     numbered: dict[int, _Merged] = {}
     places: dict[PartPlace, int] = {}
     claimed: dict[int, SourceRecord] = {}
+    described: set[int] = set()
     left_out = 0
     for source, part, announced in occurrences:
         group = groups[id(announced)]
@@ -135,17 +146,24 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
         found.places.append((source.number, place))
         if source.is_claimed:
             claimed.setdefault(found.number, source)
-        elif conflict := topics.conflict(source, part):
+            places[place] = found.number
+            continue
+        described.add(found.number)
+        if conflict := topics.conflict(source, part):
             conflicts.append(conflict)
         else:
             found.ways.append((place, _origin(source), part))
         places[place] = found.number
     if left_out:
         conflicts.append(_left_out(left_out))
-    by_number = {one.number: one for one in numbered.values()}
-    without_way = (source for number, source in claimed.items() if not by_number[number].ways)
-    conflicts += dict.fromkeys(map(_claim_conflict, without_way))
-    return MergedParts(_named(tuple(numbered.values()), known), tuple(conflicts), places)
+    only_claimed = claimed.keys() - described
+    conflicts += dict.fromkeys(_claim_conflict(claimed[number]) for number in sorted(only_claimed))
+    return MergedParts(
+        _named(tuple(numbered.values()), known),
+        tuple(conflicts),
+        places,
+        frozenset(only_claimed) if any(not source.is_claimed for source in sources) else frozenset(),
+    )
 
 
 def main_part(parts: Sequence[DevicePart]) -> DevicePart | None:
@@ -336,16 +354,16 @@ def _device_part(part_id: str, one: _Merged) -> DevicePart:
     part = _decided([way[2] for way in sorted(one.ways, key=lambda way: way[1])]) if len(one.ways) > 1 else one.part
     routes = tuple(
         Route.of_checked(
-            gateway=gateway, key=key, part=name, convention=convention, takes=_settable_by(described, part)
+            gateway=gateway, key=key, part=name, convention=origin[-1], takes=_settable_by(described, part)
         )
-        for (gateway, key, name), (_, _, convention), described in one.ways
+        for (gateway, key, name), origin, described in one.ways
     )
     return DevicePart.of_checked(id=part_id, part=part, routes=routes)
 
 
 def _origin(source: SourceRecord) -> _Origin:
     sighting = source.sighting
-    return not sighting.native, sighting.gateway, sighting.convention
+    return source.is_claimed, not sighting.native, sighting.gateway, sighting.convention
 
 
 def _same_topics(part: Part, other: Part) -> bool:
