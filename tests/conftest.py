@@ -24,6 +24,7 @@ from homebot.testing import VirtualTimeLoop
 
 # How fast an example runs is no test's business: the machine may be busy.
 settings.register_profile("homebot", deadline=None)
+settings.register_profile("fast", deadline=None, max_examples=20)  # make test-fast
 settings.load_profile("homebot")
 
 

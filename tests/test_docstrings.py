@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import ast
 import re
-from pathlib import Path
 
-import homebot
+import pytest
+from tests.source_trees import source_nodes
 
-SOURCE = Path(homebot.__file__).parent
+pytestmark = pytest.mark.no_cover
+
 RIDDLE = re.compile(r"(What|Who|Whoever|Whom|Whose|Which|Whether|How|Where|When|Why|Whatever)\b")
 
 VERBS = """
@@ -38,9 +39,8 @@ Documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
 def documented() -> list[tuple[str, str]]:
     """The place of each docstring, and its text."""
     return [
-        (f"{file.relative_to(SOURCE)}:{getattr(node, 'lineno', 1)}", text)
-        for file in sorted(SOURCE.rglob("*.py"))
-        for node in ast.walk(ast.parse(file.read_text()))
+        (f"{path}:{getattr(node, 'lineno', 1)}", text)
+        for path, node in source_nodes()
         if isinstance(node, Documented) and (text := ast.get_docstring(node))
     ]
 
@@ -64,9 +64,8 @@ def is_attribute(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
 def first_words() -> list[tuple[str, str]]:
     """The place of each docstring of a function, and its first word."""
     return [
-        (f"{file.relative_to(SOURCE)}:{node.lineno} {node.name}", text.split()[0].rstrip(".,:;"))
-        for file in sorted(SOURCE.rglob("*.py"))
-        for node in ast.walk(ast.parse(file.read_text()))
+        (f"{path}:{node.lineno} {node.name}", text.split()[0].rstrip(".,:;"))
+        for path, node in source_nodes()
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and not is_attribute(node)
         if (text := ast.get_docstring(node))
     ]
@@ -120,10 +119,7 @@ def unknown_entries(node: ast.AST) -> list[str]:
 
 def test_the_arguments_and_attributes_that_a_docstring_explains_are_there() -> None:
     found = [
-        (str(file.relative_to(SOURCE)), getattr(node, "name", ""), names)
-        for file in sorted(SOURCE.rglob("*.py"))
-        for node in ast.walk(ast.parse(file.read_text()))
-        if (names := unknown_entries(node))
+        (path, getattr(node, "name", ""), names) for path, node in source_nodes() if (names := unknown_entries(node))
     ]
     assert found == []
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import ast
 import re
 from collections import Counter
-from pathlib import Path
 
-import homebot
+import pytest
+from tests.source_trees import SOURCE, source_nodes, source_trees
 
-SOURCE = Path(homebot.__file__).parent
+pytestmark = pytest.mark.no_cover
+
 GLOSSARY = (SOURCE.parent.parent / "docs" / "glossary.md").read_text()
 
 FAMILIES = (
@@ -49,9 +50,9 @@ unread unsaved unsent user view violation waiting watch watchdog watched window
 def classes() -> dict[str, str]:
     """Every public class of src, and the folder or file that it is in."""
     return {
-        node.name: str(file.relative_to(SOURCE))
-        for file in sorted(SOURCE.rglob("*.py"))
-        for node in ast.parse(file.read_text()).body
+        node.name: path
+        for path, tree in source_trees().items()
+        for node in tree.body
         if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
     }
 
@@ -59,8 +60,8 @@ def classes() -> dict[str, str]:
 def aliases() -> set[str]:
     return {
         node.target.id
-        for file in SOURCE.rglob("*.py")
-        for node in ast.parse(file.read_text()).body
+        for tree in source_trees().values()
+        for node in tree.body
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)
     }
 
@@ -99,10 +100,5 @@ TWICE = {"Parameter"}
 
 
 def test_no_two_classes_have_one_name() -> None:
-    names = Counter(
-        node.name
-        for file in SOURCE.rglob("*.py")
-        for node in ast.walk(ast.parse(file.read_text()))
-        if isinstance(node, ast.ClassDef)
-    )
+    names = Counter(node.name for _, node in source_nodes() if isinstance(node, ast.ClassDef))
     assert {name for name, number in names.items() if number > 1} == TWICE

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -63,6 +64,7 @@ def test_addresses_of_one_network_are_one_address() -> None:
     assert guard.begin("10.0.0.5", 0.0) == 1.0
 
 
+@pytest.mark.no_cover
 @given(st.lists(st.tuples(st.integers(0, 3000), st.floats(0, 100)), max_size=300))
 def test_it_remembers_a_thousand_addresses_at_most(guesses: list[tuple[int, float]]) -> None:
     guard = TokenGuard()

@@ -315,6 +315,7 @@ class Churn:
 
 
 @pytest.mark.no_cover
+@pytest.mark.no_cover
 @pytest.mark.virtual_time
 @pytest.mark.parametrize("seed", range(SEEDS))
 async def test_in_a_house_that_changes_all_the_time_nothing_is_lost_merged_or_a_ghost(seed: int) -> None:

@@ -85,6 +85,7 @@ async def life(moves: list[Step], wall: float, *, is_set: bool) -> list[tuple[fl
 
 
 @pytest.mark.no_cover
+@pytest.mark.no_cover
 @settings(max_examples=150)
 @example([("speak", 0.0), ("set", HOUR), ("pass", 5.0)], 1.8e9)
 @example([("speak", 0.0), ("set", 10 * YEAR), ("pass", 5.0)], 1.8e9)

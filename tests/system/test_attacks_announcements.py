@@ -26,6 +26,7 @@ from homebot.gateways.announced.registry import MAX_EXCESS
 from homebot.mqtt.packets import Connect, Pingreq, ProtocolVersion, Puback, Publish
 
 pytestmark = [
+    pytest.mark.no_cover,
     pytest.mark.system,
     pytest.mark.skipif(sys.platform != "linux", reason="reads /proc"),
 ]

@@ -31,6 +31,7 @@ from homebot.mqtt.packets import (
 )
 
 pytestmark = [
+    pytest.mark.no_cover,
     pytest.mark.system,
     pytest.mark.skipif(sys.platform != "linux", reason="reads /proc"),
 ]

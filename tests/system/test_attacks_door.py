@@ -21,7 +21,7 @@ from tests.turns import slowness
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-pytestmark = pytest.mark.system
+pytestmark = [pytest.mark.system, pytest.mark.no_cover]
 
 CLIENTS = 8
 MOST_BUSY = 0.05

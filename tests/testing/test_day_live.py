@@ -51,6 +51,7 @@ def test_a_day_on_the_wire_is_the_same_each_time(day: Day) -> None:
 
 
 @pytest.mark.no_cover
+@pytest.mark.no_cover
 @pytest.mark.parametrize("fault", sorted(FAULTS))
 def test_whatever_is_wrong_with_a_lamp_time_goes_on(fault: str) -> None:
     """Also where an app insists: the light service tells it off each time it says on."""

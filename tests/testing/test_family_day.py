@@ -33,6 +33,7 @@ Line = tuple[float, str, str]
 
 
 @pytest.mark.no_cover
+@pytest.mark.no_cover
 @pytest.mark.parametrize("seed", range(HOUSES))
 @pytest.mark.virtual_time
 async def test_a_day_of_the_family_home_holds_what_it_promises(seed: int) -> None:

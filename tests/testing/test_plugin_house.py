@@ -82,6 +82,7 @@ def run(pytester: pytest.Pytester, *options: str) -> pytest.RunResult:
 
 
 @pytest.mark.no_cover
+@pytest.mark.no_cover
 def test_pytest_asyncio_in_strict_mode(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(USE.format(mark="pytestmark = pytest.mark.asyncio", fixture=PYTEST_ASYNCIO))
     run(pytester, "-p", "no:anyio").assert_outcomes(passed=ALL)
@@ -112,12 +113,14 @@ async def test_after(database, homebot): assert UP == [loop()]
 
 
 @pytest.mark.no_cover
+@pytest.mark.no_cover
 def test_the_plugin_of_anyio(pytester: pytest.Pytester) -> None:
     pytester.makeconftest("import pytest\n\n@pytest.fixture\ndef anyio_backend():\n    return 'asyncio'\n")
     pytester.makepyfile(USE.format(mark="pytestmark = pytest.mark.anyio", fixture="@pytest.fixture"))
     run(pytester, "-p", "no:asyncio").assert_outcomes(passed=ALL)
 
 
+@pytest.mark.no_cover
 @pytest.mark.no_cover
 def test_no_plugin_at_all(pytester: pytest.Pytester) -> None:
     """Then homebot runs the tests that use its fixtures, and those alone."""

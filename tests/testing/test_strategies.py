@@ -90,6 +90,7 @@ def test_the_simplest_day_is_an_hour_in_an_empty_house_of_one_room() -> None:
 
 
 @pytest.mark.no_cover
+@pytest.mark.no_cover
 def test_a_lamp_that_reverts_is_found_and_its_day_has_nothing_else() -> None:
     """One room, one lamp, one fault, two commands."""
     assert (

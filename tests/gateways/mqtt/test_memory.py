@@ -74,6 +74,7 @@ def known(make: Callable[[int], tuple[str, dict[str, object]]], count: int) -> f
         tracemalloc.stop()
 
 
+@pytest.mark.no_cover
 @pytest.mark.parametrize(
     ("make", "count", "most"),
     [(many_devices, DEVICES, 14_000), (many_parts, 10, 2_800 * PARTS)],

@@ -32,6 +32,8 @@ from homebot.mqtt.packets import (
     encode,
 )
 
+pytestmark = pytest.mark.no_cover
+
 CALLS = 300_000
 """About 40 ms of work with the profiler off; before there were slices the cases below took up to 20 million."""
 
