@@ -132,6 +132,30 @@ async def test_devices_register_at_homebot_itself_and_leave_by_name_and_reason()
         assert (gone.key, gone.why) == ("Hall", "it took back its registration")
 
 
+async def test_a_device_that_registers_simply_is_asked_for_its_links() -> None:
+    """RFC 9176, section 5.1: it sends no links, which would not fit into one packet of its radio."""
+    address = f"127.0.0.1:{free_port()}"
+    async with gateway(serve_directory=address) as watcher, device() as lamp:
+        with anyio.fail_after(PATIENCE):
+            while (context := lamp._context) is None:  # noqa: ASYNC110 - it goes without a word
+                await anyio.sleep(0.01)
+        message = aiocoap.Message(code=aiocoap.POST, uri=f"coap://{address}/.well-known/rd?ep=simple&lt=600")
+        assert (await context.request(message).response).code.dotted == "2.04"
+        found = await watcher.sighting(lambda one: one.key == "simple" and bool(one.parts))
+        assert found.why
+        await watcher.reported("on_off", False)
+
+
+async def test_a_simple_registration_of_a_device_that_has_no_links_is_counted() -> None:
+    address = f"127.0.0.1:{free_port()}"
+    async with gateway(serve_directory=address, timeout=1) as watcher:
+        assert (await post(f"coap://{address}/.well-known/rd?ep=none", b"")).code.dotted == "2.04"
+        with anyio.fail_after(PATIENCE):
+            while not watcher.gateway.devices.counters.rejected:  # noqa: ASYNC110 - a count tells nobody
+                await anyio.sleep(0.02)
+        assert watcher.gateway.devices.keys == ()
+
+
 async def test_a_registration_that_is_not_renewed_ends_with_its_lifetime() -> None:
     address = f"127.0.0.1:{free_port()}"
     async with gateway(serve_directory=address, timeout=1) as watcher:
@@ -148,6 +172,10 @@ async def test_a_registration_that_is_not_renewed_ends_with_its_lifetime() -> No
         ("rd", b"</a>", "4.00"),
         ("rd?ep=x", b"<<", "4.00"),
         ("rd/99", b"", "4.04"),
+        (".well-known/rd?ep=x", b"</a>", "4.00"),
+        (".well-known/rd?ep=x&base=coap://10.0.0.1", b"", "4.00"),
+        (".well-known/rd", b"", "4.00"),
+        (".well-known/rd?ep=x", None, "4.05"),
         ("rd-lookup/ep?page=x", None, "4.00"),
     ],
 )

@@ -6,15 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from urllib.parse import urlsplit
 
+from homebot.conventions.coap.address import SCHEMES
 from homebot.conventions.coap.link_format import WebLink
 from homebot.conventions.payload import clean_text
 from homebot.conventions.uri import resolve_uri
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
 
-__all__ = ["SCHEMES", "CoapEndpoint", "authority_of", "endpoint_at", "endpoint_of_link", "static_endpoint"]
-
-SCHEMES = frozenset({"coap", "coaps", "coap+tcp", "coaps+tcp"})
+__all__ = ["CoapEndpoint", "authority_of", "endpoint_at", "endpoint_of_link", "static_endpoint"]
 
 _COAP_PORT = 5683
 _FACTS = {"d": "sector", "et": "endpoint_type"}

@@ -92,8 +92,7 @@ class DirectoryRegistry:
             WireError: It breaks the rules; says which.
             RefusedError: There are too many, or another host has one of that name.
         """
-        checked = _checked({"base": base, **parameters})
-        endpoint_of_link(WebLink("", tuple(checked.items())))
+        checked = self.check({"base": base, **parameters})
         if len(links) > MAX_LINKS_OF_ONE:
             raise WireError(f"{len(links)} links are too many for one endpoint; the limit is {MAX_LINKS_OF_ONE}")
         _check_targets(checked["base"], links)
@@ -112,6 +111,16 @@ class DirectoryRegistry:
         self._of_source[source] += 1
         return made
 
+    def check(self, parameters: Mapping[str, str]) -> dict[str, str]:
+        """Return the query parameters of a registration, with what they leave out.
+
+        Raises:
+            WireError: They break the rules; says which.
+        """
+        checked = _checked(parameters)
+        endpoint_of_link(WebLink("", tuple(checked.items())))
+        return checked
+
     def renew(self, path: str, parameters: Mapping[str, str], source: str, now: float) -> EndpointRegistration:
         """Update a registration, whose lifetime begins anew; what it does not say stays as it was.
 
@@ -123,8 +132,7 @@ class DirectoryRegistry:
         before = self._of(path, source)
         if not {"ep", "d"}.isdisjoint(parameters):
             raise WireError("ep and d cannot be changed")
-        checked = _checked({**before.parameters, **parameters})
-        endpoint_of_link(WebLink("", tuple(checked.items())))
+        checked = self.check({**before.parameters, **parameters})
         renewed = replace(before, parameters=checked, expires_at=now + float(checked["lt"]))
         self._by_path[path] = renewed
         return renewed

@@ -1,13 +1,14 @@
 """A resource directory on aiocoap, for devices that register at homebot itself; RFC 9176.
 
-Everything but registering simply, without a body, is there. What breaks the rules is answered with 4.00, and charged to
-its host; what is too much with 5.03; who changes or ends the registration of another host gets 4.03.
+What breaks the rules is answered with 4.00, and charged to its host; what is too much with 5.03; who changes or ends
+the registration of another host gets 4.03. Of a device that registers simply, without a body, the links are asked for.
 """
 
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from functools import partial
 from urllib.parse import urlsplit
 
 import aiocoap
@@ -15,15 +16,24 @@ import anyio
 import anyio.lowlevel
 from aiocoap import resource
 from aiocoap.numbers.codes import Code
+from anyio.abc import TaskGroup
 
 from homebot.clock import Clock
 from homebot.conventions.coap.endpoint import CoapEndpoint
 from homebot.conventions.coap.link_format import WebLink, format_links, parse_links
 from homebot.conventions.coap.registry import FORBIDDEN, DirectoryRegistry
-from homebot.errors import LinkError, RefusedError, WireError
+from homebot.errors import LinkError, PeerError, RefusedError, WireError
+from homebot.gateways.coap.aiocoap_client import CoapClient
+from homebot.isolation import run_as
 from homebot.wot.coap.content_formats import LINK_FORMAT
 
 __all__ = ["DirectoryServer"]
+
+MAX_ASKED = 8
+"""Devices that are asked for their links at once, each host once."""
+
+ANSWERS_WITHIN = 15.0
+"""Seconds."""
 
 MAX_OBSERVERS = 32
 """Observations of one lookup."""
@@ -58,6 +68,8 @@ class DirectoryServer:
         self._gone = gone
         self._admits = admits
         self._reject = reject
+        self._asked: set[str] = set()
+        self._tasks: TaskGroup | None = None
         self._lookups = (
             _Lookup(self.registry.look_up_endpoints, "core.rd-lookup-ep"),
             _Lookup(self.registry.look_up_resources, "core.rd-lookup-res"),
@@ -75,6 +87,7 @@ class DirectoryServer:
             [".well-known", "core"], resource.WKCResource(site.get_resources_as_linkheader, impl_info=None)
         )
         site.add_resource(["rd"], _RegisterResource(self))
+        site.add_resource([".well-known", "rd"], _SimpleRegisterResource(self))
         site.add_resource(["rd"], _Registrations(self))
         site.add_resource(["rd-lookup", "ep"], self._lookups[0])
         site.add_resource(["rd-lookup", "res"], self._lookups[1])
@@ -83,8 +96,12 @@ class DirectoryServer:
         except OSError as exc:
             raise LinkError(f"no resource directory can be served on {host}:{port}: {exc}") from exc
         try:
-            yield
+            async with anyio.create_task_group() as self._tasks:
+                self._client = CoapClient(context, ANSWERS_WITHIN)
+                yield
+                self._tasks.cancel_scope.cancel()
         finally:
+            self._tasks = None
             with anyio.CancelScope(shield=True):
                 await anyio.lowlevel.checkpoint()
                 await context.shutdown()
@@ -97,11 +114,18 @@ class DirectoryServer:
 
     def answer(self, request: aiocoap.Message, path: str) -> aiocoap.Message:
         """Register, renew or remove; *path* is that of the registration, empty for a new one."""
+        return self._guarded(request, lambda host: self._answer(request, path, host))
+
+    def answer_simple(self, request: aiocoap.Message) -> aiocoap.Message:
+        """Register a device that sends no links: they are asked for where it is; RFC 9176, section 5.1."""
+        return self._guarded(request, lambda host: self._answer_simple(request, host))
+
+    def _guarded(self, request: aiocoap.Message, answer: Callable[[str], aiocoap.Message]) -> aiocoap.Message:
         host = str(urlsplit(request.remote.uri_base).hostname)
         if not self._admits(host):
             return aiocoap.Message(code=Code.SERVICE_UNAVAILABLE)
         try:
-            return self._answer(request, path, host)
+            return answer(host)
         except WireError as exc:
             self._reject(host, request.payload[:200], str(exc))
             return aiocoap.Message(code=Code.BAD_REQUEST, payload=str(exc)[:200].encode())
@@ -128,6 +152,31 @@ class DirectoryServer:
             return aiocoap.Message(code=Code.DELETED)
         return aiocoap.Message(code=Code.METHOD_NOT_ALLOWED)
 
+    def _answer_simple(self, request: aiocoap.Message, host: str) -> aiocoap.Message:
+        query, base = _query(request), request.remote.uri_base
+        if request.code != Code.POST:
+            return aiocoap.Message(code=Code.METHOD_NOT_ALLOWED)
+        if request.payload or "base" in query:
+            raise WireError("who registers simply sends no links and no base")
+        self.registry.check({"base": base, **query})
+        if self._tasks is None or host in self._asked or len(self._asked) >= MAX_ASKED:
+            return aiocoap.Message(code=Code.SERVICE_UNAVAILABLE)
+        self._asked.add(host)
+        self._tasks.start_soon(run_as, "a simple registration", partial(self._ask_links, query, host, base))
+        return aiocoap.Message(code=Code.CHANGED)
+
+    async def _ask_links(self, query: dict[str, str], host: str, base: str) -> None:
+        try:
+            answer = await self._client.request("GET", f"{base}/.well-known/core", accept=LINK_FORMAT)
+            made = self.registry.register(query, parse_links(answer.payload), host, base, self._clock.monotonic())
+        except (LinkError, PeerError) as exc:
+            self._reject(host, b"", f"its simple registration failed: {exc}")
+        else:
+            self._found(made.endpoint)
+            self._notify()
+        finally:
+            self._asked.discard(host)
+
     def _notify(self) -> None:
         for one in self._lookups:
             one.updated_state()
@@ -145,6 +194,20 @@ class _RegisterResource(resource.Resource):  # type: ignore[misc]  # the library
 
     async def render(self, request: aiocoap.Message) -> aiocoap.Message:
         return self._server.answer(request, "")
+
+
+class _SimpleRegisterResource(resource.Resource):  # type: ignore[misc]  # likewise
+    """The well-known resource to register at without a body. It is not listed."""
+
+    def __init__(self, server: DirectoryServer) -> None:
+        super().__init__()
+        self._server = server
+
+    def get_link_description(self) -> None:
+        return None
+
+    async def render(self, request: aiocoap.Message) -> aiocoap.Message:
+        return self._server.answer_simple(request)
 
 
 class _Registrations(resource.Resource, resource.PathCapable):  # type: ignore[misc]  # likewise

@@ -11,6 +11,7 @@ import anyio
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
+from homebot.conventions.coap.address import split_address
 from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoint_at, static_endpoint
 from homebot.conventions.coap.link_format import parse_links
 from homebot.devices.gateway_messages import Command
@@ -20,7 +21,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.coap.directory_client import DirectoryClient
 from homebot.gateways.coap.session import RETRY, EndpointSession
-from homebot.gateways.coap.settings import CoapGatewaySettings, split_address
+from homebot.gateways.coap.settings import CoapGatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
 from homebot.isolation import run_as

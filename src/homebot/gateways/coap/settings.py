@@ -2,47 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from typing import Annotated, Literal
-from urllib.parse import urlsplit
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, model_validator
 
 from homebot.addresses import is_loopback
-from homebot.conventions.coap.endpoint import SCHEMES
+from homebot.conventions.coap.address import check_uri, split_address
 from homebot.gateways.base import GatewaySettings
 from homebot.units import Seconds
 
-__all__ = ["CoapCredentials", "CoapGatewaySettings", "CoapUri", "split_address"]
+__all__ = ["CoapCredentials", "CoapGatewaySettings", "CoapUri"]
 
 
-def _checked_uri(uri: str) -> str:
-    try:
-        parts = urlsplit(uri)
-        port = parts.port
-    except ValueError as exc:
-        raise ValueError(f"{uri!r} is not an address: {exc}") from None
-    if parts.scheme not in SCHEMES or not parts.hostname or port == 0:
-        raise ValueError(f"{uri!r} is not an address such as coap://192.168.1.20")
-    return uri
-
-
-CoapUri = Annotated[str, AfterValidator(_checked_uri)]
+CoapUri = Annotated[str, AfterValidator(check_uri)]
 """An address such as ``coap://192.168.1.20`` or ``coap://[fe80::1%25eth0]/things/lamp``."""
-
-_ADDRESS = re.compile(r"\[?([^\[\]]+?)\]?:(\d{1,5})")
-
-
-def split_address(address: str) -> tuple[str, int]:
-    """Return host and port of ``127.0.0.1:5683`` or ``[::1]:5683``.
-
-    Raises:
-        ValueError: It is none of these.
-    """
-    match = _ADDRESS.fullmatch(address)
-    if match is None or int(match[2]) > 65535:
-        raise ValueError(f"{address!r} is not an address such as 127.0.0.1:5683")
-    return match[1], int(match[2])
 
 
 class CoapCredentials(BaseModel):
