@@ -94,8 +94,8 @@ def test_a_tag_is_written_and_read(homebot_at: Callable[[Type4Card | None], Home
     [
         (None, ["read", "--reader", "attic"], 3, "there is no reader 'attic', only desk reader"),
         (None, ["read", "--wait", "0.1"], 4, "no tag was held to a reader within 0.1 s"),
-        (card(capacity=9), ["write", "Plug"], 5, f"the tag {UID} was not written: it has room for 9 bytes, and"),
-        (card(is_writable=False), ["write", "Plug"], 5, "it is protected against writing"),
+        (card(capacity=9), ["write", "Plug"], 5, f"the tag {UID} was not written: it holds 9 bytes, and"),
+        (card(is_writable=False), ["write", "Plug"], 5, "it is write-protected"),
         (None, ["write", "Lamp"], 1, "2 devices are called Lamp; give the id of one: lights/cellar, lights/hall"),
         (None, ["read", "--gateway", "mqtt"], 1, "/gateway/mqtt/read_tag"),
     ],

@@ -11,10 +11,11 @@ from tests.fuzz.conftest import Mutator
 
 from homebot.conventions.nfc.card_tag import CardTag
 from homebot.conventions.nfc.ndef_message import NdefRecord, read_ndef, write_ndef
+from homebot.conventions.nfc.pointer import pointer_of_code, pointer_of_records
 from homebot.conventions.nfc.tag_content import TagError
 from homebot.errors import WireError
-from homebot.gateways.nfc.pointer import pointer_of_code, pointer_of_records
 from homebot.house.nfc import Type4Card
+from homebot.wot import read_thing
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz
@@ -50,7 +51,7 @@ def test_damaged_messages_are_refused_or_understood(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
         message = Mutator(rng).damaged_bytes(rng.choice(MESSAGES))
         with suppress(WireError):
-            pointer_of_records(read_ndef(message))
+            pointer_of_records(read_ndef(message), read_thing)
 
     fuzz.run("nfc messages", case)
 
@@ -59,7 +60,7 @@ def test_damaged_codes_are_refused_or_understood(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
         code = Mutator(rng).damaged_bytes(rng.choice(CODES).encode()).decode(errors="replace")
         with suppress(WireError):
-            pointer_of_code(code)
+            pointer_of_code(code, read_thing)
 
     fuzz.run("nfc codes", case)
 

@@ -1,4 +1,4 @@
-"""Tags and codes that point to devices: what a gateway of tags says of them, and what can be asked of it."""
+"""Messages and services of a gateway of NFC tags and QR codes, which point to devices."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ _MAX_CODE = 8192
 
 
 class TagTap(Message):
-    """A tag that was held to a reader: it happened once.
+    """Event: a tag was held to a reader.
 
     Attributes:
         tag: Its number in hexadecimal digits, which is its key in the gateway.
         reader: The reader.
-        points_to: What it says of the device, in words.
+        points_to: The pointer on the tag, in words.
         device: The id of the device that it points to; empty where there is none, or are several.
         candidates: The ids of all devices that it may mean.
-        area: The room that the tag is in, as the settings or the tag itself say; empty for unknown.
-        tapped_at: When.
+        area: The room that the tag is in, by the settings or the tag itself; empty for unknown.
+        tapped_at: The time.
     """
 
     key_field: ClassVar[str | None] = "tag"
@@ -56,11 +56,11 @@ class TagTap(Message):
 
 
 class ScanCodeRequest(Message):
-    """A question for the device that a code points to.
+    """Request for the device that a code points to.
 
     Attributes:
-        text: The text of the code, as a camera or a scanner reads it.
-        ndef: An NDEF message instead, as another reader of tags reads it.
+        text: The text of the code.
+        ndef: Instead of the text, an NDEF message.
     """
 
     text: Annotated[str, Field(max_length=_MAX_CODE)] = ""
@@ -72,12 +72,12 @@ class ScanCodeResponse(Message):
 
     Attributes:
         success: Whether the code was understood, known device or not.
-        message: What it is, in words, or why it was not understood.
-        kind: What kind of code it is: ``homebot``, ``thing``, ``matter``, ``homekit``, ``mqtt``, ``url`` or ``text``.
+        message: The result in words, or the reason why the code was not understood.
+        kind: The kind of code: ``homebot``, ``thing``, ``matter``, ``homekit``, ``mqtt``, ``url`` or ``text``.
         device: The id of the device; empty where there is none, or are several.
         candidates: The ids of all devices that it may mean.
         area: The room that it names; empty for none.
-        facts: What else it says; no secrets.
+        facts: Further facts in the code, without secrets.
     """
 
     success: bool
@@ -90,7 +90,7 @@ class ScanCodeResponse(Message):
 
 
 class ReadTagRequest(Message):
-    """A question for the tag that is at a reader, or is held to it next.
+    """Request to read the tag at a reader, or the next one.
 
     Attributes:
         reader: The reader; empty for any.
@@ -106,11 +106,11 @@ class ReadTagResponse(Message):
 
     Attributes:
         success: Whether one was read.
-        message: Why not, or what it says, in words.
-        problem: Why not.
+        message: The result in words, or the reason why none was read.
+        problem: The reason if not, for programs.
         tag: Its number in hexadecimal digits.
         reader: The reader.
-        tag_type: What kind of tag it is.
+        tag_type: Its type, as text.
         ndef: The NDEF message on it.
         device: The id of the device that it points to; empty where there is none, or are several.
         candidates: The ids of all devices that it may mean.
@@ -130,11 +130,11 @@ class ReadTagResponse(Message):
 
 
 class WriteTagRequest(Message):
-    """Let the tag that is at a reader, or is held to it next, point to a device; what was on it is overwritten.
+    """Request to write a pointer to a device to the tag at a reader, or the next one; its content is replaced.
 
     Attributes:
         device: The id or the name of the device.
-        area: The room that the tag is in, which is written too; empty for none.
+        area: The room that the tag is in, which is written to it as well; empty for none.
         reader: The reader; empty for any.
         wait: Seconds to wait for a tag.
     """
@@ -146,12 +146,12 @@ class WriteTagRequest(Message):
 
 
 class WriteTagResponse(Message):
-    """The result of writing a tag, which was read again and compared.
+    """The result of writing a tag; it was read back and compared.
 
     Attributes:
         success: Whether it was written.
-        message: Why not, as text.
-        problem: Why not.
+        message: The reason if not, as text.
+        problem: The reason if not, for programs.
         tag: Its number in hexadecimal digits.
         reader: The reader.
         device: The id of the device that it points to now.

@@ -152,12 +152,12 @@ async def test_a_tag_is_written_and_read_again() -> None:
 @pytest.mark.parametrize(
     ("presented", "asked", "problem", "said"),
     [
-        (card(capacity=20), {}, "too_small", "room for 20 bytes"),
-        (card(is_writable=False), {}, "protected", "protected against writing"),
+        (card(capacity=20), {}, "too_small", "holds 20 bytes"),
+        (card(is_writable=False), {}, "protected", "write-protected"),
         (None, {"wait": 0.3}, "no_tag", "within 0.3 s"),
         (None, {"reader": "desk"}, "no_reader", "no reader 'desk'"),
         (None, {"device": "Lamp"}, "no_device", "several devices: lights/hall, lights/cellar"),
-        (None, {"device": "nobody"}, "no_device", "no device"),
+        (None, {"device": "nobody"}, "no_device", "no known device"),
     ],
 )
 async def test_a_tag_that_cannot_be_written_says_why(

@@ -15,7 +15,7 @@ from homebot.conventions.nfc.tag_content import MAX_MESSAGE, TagContent, TagErro
 __all__ = ["CardTag", "Transmit"]
 
 Transmit: TypeAlias = Callable[[bytes], tuple[bytes, int]]
-"""Sends an APDU and returns the answer with its status word; raises :class:`TagError` where the card has left."""
+"""Sends an APDU and returns the answer with its status word; raises :class:`TagError` where the card was taken away."""
 
 _OK: Final = 0x9000
 _NDEF_APPLICATION: Final = bytes.fromhex("D2760000850101")
@@ -34,23 +34,23 @@ class CardTag:
         transmit: Sends an APDU.
 
     Raises:
-        TagError: It tells no number, or has left.
+        TagError: It has no number, or was taken away.
     """
 
     def __init__(self, transmit: Transmit) -> None:
         self._transmit = transmit
         number, status = transmit(b"\xff\xca\x00\x00\x00")
         if status != _OK or not 4 <= len(number) <= 10:
-            raise TagError("not_a_tag", f"it tells no number (status {status:04x})")
+            raise TagError("not_a_tag", f"it has no number (status {status:04x})")
         self.uid = number.hex()
         self.tag_type = "NFC Forum Type 4" if self._has_application() else "NFC Forum Type 2"
 
     def read(self) -> TagContent:
-        """Return what is on it."""
+        """Return its content."""
         return self._memory().read()
 
     def write(self, message: bytes) -> None:
-        """Put *message* on it."""
+        """Replace its content by *message*."""
         self._memory().write(message)
 
     def _has_application(self) -> bool:
@@ -69,8 +69,8 @@ class _Type4Memory:
         self._select(_CONTAINER)
         container = self._read(0, 15)
         if len(container) < 15 or container[2] >> 4 not in {1, 2, 3} or container[7:9] != b"\x04\x06":
-            raise TagError("not_a_tag", "its capability container is none of a Type 4 tag")
-        # At least what every tag takes, so that a container of zeros does not make us ask for ever.
+            raise TagError("not_a_tag", "its capability container is not that of a Type 4 tag")
+        # At least 1, so that a container of zeros does not make us ask for ever.
         self._most_read = max(1, min(int.from_bytes(container[3:5], "big"), 255))
         self._most_written = max(1, min(int.from_bytes(container[5:7], "big"), 255))
         self._file = int.from_bytes(container[9:11], "big")
@@ -79,11 +79,11 @@ class _Type4Memory:
 
     def read(self) -> TagContent:
         if not self._is_readable:
-            raise TagError("protected", "it is protected against reading")
+            raise TagError("protected", "it is read-protected")
         self._select(self._file)
         length = int.from_bytes(self._read(0, 2), "big")
         if length > min(self._capacity, MAX_MESSAGE):
-            raise TagError("unreadable", f"it claims a message of {length} bytes, and has room for {self._capacity}")
+            raise TagError("unreadable", f"it announces a message of {length} bytes, but holds {self._capacity}")
         message = b""
         while len(message) < length:
             more = self._read(2 + len(message), min(self._most_read, length - len(message)))
@@ -93,7 +93,7 @@ class _Type4Memory:
         return TagContent(message[:length], self._capacity, self._is_writable)
 
     def write(self, message: bytes) -> None:
-        """Write *message*: its length last, so that a tag that leaves in between holds no message, not half of one."""
+        """Write *message*, its length last: a tag that is taken away too early has no message, not half of one."""
         _check_room(len(message), self._capacity, is_writable=self._is_writable)
         self._select(self._file)
         self._update(0, b"\x00\x00")
@@ -109,7 +109,7 @@ class _Type4Memory:
     def _read(self, offset: int, count: int) -> bytes:
         data, status = self._transmit(b"\x00\xb0" + offset.to_bytes(2, "big") + bytes([count]))
         if status != _OK:
-            raise TagError("unreadable", f"it cannot be read (status {status:04x})")
+            raise TagError("unreadable", f"reading failed (status {status:04x})")
         return data[:count]
 
     def _update(self, offset: int, data: bytes) -> None:
@@ -132,18 +132,18 @@ class _Type2Memory:
         self._transmit = transmit
         container = self._read_pages(3)[:4]
         if len(container) < 4 or container[0] != _MAGIC or container[1] >> 4 != 1:
-            raise TagError("not_a_tag", "it holds no NDEF message")
+            raise TagError("not_a_tag", "it is not formatted for NDEF")
         self._size = container[2] * 8
         self._is_readable, self._is_writable = container[3] >> 4 == 0, container[3] & 0xF == 0
 
     def read(self) -> TagContent:
         if not self._is_readable:
-            raise TagError("protected", "it is protected against reading")
+            raise TagError("protected", "it is read-protected")
         found = self._find(self._read_area())
         return TagContent(found.message, self._room(found.start), self._is_writable)
 
     def write(self, message: bytes) -> None:
-        """Write *message*: its length last, as on a Type 4 tag."""
+        """Write *message*, its length last, as on a Type 4 tag."""
         area = bytearray(self._read_area())
         start = self._find(bytes(area)).start
         _check_room(len(message), self._room(start), is_writable=self._is_writable)
@@ -162,14 +162,14 @@ class _Type2Memory:
             self._update_page(page, bytes(area[page * _PAGE : (page + 1) * _PAGE]))
 
     def _room(self, start: int) -> int:
-        """Return how long a message at *start* may be: a longer one has two more bytes of length."""
+        """Return the longest message at *start*: above 254 bytes, its length takes two more bytes."""
         left = self._size - start
         return max(0, left - 2 if left - 2 <= _LONGEST_SHORT else left - 4)
 
     def _read_area(self) -> bytes:
-        """Return the data area, as far as there is one: tags claim more than they have."""
+        """Return the data area."""
         if self._size > MAX_MESSAGE:
-            raise TagError("unreadable", f"it claims {self._size} bytes")
+            raise TagError("unreadable", f"it announces a memory of {self._size} bytes, more than {MAX_MESSAGE}")
         area = b""
         while len(area) < self._size:
             more = self._read_pages(_FIRST_PAGE + len(area) // _PAGE)
@@ -179,7 +179,7 @@ class _Type2Memory:
         return area[: self._size]
 
     def _find(self, area: bytes) -> _Found:
-        """Return the NDEF message TLV; of none, where one belongs."""
+        """Return the NDEF message TLV; an empty one at its place where there is none."""
         at = 0
         while at < len(area):
             kind = area[at]
@@ -191,17 +191,17 @@ class _Type2Memory:
             head = 4 if area[at + 1] == 0xFF else 2
             length = int.from_bytes(area[at + 2 : at + 4], "big") if head == 4 else area[at + 1]
             if at + head + length > len(area):
-                raise TagError("unreadable", f"it claims {length} bytes where there are {len(area) - at - head}")
+                raise TagError("unreadable", f"it announces {length} bytes, but {len(area) - at - head} are left")
             if kind == _MESSAGE:
                 return _Found(at, area[at + head : at + head + length])
             at += head + length
         return _Found(min(at, len(area)), b"")
 
     def _read_pages(self, page: int) -> bytes:
-        """Return four pages, or as many as the reader gives at once."""
+        """Return four pages, or fewer if the reader gives fewer."""
         data, status = self._transmit(bytes([0xFF, 0xB0, page >> 8, page & 0xFF, 16]))
         if status != _OK:
-            raise TagError("not_a_tag", f"its memory cannot be read (status {status:04x})")
+            raise TagError("not_a_tag", f"reading failed (status {status:04x})")
         return data[: len(data) // _PAGE * _PAGE][:16]
 
     def _update_page(self, page: int, data: bytes) -> None:
@@ -213,10 +213,10 @@ class _Type2Memory:
 
 def _check_room(length: int, capacity: int, *, is_writable: bool) -> None:
     if not is_writable:
-        raise TagError("protected", "it is protected against writing")
+        raise TagError("protected", "it is write-protected")
     if length > capacity:
-        raise TagError("too_small", f"it has room for {capacity} bytes, and {length} are needed")
+        raise TagError("too_small", f"it holds {capacity} bytes, and the message has {length}")
 
 
 def _not_written(status: int) -> TagError:
-    return TagError("protected", f"it does not let itself be written (status {status:04x})")
+    return TagError("protected", f"it refuses to be written (status {status:04x})")

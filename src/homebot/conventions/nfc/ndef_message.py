@@ -41,7 +41,7 @@ class NdefRecord:
         """Return its data as text.
 
         Raises:
-            WireError: It is none.
+            WireError: It is not UTF-8.
         """
         try:
             return self.data.decode()
@@ -56,7 +56,7 @@ def read_ndef(message: bytes) -> tuple[NdefRecord, ...]:
         WireError: It is not an NDEF message, or too long, or one of too many records, or none of them can be read.
     """
     if len(message) > MAX_MESSAGE:
-        raise WireError(f"an NDEF message has {len(message)} bytes; at most {MAX_MESSAGE} are read")
+        raise WireError(f"an NDEF message has {len(message)} bytes; homebot reads {MAX_MESSAGE} at most")
     if not message or message in {b"\x00", b"\xd0\x00\x00"}:
         return ()
     records: list[NdefRecord] = []

@@ -10,14 +10,14 @@ from homebot.errors import PeerError
 __all__ = ["MAX_MESSAGE", "TagContent", "TagError"]
 
 MAX_MESSAGE = 8192
-"""Bytes of an NDEF message that are read from a tag."""
+"""The longest NDEF message, in bytes, that homebot reads from a tag."""
 
 
 class TagError(PeerError):
     """A tag that cannot be read or written.
 
     Attributes:
-        problem: Why, for programs.
+        problem: The reason, for programs.
     """
 
     def __init__(self, problem: TagProblem, text: str) -> None:
@@ -30,9 +30,9 @@ class TagContent:
     """The content of a tag.
 
     Attributes:
-        message: The NDEF message, not looked into; empty for none.
-        capacity: Bytes that one may have there.
-        is_writable: Whether it may be changed.
+        message: The NDEF message, not decoded; empty for none.
+        capacity: The longest message that it holds, in bytes.
+        is_writable: Whether it can be written.
     """
 
     message: bytes

@@ -1,4 +1,4 @@
-"""The device of the house that a tag or a code points to, asked of the directory."""
+"""Finds the device that a tag or a code points to, in the directory."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from dataclasses import dataclass
 from typing import Final
 from urllib.parse import urlsplit
 
+from homebot.conventions.nfc.pointer import Pointer
 from homebot.devices import FIND_DEVICES, Device, FindDevices
 from homebot.devices.identity import identifiers
 from homebot.devices.query.folding import fold
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
-from homebot.gateways.nfc.pointer import Pointer
 from homebot.graph import Node
-from homebot.wot import identifiers_of
+from homebot.wot import identifiers_of, read_thing
 
 __all__ = ["DeviceFinder", "PointedAt"]
 
 _KEPT_FOR: Final = 1.0
-"""Seconds for which the list of devices is kept: many tags may be read at once."""
+"""Seconds for which the list of devices is kept, as many tags may be read at once."""
 
 _MAX_CANDIDATES: Final = 20
 _HOSTS: Final = ("host", "ip_address")
@@ -27,35 +27,35 @@ _HOSTS: Final = ("host", "ip_address")
 
 @dataclass(frozen=True, slots=True)
 class PointedAt:
-    """The devices that may be meant.
+    """The devices that a pointer fits.
 
     Attributes:
-        devices: Each; of tags and codes that are of use, exactly one.
+        devices: The devices; a useful tag or code fits exactly one.
     """
 
     devices: tuple[Device, ...] = ()
 
     @property
     def device(self) -> Device | None:
-        """The device that is meant; None where there is none, or are several."""
+        """The only device; None where there are none or several."""
         return self.devices[0] if len(self.devices) == 1 else None
 
     @property
     def id(self) -> str:
-        """Its id; empty for none."""
+        """The id of the only device; empty where there are none or several."""
         return self.device.id if self.device is not None else ""
 
     @property
     def candidates(self) -> tuple[str, ...]:
-        """The ids of all."""
+        """The ids of the devices, of the first 20."""
         return tuple(one.id for one in self.devices[:_MAX_CANDIDATES])
 
 
 class DeviceFinder:
-    """Asks the directory.
+    """Finds devices by pointers.
 
     Args:
-        node: The gateway's node; devices that only its own gateway knows are tags, and none that one points to.
+        node: The gateway's node. Tags that only its own gateway knows are never found.
     """
 
     def __init__(self, node: Node) -> None:
@@ -66,7 +66,7 @@ class DeviceFinder:
         self._asked_at = float("-inf")
 
     async def find(self, pointer: Pointer) -> PointedAt:
-        """Return the devices that *pointer* may mean: those by the surest of what it says that any device fits."""
+        """Return the devices that fit the most reliable attribute of *pointer* that any device fits."""
         if not (pointer.text or pointer.id or pointer.words):
             return PointedAt()
         devices = await self._all()
@@ -92,11 +92,11 @@ class DeviceFinder:
 
 
 def _tests(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
-    """Yield what a device must fit, the surest first."""
+    """Yield the tests of a device, the most reliable first."""
     if pointer.id:
         yield lambda device: device.id == pointer.id
     if pointer.thing is not None:
-        own = frozenset(identifiers_of(pointer.thing))
+        own = frozenset(identifiers_of(read_thing(pointer.thing)))
         yield lambda device: not own.isdisjoint(device.identifiers)
     if pointer.homekit is not None:
         yield lambda device: _has_homekit_code(device, pointer)
@@ -126,10 +126,7 @@ def _has_homekit_code(device: Device, pointer: Pointer) -> bool:
 
 
 def _has_matter_code(device: Device, pointer: Pointer) -> bool:
-    """Return whether a device says the discriminator, vendor and product (``D``, ``VP``) of a Matter code.
-
-    A code of several products leaves vendor and product at 0.
-    """
+    """Return whether a device announces the discriminator, vendor and product (``D``, ``VP``) of a Matter code."""
     facts, code = _facts(device), pointer.matter
     if code is None or facts.get("txt_d", facts.get("discriminator")) != str(code.discriminator):
         return False
@@ -139,7 +136,7 @@ def _has_matter_code(device: Device, pointer: Pointer) -> bool:
 
 
 def _is_at(address: str, published: str) -> bool:
-    """Return whether a device that is *published* on a topic is the one at *address*, the topic itself or above it."""
+    """Return whether *address* is the topic *published*, or a level above it."""
     return published == address or published.startswith(f"{address}/")
 
 

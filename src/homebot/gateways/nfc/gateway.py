@@ -1,4 +1,4 @@
-"""The gateway of tags and codes: a tag that is held to a reader says which device is meant, and where."""
+"""The gateway of NFC tags and QR codes, which point to devices."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
 from homebot.conventions.nfc.ndef_message import read_ndef
+from homebot.conventions.nfc.pointer import Pointer, pointer_of_device, pointer_of_records
 from homebot.conventions.payload import clean_text
 from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers
@@ -26,7 +27,6 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.nfc.device_finder import DeviceFinder, PointedAt
-from homebot.gateways.nfc.pointer import Pointer, pointer_of_device, pointer_of_records
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders, read_tags
 from homebot.gateways.nfc.settings import NfcGatewaySettings, TagSettings
 from homebot.gateways.nfc.tag import ReaderNews, ReadersFound, TagLeft, TagSeen
@@ -35,20 +35,21 @@ from homebot.graph import Node
 from homebot.isolation import run_as
 from homebot.messages.builtin_interfaces import Time
 from homebot.mqtt.backoff import Backoff
-from homebot.wot import Thing, facts_of, identifiers_of
+from homebot.wot import Thing, facts_of, identifiers_of, read_thing
 
 __all__ = ["NfcGateway"]
 
 READER_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=10.0, late_cap=30.0, late_after=300.0, jitter=0.5)
-"""For a reader that is not there."""
+"""For a reader that is not connected."""
 
 _MAX_AT_READERS: Final = 64
-"""Tags that are taken to be at readers; the oldest goes."""
+"""Tags that may be at readers at once; beyond that, the oldest is forgotten."""
 
 _TAG: Final = simple_part("x_tag", readable=("scan", "connectivity"))
 _LIBRARIES: Final = {"pcsc": "smartcard", "nfcpy": "nfc"}
 _RANDOM_UID: Final = 8
-"""Hexadecimal digits of a number that begins with 08: drawn anew each time, as phones do (ISO/IEC 14443-3, 6.5.4)."""
+"""Hexadecimal digits of a random number, which begins with 08 and changes each time, as phones do
+(ISO/IEC 14443-3, 6.5.4)."""
 
 
 class NfcGateway(Gateway):
@@ -57,13 +58,13 @@ class NfcGateway(Gateway):
     Args:
         node: Its node.
         settings: Its table.
-        context: What its host gives it; :class:`TagReaders` are used in place of those of its settings.
+        context: What its host gives it; :class:`TagReaders` replace the readers in its settings.
 
     Attributes:
-        devices: The tags, and the things that only tags describe.
-        finder: Finds the devices that they point to.
-        at_reader: The tags that are at a reader now, by their numbers, as they were read.
-        readers: The readers that are there, by what drives them.
+        devices: The tags, and the devices that only a tag describes.
+        finder: Finds the devices that tags point to.
+        at_reader: The tags that are at a reader now, by their numbers.
+        readers: The names of the connected readers, by the number of the driver that found them.
     """
 
     Settings: ClassVar[type[BaseModel]] = NfcGatewaySettings
@@ -104,7 +105,7 @@ class NfcGateway(Gateway):
             ) from exc
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Follow the readers until cancelled; ready when each was tried once."""
+        """Follow the readers until cancelled; ready after the first attempt with each."""
         self._sides = self._make_readers()
         async with anyio.create_task_group() as tasks:
             for number, reader in enumerate(self._sides):
@@ -126,7 +127,7 @@ class NfcGateway(Gateway):
         return [NfcpyReader(one) for one in self._settings.devices]
 
     async def _follow(self, number: int, reader: TagReader) -> None:
-        """Run one reader for ever, again where it fails."""
+        """Run one reader; when it fails, run it again after a pause."""
         failures, since, clock = 0, 0.0, self.node.graph.clock
         while True:
             desk = ReaderDesk(partial(self._hear, number))
@@ -136,7 +137,7 @@ class NfcGateway(Gateway):
             except LinkError as exc:
                 self._lose(number, str(exc))
             else:
-                self._lose(number, "its reader has stopped")
+                self._lose(number, "the reader stopped")
             finally:
                 self._services.close(desk)
             failures = failures + 1
@@ -144,12 +145,12 @@ class NfcGateway(Gateway):
             await anyio.sleep(READER_BACKOFF.delay(failures, clock.monotonic() - since, self._random))
 
     def _hear(self, number: int, desk: ReaderDesk, news: ReaderNews) -> None:
-        """Take news from a reader's thread; called in the loop."""
+        """Take a report of a reader; called in the loop."""
         if isinstance(news, ReadersFound):
             self.readers[number] = news.readers
             self._problems.pop(number, None)
             if not news.readers:
-                self._problems[number] = "no reader of tags is connected"
+                self._problems[number] = "no NFC reader is connected"
             self._show_state()
         self._waiting.append((news, desk))
         self._has_news.set()
@@ -163,7 +164,7 @@ class NfcGateway(Gateway):
         self._show_state()
 
     def _show_state(self) -> None:
-        """Publish whether any reader works, once each was tried."""
+        """Publish whether any reader works, after the first attempt with each."""
         tried = {*self.readers, *self._problems}
         if len(tried) < len(self._sides):
             return
@@ -181,7 +182,7 @@ class NfcGateway(Gateway):
                 await self._take(news)
                 if desk is not None:
                     desk.make_room()
-                await anyio.lowlevel.checkpoint()  # a flood of tags leaves others their turn
+                await anyio.lowlevel.checkpoint()  # other tasks run during a flood of tags
             self._has_news = anyio.Event()
 
     async def _take(self, news: ReaderNews) -> None:
@@ -208,18 +209,20 @@ class NfcGateway(Gateway):
         if seen.uid:
             self.at_reader.pop(seen.uid, None)
             self.at_reader[seen.uid] = seen
-            if len(self.at_reader) > _MAX_AT_READERS:  # no reader holds so many: one does not say that they leave
+            if (
+                len(self.at_reader) > _MAX_AT_READERS
+            ):  # no reader holds so many: this one does not report that they leave
                 del self.at_reader[next(iter(self.at_reader))]
             pointed = await self.finder.find(pointer)
             await self._publish(seen, pointer, pointed)
         self._services.show(seen)
 
     def read(self, seen: TagSeen) -> Pointer:
-        """Return what a tag says, or what the settings say of it; what breaks the rules is counted."""
+        """Return the pointer on a tag, or the one in the settings; invalid records are counted."""
         own = self._settings.tags.get(seen.uid, TagSettings())
         message = b"" if seen.content is None else seen.content.message
         try:
-            pointer = pointer_of_records(read_ndef(message))
+            pointer = pointer_of_records(read_ndef(message), read_thing)
         except WireError as exc:
             pointer = Pointer(problems=(str(exc),))
         if pointer.problems:
@@ -237,7 +240,7 @@ class NfcGateway(Gateway):
             await self.devices.report(seen.uid, {"connectivity": True})
             await self.devices.report(seen.uid, {"scan": seen.uid})
         if pointer.thing is not None and not pointed.devices:
-            self._publish_thing(pointer.thing, seen)
+            self._publish_thing(read_thing(pointer.thing), seen)
         self._taps.publish(
             TagTap(
                 tag=seen.uid,
@@ -269,10 +272,10 @@ class NfcGateway(Gateway):
         )
 
     def _publish_thing(self, thing: Thing, seen: TagSeen) -> None:
-        """Publish a device that only this tag describes: it is there, and cannot be used through a tag."""
+        """Publish a device that only this tag describes; it takes no commands."""
         own = identifiers_of(thing)
         if not own:
-            self.devices.reject(seen.uid, b"", f"the tag {seen.uid} describes a thing without id")
+            self.devices.reject(seen.uid, b"", f"the tag {seen.uid} describes a Thing without an id")
             return
         title = clean_text(thing.title)
         self.devices.put(
@@ -289,7 +292,7 @@ class NfcGateway(Gateway):
         )
 
     async def _perform(self, command: Command) -> None:
-        raise RefusedError(command.key, "a tag takes no commands")
+        raise RefusedError(command.key, "tags take no commands")
 
 
 def _chosen(backend: str) -> str:

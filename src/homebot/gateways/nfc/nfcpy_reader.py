@@ -1,4 +1,4 @@
-"""Readers that nfcpy drives by itself, over USB, a serial port or UDP. The only file that imports nfcpy."""
+"""Readers that nfcpy drives, over USB, a serial port or UDP. The only file that imports nfcpy."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["NfcpyReader"]
 
 _TECHNOLOGIES = ("106A", "106B", "212F")
 _POLL = 0.1
-"""Seconds between two looks for a tag, or whether one is still there."""
+"""Seconds between two polls for a tag, or for whether it is still there."""
 
 _DENIED = 13
 
@@ -26,7 +26,7 @@ class NfcpyReader(TagReader):
     """One reader.
 
     Args:
-        path: What nfcpy calls it: ``usb``, ``tty:USB0:pn532``, ``udp:HOST:PORT``.
+        path: Its path in nfcpy: ``usb``, ``tty:USB0:pn532``, ``udp:HOST:PORT``.
     """
 
     def __init__(self, path: str) -> None:
@@ -49,7 +49,7 @@ class NfcpyReader(TagReader):
             frontend.close()
 
     def _look(self, frontend: nfc.ContactlessFrontend, desk: ReaderDesk) -> None:
-        """Wait for a tag, read it, and stay with it until it leaves."""
+        """Wait for a tag, read it, and watch it until it is taken away."""
         options = {
             "targets": list(_TECHNOLOGIES),
             "iterations": 1,
@@ -59,12 +59,12 @@ class NfcpyReader(TagReader):
         deadline = time.monotonic() + _POLL
         try:
             tag = frontend.connect(rdwr=options, terminate=lambda: desk.is_stopped or time.monotonic() > deadline)
-        except Exception as exc:  # noqa: BLE001 - it reads what a tag answers without looking at its length
-            desk.unreadable(self._path, f"it answered what is none of a tag's: {type(exc).__name__}")
+        except Exception as exc:  # noqa: BLE001 - nfcpy does not check the length of answers
+            desk.unreadable(self._path, f"something at the reader gave an invalid answer ({type(exc).__name__})")
             desk.wait(_POLL)
             return
         if tag is False:
-            raise LinkError(f"the reader {self._path} does not answer any more")
+            raise LinkError(f"the reader {self._path} stopped answering")
         if tag is None:
             return
         present = _NfcpyTag(tag)
@@ -75,9 +75,9 @@ class NfcpyReader(TagReader):
 
     def _why(self, error: Exception) -> str:
         if isinstance(error, OSError) and error.errno == _DENIED:
-            return f"the reader {self._path} may not be used by this user; nfcpy's udev rule allows it"
+            return f"this user has no permission to use the reader {self._path}; nfcpy's udev rule gives it"
         if isinstance(error, OSError):
-            return f"there is no reader {self._path} that nfcpy knows"
+            return f"nfcpy finds no reader {self._path}"
         return f"the reader {self._path} cannot be used: {type(error).__name__} {error}"
 
 
@@ -98,22 +98,22 @@ class _NfcpyTag:
     def read(self) -> TagContent:
         ndef = self._ndef()
         if ndef.length > MAX_MESSAGE:
-            raise TagError("unreadable", f"its message has {ndef.length} bytes; at most {MAX_MESSAGE} are read")
+            raise TagError("unreadable", f"its message has {ndef.length} bytes; homebot reads {MAX_MESSAGE} at most")
         return TagContent(ndef.octets, ndef.capacity, ndef.is_writeable)
 
     def write(self, message: bytes) -> None:
         ndef = self._ndef()
         if not ndef.is_writeable:
-            raise TagError("protected", "it is protected against writing")
+            raise TagError("protected", "it is write-protected")
         if len(message) > ndef.capacity:
-            raise TagError("too_small", f"it has room for {ndef.capacity} bytes, and {len(message)} are needed")
+            raise TagError("too_small", f"it holds {ndef.capacity} bytes, and the message has {len(message)}")
         try:
             ndef.octets = message
         except Exception as exc:
-            raise TagError("lost", f"it left, or refused, while it was written ({exc})") from exc
+            raise TagError("lost", f"it was taken away, or refused to be written ({exc})") from exc
 
     def _ndef(self) -> nfc.tag.Tag.NDEF:
-        """Return what is on it, read anew."""
+        """Read the tag again, and return its NDEF data."""
         try:
             ndef = self._tag.ndef
             changed = ndef is not None and ndef.has_changed
@@ -121,12 +121,12 @@ class _NfcpyTag:
         except Exception as exc:
             raise TagError("unreadable", f"its memory cannot be read: {type(exc).__name__}") from exc
         if ndef is None:
-            raise TagError("not_a_tag", "it holds no NDEF message")
+            raise TagError("not_a_tag", "it is not formatted for NDEF")
         return ndef
 
 
 def _quiet() -> None:
-    """Keep nfcpy's own log, which says of each tag that leaves early that it is an error, off the terminal."""
+    """Keep nfcpy's log off the terminal: it reports each tag that is taken away early as an error."""
     log = logging.getLogger("nfc")
     if not log.handlers:
         log.addHandler(logging.NullHandler())

@@ -1,6 +1,6 @@
 """Readers of the computer's smart-card service (PC/SC), by pyscard. The only file that imports it.
 
-Of pyscard only the thin layer over the service is used: its monitors start threads of their own.
+Only pyscard's thin layer over the service is used, as its monitors start threads of their own.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from homebot.gateways.nfc.reader import ReaderDesk, TagReader
 __all__ = ["PcscReader"]
 
 _ANY_CHANGE: Final = "\\\\?PnP?\\Notification"
-"""The name under which the service says that a reader came or went."""
+"""The name under which the service reports that a reader was plugged in or out."""
 
 _LONGEST_WAIT: Final = 200
-"""Milliseconds after which the thread looks whether it is to end, or to write."""
+"""Milliseconds after which the thread checks whether it should end, or write a tag."""
 
 _TRIES: Final = 3
-"""Times that a card is connected to: one that is still moving answers at the second."""
+"""Attempts to connect to a card: one that is still moving answers the second."""
 
 _SETTLE: Final = 0.05
-"""Seconds between those."""
+"""Seconds between two attempts."""
 
 
 @dataclass(slots=True, eq=False)
@@ -36,10 +36,10 @@ class _Slot:
     """One reader.
 
     Attributes:
-        state: Its state as the service last said, by which it tells news.
-        card: The handle of the card that is there; None where there is none.
-        protocol: The protocol of that.
-        tag: The card as a tag; None where it is none.
+        state: Its last known state, which the service compares with the current one.
+        card: The handle of the card in it; None where there is none.
+        protocol: The protocol of the card.
+        tag: The card as a tag; None where it is not a tag.
     """
 
     state: int
@@ -52,7 +52,7 @@ class PcscReader(TagReader):
     """All readers of the service, or those of certain names.
 
     Args:
-        wanted: Parts of the names of those to use; empty for all.
+        wanted: Parts of the names of the readers to use; empty for all.
     """
 
     def __init__(self, wanted: Collection[str]) -> None:
@@ -67,7 +67,7 @@ class PcscReader(TagReader):
         result, context = scard.SCardEstablishContext(scard.SCARD_SCOPE_USER)
         if result != scard.SCARD_S_SUCCESS:
             raise LinkError(
-                f"the smart-card service (pcscd) does not run ({scard.SCardGetErrorMessage(result).strip()})"
+                f"the smart-card service (pcscd) is not running ({scard.SCardGetErrorMessage(result).strip()})"
             )
         session = _Session(scard, context, desk, self._wanted)
         try:
@@ -105,7 +105,7 @@ class _Session:
                 self._find_readers()
 
     def close(self) -> None:
-        """Let go of the cards and the service."""
+        """Release the cards and the service."""
         for slot in self._slots.values():
             self._release(slot)
         self._scard.SCardReleaseContext(self._context)
@@ -129,14 +129,14 @@ class _Session:
         return not self._wanted or any(one in name.casefold() for one in self._wanted)
 
     def _take(self, name: str, state: int) -> None:
-        """Take what the service says of one reader."""
+        """Handle the state of one reader."""
         if name == _ANY_CHANGE:
             self._any_change = state & ~self._scard.SCARD_STATE_CHANGED
             return
         slot = self._slots.get(name)
         if slot is None:
             return
-        is_other = slot.state >> 16 != state >> 16  # the service counts there how often cards came and went
+        is_other = slot.state >> 16 != state >> 16  # a counter of inserted and removed cards
         slot.state = state & ~self._scard.SCARD_STATE_CHANGED
         is_there = bool(state & self._scard.SCARD_STATE_PRESENT) and not state & self._scard.SCARD_STATE_MUTE
         if slot.card is not None and (not is_there or is_other):
@@ -164,7 +164,7 @@ class _Session:
         self._desk.arrived(name, slot.tag)
 
     def _work(self) -> None:
-        """Write tags that were there before that was ordered."""
+        """Write tags that were at a reader before the order came."""
         for name, slot in self._slots.items():
             if slot.tag is not None:
                 self._desk.stayed(name, slot.tag)
@@ -185,7 +185,7 @@ class _Session:
         header = self._scard.SCARD_PCI_T0 if is_t0 else self._scard.SCARD_PCI_T1
         result, answer = self._scard.SCardTransmit(slot.card, header, list(apdu))
         if result != self._scard.SCARD_S_SUCCESS or len(answer) < 2:
-            raise TagError("lost", f"it left ({self._scard.SCardGetErrorMessage(result).strip()})")
+            raise TagError("lost", f"it was taken away ({self._scard.SCardGetErrorMessage(result).strip()})")
         return bytes(answer[:-2]), answer[-2] << 8 | answer[-1]
 
     def _check(self, result: int, what: str) -> None:

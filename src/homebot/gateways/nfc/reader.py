@@ -1,4 +1,4 @@
-"""The port to readers of tags: each blocks in a thread of its own, and meets the gateway at a :class:`ReaderDesk`."""
+"""The port to readers of tags: each blocks a thread of its own, and reaches the gateway by a :class:`ReaderDesk`."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from homebot.gateways.nfc.tag import PresentTag, ReaderNews, ReadersFound, TagLe
 __all__ = ["ReaderDesk", "TagReader", "TagReaders", "WriteOrder", "read_tags"]
 
 _MAX_POSTED: Final = 64
-"""News of a reader that the gateway has not dealt with yet; with more, its thread waits."""
+"""Reports of a reader that the gateway has not handled yet; when there are more, its thread waits."""
 
 _LOOK: Final = 0.1
-"""Seconds after which a reader that waits for the loop looks whether it is to end."""
+"""Seconds after which a reader that waits for the loop checks whether it should end."""
 
 
 @dataclass(slots=True, eq=False)
 class WriteOrder:
-    """An order to write the tag that is at a reader, or comes next.
+    """An order to write the tag that is at a reader, or the next one.
 
     Attributes:
         message: The NDEF message.
         reader: A part of the reader's name; empty for any.
-        done: Set when it was tried.
-        tag: The number of the tag that it was tried on.
-        used_reader: The reader of that.
-        error: Why that failed; None where it was written.
+        done: Set after the attempt to write.
+        tag: The number of the tag.
+        used_reader: The reader at which the tag was.
+        error: The error; None where it was written.
     """
 
     message: bytes
@@ -48,7 +48,7 @@ class WriteOrder:
     _claim: Lock = field(default_factory=Lock)
 
     def claim(self) -> bool:
-        """Return whether it is still to be carried out, in which case nobody else does: several readers may have it."""
+        """Return true to the first caller alone, which then carries it out: several readers may have the order."""
         return self._claim.acquire(blocking=False)
 
 
@@ -56,8 +56,7 @@ class ReaderDesk:
     """The place where threads of readers and the gateway meet.
 
     Args:
-        tell: Takes this desk and the news of its reader, in the loop; whoever has dealt with them calls
-            :meth:`make_room`.
+        tell: Takes this desk and a report of its reader, in the loop; call :meth:`make_room` after handling it.
     """
 
     def __init__(self, tell: Callable[[ReaderDesk, ReaderNews], None]) -> None:
@@ -70,50 +69,47 @@ class ReaderDesk:
 
     @property
     def is_stopped(self) -> bool:
-        """True when the readers are to end."""
+        """True when the readers should end."""
         return self._stopped.is_set()
 
     def stop(self) -> None:
-        """Let the readers end."""
+        """Ask the readers to end."""
         self._stopped.set()
 
     def wait(self, seconds: float) -> bool:
-        """Wait in a reader's thread; return whether it is to end."""
+        """Wait in a reader's thread; return whether it should end."""
         return self._stopped.wait(seconds)
 
     def make_room(self) -> None:
-        """Let the reader go on: one of its news was dealt with."""
+        """Let the reader continue, as one of its reports was handled."""
         self._room.release()
 
-    def place(self, order: WriteOrder) -> bool:
-        """Take an order; return False while there is another."""
+    def place(self, order: WriteOrder) -> None:
+        """Give the reader an order; it has one at a time."""
         with self._lock:
-            if self._order is not None:
-                return False
             self._order = order
-            return True
 
     def withdraw(self, order: WriteOrder) -> None:
-        """Forget an order that nobody waits for any more."""
+        """Cancel an order."""
         with self._lock:
             if self._order is order:
                 self._order = None
 
     def found(self, *readers: str) -> None:
-        """Report in a reader's thread which readers are there."""
+        """Report the connected readers, from a reader's thread."""
         self._post(ReadersFound(readers))
 
     def arrived(self, reader: str, tag: PresentTag) -> None:
-        """Read a tag that was held to *reader*, and write it where that was ordered."""
+        """Report a tag that was held to *reader*; write it if that was ordered."""
         if not self.stayed(reader, tag):
             self._post(_seen(reader, tag))
 
     def unreadable(self, reader: str, problem: str) -> None:
-        """Report that there is something at *reader* that not even told its number."""
+        """Report something at *reader* whose number cannot be read."""
         self._post(TagSeen(reader, "", "", None, problem))
 
     def stayed(self, reader: str, tag: PresentTag) -> bool:
-        """Write a tag that is at *reader* still, where that was ordered; return whether it was."""
+        """Write a tag that is still at *reader*, if that was ordered; return whether it was."""
         order = self._take(reader)
         if order is None:
             return False
@@ -121,7 +117,7 @@ class ReaderDesk:
         try:
             tag.write(order.message)
             if tag.read().message != order.message:
-                error = TagError("lost", "it says something else than was written")
+                error = TagError("lost", "what was read back differs from what was written")
         except TagError as exc:
             error = exc
         self._post(_seen(reader, tag))
@@ -129,7 +125,7 @@ class ReaderDesk:
         return True
 
     def left(self, reader: str, uid: str) -> None:
-        """Report that a tag is not at *reader* any more."""
+        """Report that a tag was taken away from *reader*."""
         self._post(TagLeft(reader, uid))
 
     def _take(self, reader: str) -> WriteOrder | None:
@@ -141,7 +137,7 @@ class ReaderDesk:
             return order if order.claim() else None
 
     def _post(self, news: ReaderNews) -> None:
-        """Have *news* told in the loop; while the gateway is behind, the reader waits."""
+        """Pass *news* to the loop; the reader waits while the gateway is behind."""
         while not self.is_stopped:
             if self._room.acquire(timeout=_LOOK):
                 self._loop.call_soon_threadsafe(self._tell, self, news)
@@ -149,33 +145,33 @@ class ReaderDesk:
 
 
 class TagReader(ABC):
-    """One or several readers that a library drives by blocking calls."""
+    """One or more readers that a library drives by blocking calls."""
 
     @abstractmethod
     def run(self, desk: ReaderDesk) -> None:
         """Read tags until the *desk* is stopped, in a thread of its own.
 
         Raises:
-            LinkError: The reader is not there, or not any more.
+            LinkError: The reader is not connected, or was lost.
         """
 
 
 @dataclass(frozen=True, slots=True)
 class TagReaders:
-    """Readers that a host gives the gateway in place of those that its settings name.
+    """Readers that a host gives the gateway instead of those in its settings.
 
     Attributes:
-        readers: Each.
+        readers: The readers.
     """
 
     readers: tuple[TagReader, ...]
 
 
 async def read_tags(reader: TagReader, desk: ReaderDesk) -> None:
-    """Run *reader* until it fails or this is cancelled; its thread has ended then.
+    """Run *reader* until it fails or this is cancelled; then its thread has ended.
 
     Raises:
-        LinkError: The reader is not there, or not any more.
+        LinkError: The reader is not connected, or was lost.
     """
 
     async def stop_when_cancelled() -> None:

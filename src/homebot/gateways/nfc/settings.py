@@ -19,12 +19,12 @@ _YEAR = 365 * 24 * 3600.0
 
 
 class TagSettings(BaseModel):
-    """The facts that the house knows of one tag: ``[gateways.NAME.tags.UID]``.
+    """The settings of one tag: ``[gateways.NAME.tags.UID]``.
 
     Attributes:
-        name: What people call it.
-        area: The room that it is in; what the tag says of that does not count then.
-        device: The id or the name of the device that it points to; what the tag says does not count then.
+        name: Its name.
+        area: The room that it is in; it replaces the room on the tag.
+        device: The id or the name of the device that it points to; it replaces the pointer on the tag.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -38,14 +38,14 @@ class NfcGatewaySettings(GatewaySettings):
     """The settings of a gateway of tags.
 
     Attributes:
-        backend: ``pcsc`` for readers of the computer's smart-card service, ``nfcpy`` for those that nfcpy drives by
-            itself; ``auto`` takes PC/SC where pyscard is installed.
+        backend: ``pcsc`` for readers of the computer's smart-card service, ``nfcpy`` for those that nfcpy drives;
+            ``auto`` is PC/SC where pyscard is installed.
         readers: With PC/SC, the readers to use, each by a part of its name; by default all.
         devices: With nfcpy, the readers as it calls them: ``usb``, ``usb:072f:2200``, ``tty:USB0:pn532`` or
             ``udp:HOST:PORT``.
-        tags: What the house knows of single tags, by their numbers in hexadecimal digits.
+        tags: The settings of single tags, by their numbers in hexadecimal digits.
         max_tags: Tags that may be known at once.
-        stale_after: Seconds after which a tag that nobody held to a reader counts as stale.
+        stale_after: Seconds after which a tag counts as stale if it is not held to a reader.
     """
 
     backend: Literal["auto", "pcsc", "nfcpy"] = "auto"

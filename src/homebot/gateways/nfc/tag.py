@@ -1,4 +1,4 @@
-"""Tags at readers, and news of readers: the border between the readers' threads and the gateway. Pure."""
+"""Tags at readers, and reports of readers: what readers' threads pass to the gateway. Pure."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["PresentTag", "ReaderNews", "ReadersFound", "TagLeft", "TagSeen"]
 
 
 class PresentTag(Protocol):
-    """A tag that is at a reader now. Its methods block, and belong to the reader's thread."""
+    """A tag that is at a reader now. Its methods block; only the reader's thread calls them."""
 
     @property
     def uid(self) -> str:
@@ -19,26 +19,26 @@ class PresentTag(Protocol):
 
     @property
     def tag_type(self) -> str:
-        """Its kind, in words."""
+        """Its type, as text."""
 
     def read(self) -> TagContent:
-        """Return what is on it.
+        """Return its content.
 
         Raises:
-            TagError: It holds no NDEF message, or left.
+            TagError: It is not formatted for NDEF, or was taken away.
         """
 
     def write(self, message: bytes) -> None:
-        """Put an NDEF message on it in place of what is there.
+        """Replace its content by an NDEF message.
 
         Raises:
-            TagError: It does not take it, or left.
+            TagError: It refuses the message, or was taken away.
         """
 
 
 @dataclass(frozen=True, slots=True)
 class ReadersFound:
-    """The readers that are there now.
+    """The readers that are connected now.
 
     Attributes:
         readers: Their names.
@@ -53,10 +53,10 @@ class TagSeen:
 
     Attributes:
         reader: The reader.
-        uid: Its number; empty where not even that could be read.
-        tag_type: What kind of tag it is.
-        content: What is on it; None where that could not be read.
-        problem: Why not, as text.
+        uid: Its number; empty where that could not be read.
+        tag_type: Its type, as text.
+        content: Its content; None where that could not be read.
+        problem: The reason why it could not be read.
     """
 
     reader: str
@@ -68,7 +68,7 @@ class TagSeen:
 
 @dataclass(frozen=True, slots=True)
 class TagLeft:
-    """A tag that is not at a reader any more.
+    """A tag that was taken away from a reader.
 
     Attributes:
         reader: The reader.

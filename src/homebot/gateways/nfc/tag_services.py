@@ -1,4 +1,4 @@
-"""The services of a gateway of tags: finding the device that a code means, reading a tag, and writing one."""
+"""The services of an NFC gateway: find the device that a code points to, read a tag, write a tag."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 import anyio
 
 from homebot.conventions.nfc.ndef_message import read_ndef, write_ndef
+from homebot.conventions.nfc.pointer import Pointer, pointer_of_code, pointer_of_device, pointer_of_records, records_for
 from homebot.devices.device import KeyValue
 from homebot.devices.names import TagNames
 from homebot.devices.tags import (
@@ -22,9 +23,9 @@ from homebot.devices.tags import (
     WriteTagResponse,
 )
 from homebot.errors import WireError
-from homebot.gateways.nfc.pointer import Pointer, pointer_of_code, pointer_of_device, pointer_of_records, records_for
 from homebot.gateways.nfc.reader import ReaderDesk, WriteOrder
 from homebot.gateways.nfc.tag import TagSeen
+from homebot.wot import read_thing
 
 if TYPE_CHECKING:
     from homebot.gateways.nfc.gateway import NfcGateway
@@ -33,10 +34,10 @@ if TYPE_CHECKING:
 __all__ = ["TagServices"]
 
 _MAX_READING: Final = 16
-"""Calls that may wait for a tag at the same time."""
+"""Calls that may wait for a tag at once."""
 
 _MAX_WRITING: Final = 5.0
-"""Seconds that a reader may take to write a tag that came at the last moment."""
+"""Seconds to wait for a tag that is being written when the time is up."""
 
 
 class TagServices:
@@ -60,27 +61,31 @@ class TagServices:
         node.create_service(WriteTag, names.write_tag, self._write, concurrent=True)
 
     def open(self, desk: ReaderDesk) -> None:
-        """Use the readers that meet at *desk*."""
+        """Use the reader at *desk*."""
         self._desks.append(desk)
 
     def close(self, desk: ReaderDesk) -> None:
-        """Use them no more."""
+        """Stop using the reader at *desk*."""
         self._desks.remove(desk)
 
     def show(self, seen: TagSeen) -> None:
-        """Give a tag to who waits for one."""
+        """Give a tag to the calls that wait for one."""
         self._shown = seen
         self._next.set()
         self._next = anyio.Event()
 
     def forget(self, uid: str) -> None:
-        """Give it to nobody any more."""
+        """Give a tag to no further call."""
         if self._shown is not None and self._shown.uid == uid:
             self._shown = None
 
     async def _scan(self, request: ScanCodeRequest) -> ScanCodeResponse:
         try:
-            pointer = pointer_of_records(read_ndef(request.ndef)) if request.ndef else pointer_of_code(request.text)
+            pointer = (
+                pointer_of_records(read_ndef(request.ndef), read_thing)
+                if request.ndef
+                else pointer_of_code(request.text, read_thing)
+            )
         except WireError as exc:
             return ScanCodeResponse(success=False, message=str(exc))
         if pointer.problems and not pointer.text:
@@ -102,7 +107,7 @@ class TagServices:
         if problem:
             return ReadTagResponse(success=False, message=problem, problem="no_reader")
         if self._reading >= _MAX_READING:
-            return ReadTagResponse(success=False, message="too many wait for a tag already", problem="busy")
+            return ReadTagResponse(success=False, message="too many calls are waiting for a tag", problem="busy")
         self._reading += 1
         try:
             seen = await self._next_tag(request.reader, request.wait)
@@ -144,14 +149,10 @@ class TagServices:
             return failed("no_reader", no_reader)
         pointed = await self._gateway.finder.find(pointer_of_device(request.device))
         if pointed.device is None:
-            many = (
-                f"several devices: {', '.join(pointed.candidates)}"
-                if pointed.devices
-                else "no device that a tag can point to"
-            )
+            many = f"several devices: {', '.join(pointed.candidates)}" if pointed.devices else "no known device"
             return failed("no_device", f"{request.device!r} is {many}")
         if self._is_writing:
-            return failed("busy", "another tag is to be written first")
+            return failed("busy", "another call is writing a tag")
         self._is_writing = True
         try:
             order = await self._carry_out(
@@ -171,7 +172,7 @@ class TagServices:
         )
 
     async def _carry_out(self, message: bytes, request: WriteTagRequest) -> WriteOrder | None:
-        """Have the next tag written at whichever reader it comes to; None where none came in time."""
+        """Have the next tag written, at any reader; None where none came in time."""
         order = WriteOrder(message, request.reader)
         desks = tuple(self._desks)
         for desk in desks:
@@ -188,7 +189,7 @@ class TagServices:
         return order if order.done.is_set() else None
 
     async def _next_tag(self, reader: str, wait: float) -> TagSeen | None:
-        """Return the tag that is at a reader, or comes next."""
+        """Return the tag at a reader, or the next one."""
         wanted = reader.casefold()
         for seen in self._gateway.at_reader.values():
             if wanted in seen.reader.casefold():
@@ -203,7 +204,7 @@ class TagServices:
     def _why_no_reader(self, wanted: str) -> str:
         names = [name for some in self._gateway.readers.values() for name in some]
         if not names:
-            return "no reader of tags is connected"
+            return "no NFC reader is connected"
         if not any(wanted.casefold() in name.casefold() for name in names):
             return f"there is no reader {wanted!r}, only {', '.join(names)}"
         return ""
@@ -217,5 +218,5 @@ def _in_words(pointer: Pointer, device: str, candidates: tuple[str, ...]) -> str
     if device:
         return f"it points to {device}"
     if candidates:
-        return f"it may point to {', '.join(candidates)}"
-    return f"it points to {pointer.text}, which is no device here" if pointer.text else "it points to nothing"
+        return f"it may point to any of {', '.join(candidates)}"
+    return f"it points to {pointer.text}, which is not a known device" if pointer.text else "it points to nothing"

@@ -1,26 +1,28 @@
-"""Pointers: what a tag or a code says of the device that it means. Pure.
+"""Pointers: how a tag or a code refers to a device. Pure.
 
-A tag of homebot's own has a URI ``homebot:device/ID``, a text with the name of the device, and where it was taught its
-place, a record of the external type ``homebot:device`` (``urn:nfc:ext:homebot:device``) with a JSON object of
-``device``, ``name`` and ``area``. Tags of others may have any URI, a text with the id, the name or an identifier of a
-device, whose further lines may say ``area: ROOM``, or a Thing Description.
+homebot writes a URI ``homebot:device/ID`` and a text with the name of the device; a line ``area: ROOM`` in it is the
+room of the tag. It also reads any other URI, a text with the id, the name or an identifier of a device, a Thing
+Description, and a record of the external type ``homebot:device`` (``urn:nfc:ext:homebot:device``), which is a JSON
+object of ``device``, ``name`` and ``area``.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, TypeAlias
 from urllib.parse import quote, unquote, urlsplit
 
 from homebot.conventions.nfc.ndef_message import NdefRecord
 from homebot.conventions.payload import clean_text, parse_object
 from homebot.conventions.setup_codes import HomekitCode, MatterCode, read_homekit_code, read_matter_code
 from homebot.errors import WireError
-from homebot.wot import Thing, read_thing
 
-__all__ = ["Pointer", "pointer_of_code", "pointer_of_device", "pointer_of_records", "records_for"]
+__all__ = ["CheckThing", "Pointer", "pointer_of_code", "pointer_of_device", "pointer_of_records", "records_for"]
+
+CheckThing: TypeAlias = Callable[[Mapping[str, object]], object]
+"""Raises :class:`WireError` for an invalid Thing Description; what it returns is not used."""
 
 _DEVICE: Final = "homebot:device/"
 _EXTERNAL: Final = "homebot:device"
@@ -34,20 +36,20 @@ _URLS: Final = frozenset({"http", "https", "coap", "coaps", "coap+tcp", "coaps+t
 
 @dataclass(frozen=True, slots=True)
 class Pointer:
-    """The words of a tag or a code about a device: each that is there narrows it down.
+    """A reference to a device, by one or more of these attributes.
 
     Attributes:
-        kind: What said it; see :class:`homebot.devices.tags.ScanCodeResponse`.
-        text: That in words; empty for nothing said.
+        kind: The kind of code; see :class:`homebot.devices.tags.ScanCodeResponse`.
+        text: The reference in words; empty where there is none.
         id: The id of the device in the directory.
         words: Texts that may be its id, its name, or an identifier.
-        address: The topic on which it publishes, or below which.
-        urls: Addresses of it, or of its description.
-        thing: Its Thing Description.
+        address: The topic on which it publishes, or a level above that topic.
+        urls: Addresses of the device, or of its description.
+        thing: Its Thing Description, as parsed from JSON.
         matter: Its Matter code.
         homekit: Its HomeKit code.
         area: The room that is named.
-        problems: What was not understood.
+        problems: Texts about records that are invalid.
     """
 
     kind: str = "text"
@@ -56,7 +58,7 @@ class Pointer:
     words: tuple[str, ...] = ()
     address: str = ""
     urls: tuple[str, ...] = ()
-    thing: Thing | None = None
+    thing: Mapping[str, object] | None = None
     matter: MatterCode | None = None
     homekit: HomekitCode | None = None
     area: str = ""
@@ -64,7 +66,7 @@ class Pointer:
 
     @property
     def facts(self) -> Mapping[str, str]:
-        """Further facts that it says: no secrets."""
+        """Further facts in the code, without secrets."""
         facts: dict[str, str] = {}
         if self.matter is not None:
             facts = {
@@ -77,7 +79,7 @@ class Pointer:
         return facts
 
     def joined(self, other: Pointer) -> Pointer:
-        """Return what both say; where they differ, what this one says."""
+        """Return both in one; where they differ, this one counts."""
         if not (self.text or self.area):
             return replace(other, problems=(*self.problems, *other.problems))
         return Pointer(
@@ -96,30 +98,30 @@ class Pointer:
 
 
 def pointer_of_device(device: str) -> Pointer:
-    """Return what points to the device of this id or name."""
+    """Return a pointer to the device of this id or name."""
     return Pointer(text=device, words=(device,))
 
 
-def pointer_of_code(text: str) -> Pointer:
-    """Return what the text of a code says.
+def pointer_of_code(text: str, check_thing: CheckThing) -> Pointer:
+    """Return the pointer in the text of a code.
 
     Raises:
-        WireError: It says nothing that could be understood.
+        WireError: The text is empty, too long or invalid.
     """
     code = text.strip()
     if not code or len(code) > _MAX_CODE:
         raise WireError("the code is empty" if not code else f"the code has {len(code)} characters")
     if code.startswith("{"):
-        return _of_thing(code.encode())
+        return _of_thing(code.encode(), check_thing)
     return _of_uri(code) if _SCHEME.match(code) else _of_text(code)
 
 
-def pointer_of_records(records: Iterable[NdefRecord]) -> Pointer:
-    """Return what the records of a tag say together; what is not understood is among its problems."""
+def pointer_of_records(records: Iterable[NdefRecord], check_thing: CheckThing) -> Pointer:
+    """Return the pointer in all records of a tag together; invalid records are among its problems."""
     whole = Pointer()
     for one in records:
         try:
-            said = _of_record(one)
+            said = _of_record(one, check_thing)
         except WireError as exc:
             said = Pointer(problems=(str(exc),))
         whole = whole.joined(said)
@@ -127,14 +129,14 @@ def pointer_of_records(records: Iterable[NdefRecord]) -> Pointer:
 
 
 def records_for(device: str, name: str, area: str = "") -> tuple[NdefRecord, ...]:
-    """Return what a tag gets written that points to *device*."""
+    """Return the records of a tag that points to *device*."""
     records = [NdefRecord("uri", f"{_DEVICE}{quote(device, safe='/')}".encode()), NdefRecord("text", name.encode())]
     if area:
         records[1] = NdefRecord("text", f"{name}\narea: {area}".encode())
     return tuple(records)
 
 
-def _of_record(record: NdefRecord) -> Pointer:
+def _of_record(record: NdefRecord, check_thing: CheckThing) -> Pointer:
     if record.kind == "uri":
         return _of_uri(record.text())
     if record.kind == "text":
@@ -142,13 +144,13 @@ def _of_record(record: NdefRecord) -> Pointer:
     if record.kind == "external" and record.type == _EXTERNAL:
         return _of_external(record)
     if record.kind == "media" and record.type == _THING:
-        return _of_thing(record.data)
+        return _of_thing(record.data, check_thing)
     return Pointer()
 
 
 def _of_uri(uri: str) -> Pointer:
     if not uri.isprintable() or len(uri) > _MAX_CODE:
-        raise WireError("a URI has characters that do not show, or is too long", uri.encode())
+        raise WireError("a URI has unprintable characters, or is too long", uri.encode())
     upper = uri.upper()
     if upper.startswith("MT:"):
         code = read_matter_code(upper)
@@ -168,7 +170,7 @@ def _of_address(uri: str) -> Pointer:
         parts = urlsplit(uri)
         _ = parts.port
     except ValueError as exc:
-        raise WireError(f"a URI is not one: {exc}", uri.encode()) from exc
+        raise WireError(f"a URI is invalid: {exc}", uri.encode()) from exc
     shown = clean_text(uri, 200)
     if parts.scheme in {"mqtt", "mqtts"}:
         topic = unquote(parts.path).strip("/")
@@ -198,6 +200,13 @@ def _of_external(record: NdefRecord) -> Pointer:
     )
 
 
-def _of_thing(document: bytes) -> Pointer:
-    thing = read_thing(parse_object(document))
-    return Pointer("thing", clean_text(thing.title), thing=thing, area=clean_text(thing.area, 100))
+def _of_thing(document: bytes, check_thing: CheckThing) -> Pointer:
+    thing = parse_object(document)
+    check_thing(thing)
+    title, area = thing.get("title", thing.get("name")), thing.get("homebot:area")
+    return Pointer(
+        "thing",
+        clean_text(title) if isinstance(title, str) else "",
+        thing=thing,
+        area=clean_text(area, 100) if isinstance(area, str) else "",
+    )
