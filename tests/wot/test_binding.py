@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-from homebot.errors import WireError
 from homebot.wot import (
     CONTEXT,
     RequestBinding,
@@ -93,8 +92,14 @@ def test_forms_of_the_whole_thing_say_what_they_do() -> None:
     assert [(one.href, one.ops) for one in WEB.read_all_forms(found.forms)] == [
         ("http://lamp/all", ("readallproperties",))
     ]
-    with pytest.raises(WireError, match=r"^forms: 21 are too many"):
-        thing([{"href": "/a"}], forms=forms * 10 + forms[:1])
+
+
+def test_many_forms_are_read_up_to_a_limit() -> None:
+    """A server lists one per address, protocol and content type."""
+    forms = [{"href": f"http://[fd00::{number:x}]/a", "op": "readproperty"} for number in range(300)]
+    found = thing(forms, forms=[{**one, "op": "readallproperties"} for one in forms])
+    assert len(found.affordances[0].forms) == len(found.forms) == 100
+    assert found.affordances[0].forms[40].href == "http://[fd00::28]/a"
 
 
 def test_an_object_with_one_member_stands_for_that_member() -> None:

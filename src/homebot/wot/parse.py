@@ -34,7 +34,9 @@ _WRITE_OPS = frozenset({"writeproperty", "invokeaction"})
 _TYPES: tuple[DataType, ...] = get_args(DataType)
 
 _MAX_AFFORDANCES = 300
-_MAX_FORMS = 20
+_MAX_FORMS = 100
+"""Servers list one per address, protocol and content type, which are dozens; further ones are passed over."""
+
 _MAX_MEMBERS = 20
 _SCALARS = frozenset({"boolean", "integer", "number", "string"})
 _EXTENSION = "homebot:"
@@ -142,10 +144,10 @@ def _forms(
     fields: Fields, kind: AffordanceKind, base: str, security: tuple[str, ...], *, read_only: bool, write_only: bool
 ) -> Iterator[Form]:
     forms = fields.listed("forms")
-    if not 0 < len(forms) <= _MAX_FORMS:
-        raise fields.problem("forms", f"1 to {_MAX_FORMS} forms are expected, got {len(forms)}")
+    if not forms:
+        raise fields.problem("forms", "is empty; give at least one form")
     default = {"property": ("readproperty", "writeproperty"), "action": ("invokeaction",), "event": ("subscribeevent",)}
-    for number, one in enumerate(forms):
+    for number, one in enumerate(forms[:_MAX_FORMS]):
         form = Fields(one, fields.at(f"forms[{number}]"))
         ops = form.texts("op") or default[kind]
         for op in ops:
@@ -158,9 +160,7 @@ def _forms(
 def _thing_forms(fields: Fields, base: str, security: tuple[str, ...]) -> Iterator[Form]:
     """Parse the forms of the thing as a whole; TD 1.1, section 5.3.4.2.1, demands that each names what it does."""
     forms = fields.listed("forms")
-    if len(forms) > _MAX_FORMS:
-        raise fields.problem("forms", f"{len(forms)} are too many; the limit is {_MAX_FORMS}")
-    for number, one in enumerate(forms):
+    for number, one in enumerate(forms[:_MAX_FORMS]):
         form = Fields(one, fields.at(f"forms[{number}]"))
         if ops := form.texts("op"):
             yield _form(form, ops, base, security)
