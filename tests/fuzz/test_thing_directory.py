@@ -89,7 +89,7 @@ def take(document: object) -> None:
     try:
         key = id_of(document)
         assert text_of(document)
-        assert 0 <= lifetime_of(document) <= 30 * 86_400
+        assert 0 <= lifetime_of(document, 0.0) <= 30 * 86_400
         describe_thing(read_thing(document, "http://10.0.0.2/"), key, HTTP_BINDING)
     except WireError:
         pass

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from contextlib import suppress
+from datetime import UTC, datetime
 
 import pytest
 from hypothesis import given
@@ -87,7 +88,26 @@ def test_the_moment_of_reading_changes_no_description() -> None:
     [(3600, 3600.0), (1, 60.0), (1e12, 2_592_000.0), (0, 0.0), (-5, 0.0), ("soon", 0.0), (None, 0.0)],
 )
 def test_the_lifetime_of_a_registration_is_bounded(ttl: object, lifetime: float) -> None:
-    assert lifetime_of({"registration": {"ttl": ttl}}) == lifetime
+    assert lifetime_of({"registration": {"ttl": ttl}}, 0.0) == lifetime
+
+
+@pytest.mark.parametrize(
+    ("expires", "lifetime"),
+    [
+        ("2026-01-01T01:00:00Z", 3600.0),
+        ("2026-01-01T02:00:00.5+01:00", 3600.5),
+        ("2026-01-01T01:00:00", 3600.0),
+        ("2025-12-31T00:00:00Z", 60.0),
+        ("9999-12-31T23:59:59Z", 2_592_000.0),
+        ("0001-01-01T00:00:00+23:59", 60.0),
+        ("soon", 0.0),
+        (5, 0.0),
+    ],
+)
+def test_a_registration_may_say_when_it_ends(expires: object, lifetime: float) -> None:
+    new_year = datetime(2026, 1, 1, tzinfo=UTC).timestamp()
+    assert lifetime_of({"registration": {"expires": expires}}, new_year) == lifetime
+    assert lifetime_of({"registration": {"expires": expires, "ttl": 100}}, new_year) == 100.0
 
 
 VALUES = st.none() | st.booleans() | st.floats() | st.text(max_size=20)

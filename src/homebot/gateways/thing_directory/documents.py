@@ -7,9 +7,11 @@ Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sec
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import Final, Literal, TypeAlias, cast
 
 from homebot.conventions.payload import as_fields, parse_object, shown
@@ -104,9 +106,28 @@ def text_of(document: object) -> bytes:
     return json.dumps(fields, sort_keys=True, ensure_ascii=True).encode()
 
 
-def lifetime_of(document: object) -> float:
-    """Return the seconds for which a registration holds; 0 where it has no end, or says only when that is."""
-    given = to_number(as_fields(as_fields(document).get("registration")).get("ttl"))
-    if given is None or not given > 0:
+def lifetime_of(document: object, now: float) -> float:
+    """Return the seconds for which a registration holds, from 60 to 30 days; 0 where it has no end.
+
+    Args:
+        document: The description.
+        now: Seconds since the Unix epoch, by which a registration without ``ttl`` is judged that says when it ends.
+    """
+    registration = as_fields(as_fields(document).get("registration"))
+    given = to_number(registration.get("ttl"))
+    if given is None:
+        given = _end_of(registration.get("expires")) - now
+    elif not given > 0:
         return 0.0
-    return min(max(given, _SHORTEST_LIFETIME), _LONGEST_LIFETIME)
+    return 0.0 if given == math.inf else min(max(given, _SHORTEST_LIFETIME), _LONGEST_LIFETIME)
+
+
+def _end_of(expires: object) -> float:
+    """Return the time that *expires* says, in seconds since the Unix epoch; infinite where it says none."""
+    if not isinstance(expires, str):
+        return math.inf
+    try:
+        end = datetime.fromisoformat(expires)
+        return end.replace(tzinfo=end.tzinfo or UTC).timestamp()
+    except (ValueError, OverflowError):
+        return math.inf

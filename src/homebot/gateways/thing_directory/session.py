@@ -228,7 +228,11 @@ class DirectorySession:
             self._invalid[key] = digest  # charged once, not with each list
             return key
         self._invalid.pop(key, None)
-        self._put(thing, replace(describe_thing(thing, key, HTTP_BINDING), stale_after=lifetime_of(document)), digest)
+        self._put(
+            thing,
+            replace(describe_thing(thing, key, HTTP_BINDING), stale_after=lifetime_of(document, self._clock.now())),
+            digest,
+        )
         return key
 
     def _put(self, thing: Thing, device: GatewayDevice, digest: bytes) -> None:
