@@ -1,4 +1,4 @@
-"""The abilities of an endpoint, in the words of the vocabulary. Pure."""
+"""The abilities of an endpoint: its capabilities, with functions that read and set them. Pure."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from homebot.devices.value import PlainValue
 __all__ = ["FindAbilities", "MatterAbility", "WriteValue"]
 
 WriteValue: TypeAlias = Callable[[MatterEndpoint, PlainValue, float, str], tuple[MatterOrder, ...]]
-"""Returns the orders that set a value; the numbers are the seconds that it may take, and the text a code."""
+"""Takes an endpoint, a value, the transition in seconds and a code; returns the orders that set the value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,12 +21,12 @@ class MatterAbility:
     """One capability of an endpoint.
 
     Attributes:
-        cluster: The cluster that it stands for.
+        cluster: The cluster that it belongs to.
         capability: The capability.
-        read: Returns its value, by the attributes that are known; None where it is never reported.
-        write: None where it cannot be set.
+        read: Returns its value from the known attributes; None where it is never reported.
+        write: Returns the orders that set it; None where it cannot be set.
         also_read: A further cluster that it is read from; None where there is none.
-        is_battery: Whether it is about the battery of the endpoint rather than about what it is for.
+        is_battery: Whether it is about the battery of the endpoint.
     """
 
     cluster: int
@@ -38,4 +38,4 @@ class MatterAbility:
 
 
 FindAbilities: TypeAlias = Callable[[MatterEndpoint], Iterable[MatterAbility]]
-"""Yields the abilities of an endpoint that one group of clusters gives it."""
+"""Yields the abilities of an endpoint from one group of clusters."""

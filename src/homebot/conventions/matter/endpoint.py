@@ -1,4 +1,4 @@
-"""An endpoint of a Matter node: its attributes, and what can be done to it. Pure.
+"""An endpoint of a Matter node: its attributes, and the orders for it. Pure.
 
 Source: Matter 1.4 Core Specification, 7.8 (endpoints), 7.13 (global attributes), 9.5 (Descriptor cluster).
 """
@@ -20,7 +20,7 @@ _FEATURE_MAP, _ACCEPTED_COMMANDS = 0xFFFC, 0xFFF9
 
 
 class MatterEndpoint:
-    """An endpoint, with the attributes that the server knows of it.
+    """An endpoint, with its attributes as the server knows them.
 
     Args:
         id: Its number; 0 is the root of the node.
@@ -40,37 +40,37 @@ class MatterEndpoint:
         return known is not None and (attribute is None or attribute in known)
 
     def value(self, cluster: int, attribute: int) -> object:
-        """Return a value; None where it is null, or not there."""
+        """Return a value; None where it is null or missing."""
         return self.clusters.get(cluster, _NOTHING).get(attribute)
 
     def number(self, cluster: int, attribute: int) -> float | None:
-        """Return a value that is a number; None where it is none."""
+        """Return a value that is a number, else None."""
         return number_of(self.value(cluster, attribute))
 
     def whole(self, cluster: int, attribute: int) -> int | None:
-        """Return a value that is a whole number, such as one of an enumeration; None where it is none."""
+        """Return a value that is a whole number, such as one of an enumeration, else None."""
         value = self.value(cluster, attribute)
         return value if isinstance(value, int) and not isinstance(value, bool) else None
 
     def flag(self, cluster: int, attribute: int) -> bool | None:
-        """Return a value that is true or false; None where it is neither."""
+        """Return a value that is true or false, else None."""
         value = self.value(cluster, attribute)
         return value if isinstance(value, bool) else None
 
     def text(self, cluster: int, attribute: int) -> str:
-        """Return a value that is a text, on one line; empty where it is none."""
+        """Return a value that is a text, on one line; empty where it is not a text."""
         value = self.value(cluster, attribute)
         return clean_text(value) if isinstance(value, str) else ""
 
     def structs(self, cluster: int, attribute: int) -> Iterator[Mapping[object, object]]:
-        """Yield the structs in a value that is a list of them; their fields are named by their numbers as text."""
+        """Yield the structs in a value that is a list of structs; their fields are numbers, as text."""
         value = self.value(cluster, attribute)
         for one in value if isinstance(value, list) else ():
             if isinstance(one, dict):
                 yield one
 
     def features(self, cluster: int) -> int:
-        """Return the feature map of a cluster; 0 where it says none."""
+        """Return the feature map of a cluster; 0 where it has none."""
         return self.whole(cluster, _FEATURE_MAP) or 0
 
     def accepts(self, cluster: int, command: int) -> bool:
@@ -95,7 +95,7 @@ class MatterEndpoint:
 
     @property
     def children(self) -> tuple[int, ...]:
-        """The numbers of the endpoints that it is composed of; of the root, all others."""
+        """The numbers of the endpoints that it is composed of; of the root, all other endpoints."""
         value = self.value(DESCRIPTOR, _PARTS_LIST)
         return tuple(one for one in value if type(one) is int) if isinstance(value, list) else ()
 
@@ -108,8 +108,8 @@ class ClusterInvocation:
         cluster: The number of the cluster.
         command: The name of the command: ``MoveToLevel``.
         payload: Its fields.
-        is_timed: Whether it has to be sent as a timed interaction, as the specification says of some.
-        is_secret: Whether a code is in it.
+        is_timed: Whether it must be sent as a timed interaction, which the specification requires of some.
+        is_secret: Whether it contains a code.
     """
 
     cluster: int
@@ -140,7 +140,7 @@ class AttributeWrite:
         cluster: The number of the cluster.
         attribute: The number of the attribute.
         value: The value.
-        is_secret: False: no attribute is.
+        is_secret: Always false.
     """
 
     cluster: int
@@ -155,7 +155,7 @@ class AttributeWrite:
 
 
 MatterOrder: TypeAlias = ClusterInvocation | AttributeWrite
-"""One thing that an endpoint is told."""
+"""One order for an endpoint."""
 
 _NOTHING: Final[Mapping[int, object]] = {}
 _TIMED_MS: Final = 1_000
@@ -163,7 +163,7 @@ _HUGE: Final = 1e15
 
 
 def number_of(value: object) -> float | None:
-    """Return the number that *value* is; None where it is none."""
+    """Return *value* as a number; None where it is not one."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return None
     return float(value) if -_HUGE < value < _HUGE and math.isfinite(value) else None

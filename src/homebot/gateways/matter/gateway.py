@@ -42,11 +42,12 @@ from homebot.mqtt.backoff import LINK_BACKOFF, REFUSED_BACKOFF
 __all__ = ["MatterGateway"]
 
 VOUCH_EVERY: Final = 60.0
-"""Seconds between two rounds in which the devices are seen again that the server reaches: it is subscribed to them,
-and notices when one does not answer any more."""
+"""Seconds between two confirmations of the devices that the server reaches: it subscribes to them, and notices when one
+stops answering."""
 
 STEADY_AFTER: Final = 60.0
-"""Seconds after which a connection that ends counts as a new failure: each one brings all attributes of all nodes."""
+"""Seconds after which a connection that ends counts as a first failure: each start transfers all attributes of all
+nodes."""
 
 SERVER: Final = "the Matter server"
 
@@ -76,7 +77,7 @@ class MatterGateway(Gateway):
         self._missed: set[int] = set()
         self._link: MatterServerLink | None = None
         self._connecting: MatterServerLink | None = None
-        self._reason = "it is not connected yet"
+        self._reason = "not connected yet"
         self._listed_at = 0.0
         self._tried = anyio.Event()
         self.devices = PublishedDevices(self, self._perform, settings)
@@ -93,7 +94,7 @@ class MatterGateway(Gateway):
         check_extra('the gateway "matter"', "matter", "aiohttp")
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Keep a connection to the server until cancelled; ready when the first try has ended."""
+        """Keep a connection to the server until cancelled; ready after the first attempt."""
         self._tried = anyio.Event()
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(run_as, self.node.full_name, self._connect_again_and_again)
@@ -122,7 +123,7 @@ class MatterGateway(Gateway):
             raise UnableError(f"the Matter gateway has no device {key[:100]!r}")
         node = self._described[node_id][0].device
         if node.key != key:
-            raise UnableError(f"{key} is behind the bridge {node.key} ({node.name}), which is what can be removed")
+            raise UnableError(f"{key} is behind the bridge {node.key} ({node.name}); only the bridge can be removed")
         return node_id, node.name
 
     async def take_commissioned(self, data: object) -> tuple[str, str]:
@@ -164,7 +165,7 @@ class MatterGateway(Gateway):
 
         Raises:
             LinkError: There is no server, or the link was lost.
-            PeerError: It is no Matter server that homebot knows.
+            PeerError: It is not a Matter server of a known version.
         """
         from homebot.gateways.http_client import HttpClient  # noqa: PLC0415 - only where it runs
 
@@ -175,17 +176,17 @@ class MatterGateway(Gateway):
 
     async def _take_nodes(self, listed: object) -> None:
         if not isinstance(listed, list):
-            raise WireError(f"the list of nodes is {shown(listed)}")
+            raise WireError(f"the list of nodes is {shown(listed)}, not a list")
         present: set[int] = set()
         for one in listed:
             try:
                 present.add(node_id_of(as_fields(one).get("node_id")))
-                await self._take_node(one, "the server listed it")
+                await self._take_node(one, "the Matter server listed it")
             except WireError as exc:
                 self.devices.reject(SERVER, b"", str(exc))
             await anyio.lowlevel.checkpoint()
         for node_id in self._nodes.keys() - present:
-            self._remove_node(node_id, "the server does not have it any more")
+            self._remove_node(node_id, "the Matter server no longer has it")
         self._link, self._reason = self._connecting, ""
         self._listed_at = self._clock.monotonic()
         self.publish_state("active")
@@ -200,7 +201,7 @@ class MatterGateway(Gateway):
         try:
             match event.event:
                 case "node_added" | "node_updated":
-                    await self._take_node(event.data, "the server reported it")
+                    await self._take_node(event.data, "the Matter server reported it")
                 case "node_removed":
                     self._remove_node(node_id_of(event.data), "it was removed from the Matter server")
                 case "attribute_updated":
@@ -221,7 +222,7 @@ class MatterGateway(Gateway):
             self.devices.reject(source, payload, str(exc))
 
     def _source_of(self, event: MatterEvent) -> str:
-        """Return whose message an event is: the key of a node's device, where it is known."""
+        """Return the source of an event: the key of the node, where it is known."""
         data = event.data
         node_id: object = data
         if isinstance(data, list):
@@ -244,12 +245,12 @@ class MatterGateway(Gateway):
                     await self._report(one, part, endpoint, None, is_old=not node.is_available)
 
     def _describe(self, node: MatterNode, why: str) -> None:
-        """Publish the devices that a node is, and take away those that it was."""
+        """Publish the devices of a node, and remove those that it no longer has."""
         before = self._described.get(node.id, ())
         self._described[node.id] = now = node.devices()
         for gone in {one.device.key for one in before} - {one.device.key for one in now}:
             self._node_of.pop(gone, None)
-            self.devices.remove(gone, "its bridge does not have it any more")
+            self.devices.remove(gone, "its bridge no longer has it")
         for one in now:
             self._node_of[one.device.key] = node.id
             self.devices.put(one.device, why, confirmed=node.is_available)
@@ -269,7 +270,7 @@ class MatterGateway(Gateway):
 
     async def _take_attribute(self, data: object, payload: bytes) -> None:
         if not isinstance(data, list) or len(data) != 3:
-            raise WireError(f"a new value of an attribute is {shown(data)}, which is no list of three")
+            raise WireError(f"a new value of an attribute is {shown(data)}, not a list of three")
         node = self._node(data[0])
         path = parse_path(data[1])
         endpoint = node.set(path, data[2])
@@ -278,7 +279,7 @@ class MatterGateway(Gateway):
         await self._report_cluster(node, endpoint, path[1], payload)
 
     def _has_other_parts(self, node: MatterNode, endpoint: MatterEndpoint) -> bool:
-        """Return whether an endpoint is no longer what was published of it: a limit may have changed."""
+        """Return whether the parts of an endpoint differ from those published: a limit may have changed."""
         published = [
             part
             for one in self._described[node.id]
@@ -300,7 +301,7 @@ class MatterGateway(Gateway):
     async def _report(
         self, device: NodeDevice, part: str, endpoint: MatterEndpoint, cluster: int | None, *, is_old: bool = False
     ) -> None:
-        """Report what a part reads from one cluster of its endpoint, or from each; always all of a cluster at once."""
+        """Report the values of a part from one cluster, or from each cluster by itself; None for all clusters."""
         values: dict[int, dict[str, PlainValue]] = {}
         for _, ability in device.abilities[part]:
             if ability.read is not None and cluster in {None, ability.cluster, ability.also_read}:
@@ -314,7 +315,7 @@ class MatterGateway(Gateway):
         number = fields.get("endpoint_id")
         endpoint = node.endpoints.get(number) if isinstance(number, int) else None
         if endpoint is None:
-            raise WireError(f"an event is of the endpoint {shown(number)}, which the node does not have")
+            raise WireError(f"an event is of endpoint {shown(number)}, which the node does not have")
         event = fields.get("event_id")
         if fields.get("cluster_id") != SWITCH or not isinstance(event, int):
             return
@@ -330,29 +331,29 @@ class MatterGateway(Gateway):
         node_id = node_id_of(value)
         node = self._nodes.get(node_id)
         if node is None:
-            raise WireError(f"the node {node_id} is unknown")
+            raise WireError(f"node {node_id} is unknown")
         return node
 
     async def _vouch(self) -> None:
-        """See the devices again that the server reaches, and ask for what was missed, every minute."""
+        """Confirm the devices that the server reaches, and ask for missed nodes, every minute."""
         while True:
             await anyio.sleep(min(VOUCH_EVERY, self._settings.stale_after / 3))
             if self._link is not None:
                 await self._ask_for_missed(self._link)
                 for one in self._reachable():
-                    self.devices.put(one.device, "the server reaches it")
+                    self.devices.put(one.device, "the Matter server reaches it")
                     await anyio.lowlevel.checkpoint()
 
     async def _ask_for_missed(self, link: MatterServerLink) -> None:
-        """Ask for nodes of which changes were dropped, as they sent too much that breaks the rules."""
+        """Ask for the nodes whose changes were dropped, because they sent too many invalid messages."""
         missed, self._missed = self._missed, set()
         for node_id in missed & self._nodes.keys():
             try:
                 await self._take_node(await link.call("a node", "get_node", {"node_id": node_id}), "it was asked for")
             except LinkError:
-                return  # all nodes are listed when there is a link again
+                return  # all nodes are listed again after the next connection
             except PeerError as exc:
-                self.devices.reject(SERVER, b"", f"node {node_id} was asked for: {exc}")
+                self.devices.reject(SERVER, b"", f"node {node_id} cannot be read again: {exc}")
 
     def _reachable(self) -> Iterable[NodeDevice]:
         return [

@@ -1,7 +1,7 @@
-"""A node of a Matter server, and the devices that it is. Pure.
+"""A node of a Matter server, as one or more devices. Pure.
 
-A node is one device, whose endpoints are its parts; each bridged endpoint, with those that it is composed of, is a
-device of its own.
+A node is one device, whose endpoints are its parts. Each bridged endpoint, together with the endpoints it is composed
+of, is a device of its own.
 
 Source: Matter 1.4 Core Specification, 9.2 (composition), 9.5 (Descriptor), 9.12 (Bridge), 9.13 (Bridged Device Basic
 Information), 11.1 (Basic Information), 11.12 (General Diagnostics).
@@ -32,10 +32,10 @@ MAX_PARTS: Final = 200
 """Of one node."""
 
 BASIC, BRIDGED, DIAGNOSTICS = 40, 57, 51
-_VENDOR, _PRODUCT, _LABEL, _HARDWARE, _SOFTWARE, _SERIAL, _REACHABLE, _UNIQUE = 1, 3, 5, 8, 10, 15, 17, 18
+_VENDOR, _PRODUCT, _LABEL, _HARDWARE, _SOFTWARE, _SERIAL, _REACHABLE = 1, 3, 5, 8, 10, 15, 17
 _FACTS: Final = {"manufacturer": _VENDOR, "model": _PRODUCT, "hw_version": _HARDWARE, "sw_version": _SOFTWARE}
 _DEFAULT_SERIALS: Final = frozenset({"", "TEST_SN", "0", "00000000", "**REDACTED**"})
-"""Of example programs and test devices, of which several may be in one house."""
+"""Serial numbers of example programs and test devices; a house may have several of these."""
 
 _BRIDGED_NODE: Final = 0x0013
 _PATH: Final = re.compile(r"([0-9]{1,5})/([0-9]{1,10})/([0-9]{1,10})")
@@ -43,12 +43,12 @@ _PATH: Final = re.compile(r"([0-9]{1,5})/([0-9]{1,10})/([0-9]{1,10})")
 
 @dataclass(frozen=True, slots=True)
 class NodeDevice:
-    """A node as a device, or a bridged device of one.
+    """A node, or a device behind it, as a device of the gateway.
 
     Attributes:
         device: The device.
-        abilities: What its parts can do, each with its endpoint, by the id of the part.
-        root: The endpoint that says what it is.
+        abilities: The abilities of its parts, each with its endpoint, by the id of the part.
+        root: The endpoint with its name, maker and serial number.
     """
 
     device: GatewayDevice
@@ -57,10 +57,10 @@ class NodeDevice:
 
 
 class MatterNode:
-    """A node that was commissioned.
+    """A commissioned node.
 
     Args:
-        id: Its number in the fabric.
+        id: Its node ID in the fabric.
 
     Attributes:
         id: The same.
@@ -79,14 +79,14 @@ class MatterNode:
         """Return the node that the server describes.
 
         Raises:
-            WireError: It is none; single attributes that cannot be read are left out.
+            WireError: It is not a node; single invalid attributes are left out.
         """
         if not isinstance(data, dict):
-            raise WireError(f"a node is {shown(data)}")
+            raise WireError(f"a node is {shown(data)}, not an object")
         node = cls(node_id_of(data.get("node_id")))
         attributes = data.get("attributes")
         if not isinstance(attributes, dict):
-            raise WireError(f"the attributes of node {node.id} are {shown(attributes)}")
+            raise WireError(f"the attributes of node {node.id} are {shown(attributes)}, not an object")
         if len(attributes) > MAX_ATTRIBUTES:
             raise WireError(f"node {node.id} has {len(attributes)} attributes, more than {MAX_ATTRIBUTES}")
         node.is_available = data.get("available") is True
@@ -101,7 +101,7 @@ class MatterNode:
         """Set an attribute, and return the endpoint that has it.
 
         Raises:
-            WireError: The node would have too many.
+            WireError: The node would have too many attributes.
         """
         endpoint_id, cluster, attribute = path
         endpoint = self.endpoints.get(endpoint_id) or MatterEndpoint(endpoint_id)
@@ -114,7 +114,7 @@ class MatterNode:
         return endpoint
 
     def devices(self) -> tuple[NodeDevice, ...]:
-        """Return the devices that it is, itself first."""
+        """Return the node as devices: itself, then those behind it."""
         owners = self._owners()
         key = f"node-{self.id}"
         root = self.endpoints.get(0) or MatterEndpoint(0)
@@ -126,14 +126,14 @@ class MatterNode:
         return tuple(found)
 
     def is_reachable(self, device: NodeDevice) -> bool:
-        """Return whether one of its devices can be reached."""
+        """Return whether *device*, which is one of its devices, can be reached."""
         return self.is_available and device.root.flag(BRIDGED, _REACHABLE) is not False
 
     def _sorted(self) -> list[MatterEndpoint]:
         return [self.endpoints[number] for number in sorted(self.endpoints)]
 
     def _owners(self) -> dict[int, int]:
-        """Return the bridged endpoint that each endpoint of a bridged device belongs to."""
+        """Return the bridged endpoint of each endpoint that belongs to one."""
         bridged = [one for one in self._sorted() if one.id and _BRIDGED_NODE in one.device_types]
         owners = {one.id: one.id for one in bridged}
         for one in bridged:
@@ -172,7 +172,7 @@ class MatterNode:
 
 
 def find_writer(device: NodeDevice, part: str, capability: str) -> tuple[MatterEndpoint, WriteValue]:
-    """Return the endpoint that a capability is of, and what encodes its values.
+    """Return the endpoint that has a capability, and the function that encodes its values.
 
     Raises:
         UnableError: It cannot be set.
@@ -187,25 +187,25 @@ def parse_path(path: object) -> tuple[int, int, int]:
     """Return endpoint, cluster and attribute of a path such as ``1/6/0``.
 
     Raises:
-        WireError: It is none.
+        WireError: It is not a path of an attribute.
     """
     match = _PATH.fullmatch(path) if isinstance(path, str) else None
     if match is None:
-        raise WireError(f"{shown(path)} is no path of an attribute")
+        raise WireError(f"{shown(path)} is not the path of an attribute")
     endpoint, cluster, attribute = (int(one) for one in match.groups())
     if endpoint > 0xFFFF or cluster > 0xFFFFFFFF or attribute > 0xFFFFFFFF:
-        raise WireError(f"{shown(path)} is no path of an attribute")
+        raise WireError(f"{shown(path)} is not the path of an attribute")
     return endpoint, cluster, attribute
 
 
 def node_id_of(value: object) -> int:
-    """Return the number of a node.
+    """Return a node ID.
 
     Raises:
-        WireError: *value* is none.
+        WireError: *value* is not a node ID.
     """
     if isinstance(value, bool) or not isinstance(value, int) or not 0 < value < 1 << 64:
-        raise WireError(f"{shown(value)} is no number of a node")
+        raise WireError(f"{shown(value)} is not a node ID")
     return value
 
 
