@@ -233,7 +233,7 @@ async def test_a_device_that_sleeps_for_too_long_is_removed() -> None:
         await home.seen()
         await home.computer.withdraw("Hall")
         gone = await home.seen(kind="removed")
-        assert gone.why == "it was not heard for 0.5 s, which is too long for sleep"
+        assert gone.why == "it did not come back from sleep within 0.5 s"
 
 
 async def test_a_device_whose_records_change_all_the_time_is_not_connected_to_all_the_time() -> None:

@@ -44,7 +44,7 @@ _HEAT_COOL = 1
 
 
 def build_climate(kind: str, info: Fields) -> EsphomeEntity:
-    """Describe a thermostat, or an air conditioner where it can cool and also dry or only blow."""
+    """Describe a thermostat; an air conditioner if it cools and can also dry or only ventilate."""
     flags = whole_of(info, "feature_flags")
     modes = _named(_MODES, numbers_of(info, "supported_modes"))
     is_conditioner = "cool" in modes and ("dry" in modes or "fan_only" in modes)
@@ -106,7 +106,7 @@ _WATER_TARGET, _WATER_SWITCH, _WATER_PAIR, _WATER_ON = 2, 16, 32, 2
 
 
 def build_fan(kind: str, info: Fields) -> EsphomeEntity:
-    """Describe a fan; the speeds of one are its own levels, from 1 to their count."""
+    """Describe a fan; ESPHome counts its speeds from 1 to the number of levels."""
     entity = EsphomeEntity(kind, info, "fan")
     entity.add_flag("on_off", "state")
     levels = int(number_of(info, "supported_speed_count") or 0)
@@ -138,7 +138,7 @@ _MOST_LEVELS = 1000
 
 
 class _Thermometer:
-    """The unit that a device counts temperatures in, and the lowest and highest target in it.
+    """The temperature unit of a device, with its lowest and highest target.
 
     Attributes:
         bounds: The two in °C; empty where it names none.
@@ -163,7 +163,7 @@ class _Thermometer:
         return read
 
     def number(self, name: str, value: PlainValue) -> float:
-        """Return a target as the device counts it."""
+        """Return a target in the unit of the device."""
         least, most = self.bounds or _ANY_CELSIUS
         celsius = require_number(name, value, least, most, "°C")
         number = {_FAHRENHEIT: to_fahrenheit(celsius), _KELVIN: celsius + _ZERO}.get(self._unit, celsius)
@@ -206,7 +206,7 @@ _PAIR = {"heating_setpoint": "target_temperature_low", "cooling_setpoint": "targ
 
 
 def _add_switch(entity: EsphomeEntity, modes: Mapping[str, object]) -> None:
-    """Offer on and off by the mode, as Home Assistant does."""
+    """Add on and off by means of the mode, as Home Assistant does."""
     on = next((one for one in ("heat_cool", "heat", "cool", *modes) if one in modes and one != "off"), "")
     wanted = ({True: modes[on]} if on else {}) | ({False: modes["off"]} if "off" in modes else {})
 
@@ -224,7 +224,7 @@ def _add_switch(entity: EsphomeEntity, modes: Mapping[str, object]) -> None:
 
 
 def _add_named(entity: EsphomeEntity, name: str, field: str, names: tuple[str, ...], lists: tuple[str, str]) -> None:
-    """Offer a choice of modes that have numbers, and of the device's own, which have texts in a field of theirs."""
+    """Add a choice of standard modes, which are numbers, and custom modes, which are texts in a field of their own."""
     known = _named(names, numbers_of(entity.info, lists[0]))
     own_field = f"custom_{field}"
     options = tuple(dict.fromkeys((*known, *options_of(entity.info, lists[1]))))

@@ -1,4 +1,4 @@
-"""An ESPHome device as homebot has it: what it said of itself and of its entities becomes parts. Pure."""
+"""An ESPHome device: its description and its entities, as parts of the vocabulary. Pure."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _BUILDERS: Mapping[str, Callable[[str, Fields], EsphomeEntity]] = {
     "fan": build_fan,
     **SIMPLE_BUILDERS,
 }
-"""By component, in the order of parts: the first one that is no setting says what the device is."""
+"""By component, in the order of parts: the first part that is no setting decides the type of the device."""
 
 _ORDER = {kind: number for number, kind in enumerate(_BUILDERS)}
 
@@ -41,10 +41,10 @@ class EsphomeDevice:
     """A device and its entities.
 
     Entities that are disabled by default are left out, as are cameras, and infrared and radio transmitters, for which
-    the vocabulary has nothing.
+    the vocabulary has no type.
 
     Args:
-        info: What it said of itself (``DeviceInfoResponse``).
+        info: Its ``DeviceInfoResponse``.
         listed: Its entities, as it lists them.
 
     Attributes:
@@ -98,7 +98,7 @@ class EsphomeDevice:
         return tuple(entity.part(part_id, owners.get(entity.key[0], "")) for part_id, entity in self.entities.items())
 
     def part_of(self, kind: str, state: Fields) -> str | None:
-        """Return the id of the part that a state of the component *kind* is of; None for one that was not listed."""
+        """Return the id of the part to which a state of the component *kind* belongs; None for an unlisted entity."""
         return self._by_key.get((kind, key_of(state)))
 
     def entity(self, part_id: str) -> EsphomeEntity:

@@ -1,6 +1,6 @@
-"""An entity of an ESPHome device as a part of the vocabulary: what its states report, how it is commanded. Pure.
+"""An entity of an ESPHome device as a part of the vocabulary: decodes its states and encodes its commands. Pure.
 
-Source: ESPHome 2026.10, ``components/api/api.proto``; names of fields and numbers of enums are those there.
+Source: ESPHome 2026.10, ``components/api/api.proto``; names of fields and numbers of enums are taken from there.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ Fields: TypeAlias = Mapping[str, object]
 """The fields of a message by name; an enum is its number, or None where that is not known."""
 
 FieldReader: TypeAlias = Callable[[Fields], PlainValue]
-"""Returns the value of one capability in a state, which is always a whole one; None for unknown. Never raises."""
+"""Returns the value of one capability from a complete state; None for unknown. Never raises."""
 
 FieldWriter: TypeAlias = Callable[[PlainValue, str], Fields]
-"""Returns the fields of the command that sets a value, which a code may allow; raises RefusedError."""
+"""Returns the fields of the command that sets a value, given a code for those that need one; raises RefusedError."""
 
 _MAX_OPTIONS = 500
 _MAX_TEXT = 255
@@ -48,11 +48,11 @@ _CATEGORIES: Mapping[int, Category] = {1: "config", 2: "diagnostic"}
 
 
 class EsphomeEntity:
-    """An entity: first what it can do is added, then it reads states and makes commands.
+    """An entity: capabilities are added first, then it decodes states and encodes commands.
 
     Args:
         kind: Its component: ``light``, ``binary_sensor``.
-        info: What the device said of it.
+        info: Its description, as listed by the device.
         service_type: The type of the part; see :data:`homebot.devices.device_types.DEVICE_TYPES`.
         tag: The kind within its type; by default its device class.
 
@@ -84,7 +84,7 @@ class EsphomeEntity:
         bounds: tuple[float, ...] = (),
         options: tuple[str, ...] = (),
     ) -> None:
-        """Have the capability *name*, reported where it can be read and settable where it can be written."""
+        """Add the capability *name*: readable if *read* is given, settable if *write* is."""
         if read is not None:
             self._readers[name] = read
         if write is not None:
@@ -101,15 +101,15 @@ class EsphomeEntity:
         )
 
     def add_flag(self, name: str, field: str) -> None:
-        """Have a capability that is a field of the state, and of the command, which is true or false."""
+        """Add a capability that is a boolean field of state and command."""
         self.add(name, flag_reader(field), lambda value, _code: {field: require_bool(name, value)})
 
     def add_percent(self, name: str, field: str) -> None:
-        """Have a percentage that is a field from 0 to 1 of the state and of the command."""
+        """Add a percentage that is a field from 0 to 1 in state and command."""
         self.add(name, percent_reader(field), percent_writer(name, field))
 
     def add_choice(self, name: str, field: str, choices: Mapping[str, object]) -> None:
-        """Have a choice that is a field of the state and of the command; *choices* are its values there, by option."""
+        """Add a choice that is a field of state and command; *choices* are the values of the field by option."""
         read = table_reader(field, {number: option for option, number in choices.items()})
         options = tuple(choices)
         self.add(
@@ -117,7 +117,7 @@ class EsphomeEntity:
         )
 
     def part(self, part_id: str, owner: str = "") -> Part:
-        """Return the part that it is; of a sub-device the name of that, *owner*, stands before its own."""
+        """Return its part; the name of its sub-device, *owner*, precedes its own."""
         return Part(
             id=part_id,
             name=f"{owner} {text_of(self.info, 'name')}".strip(),
@@ -129,7 +129,7 @@ class EsphomeEntity:
         )
 
     def read(self, state: Fields) -> Readings:
-        """Return what a state reports; where the device has none, all is unknown."""
+        """Return the values in a state; all are unknown if the device has no state."""
         self.state = state
         if state.get("missing_state") is True:
             return dict.fromkeys(self._readers, None)
@@ -152,34 +152,34 @@ class EsphomeEntity:
 
 
 _MOST_SECONDS = 4_000_000.0
-"""Longest transition: its milliseconds are a number of 32 bits."""
+"""Longest transition: ESPHome counts milliseconds with 32 bits."""
 
 
 def key_of(fields: Fields) -> tuple[int, int]:
-    """Return the number of the sub-device and that of the entity that *fields* are of."""
+    """Return the numbers of the sub-device and of the entity in *fields*."""
     return whole_of(fields, "device_id"), whole_of(fields, "key")
 
 
 def whole_of(fields: Fields, name: str) -> int:
-    """Return a whole number, or that of an enum; 0 where there is none, as in a message that leaves it out."""
+    """Return a whole number or the number of an enum; 0 if the field is missing, as in Protocol Buffers."""
     value = fields.get(name)
     return value if isinstance(value, int) else 0
 
 
 def number_of(fields: Fields, name: str) -> float | None:
-    """Return a number with the seven digits that a device's numbers of 32 bits have; None where it is none."""
+    """Return a number, rounded to the seven digits of a 32-bit float; None if it is not a number."""
     number = finite_number(fields.get(name))
     return None if number is None else float(f"{number:.7g}")
 
 
 def text_of(fields: Fields, name: str) -> str:
-    """Return a text fit to be shown; empty where there is none."""
+    """Return a printable text; empty if there is none."""
     value = fields.get(name)
     return clean_text(value, _MAX_TEXT) if isinstance(value, str) else ""
 
 
 def options_of(fields: Fields, name: str) -> tuple[str, ...]:
-    """Return the texts of a list, as the device spells them; the first 500, and none that is empty or too long."""
+    """Return the texts of a list as the device spells them: the first 500, without empty and overlong ones."""
     value = fields.get(name)
     texts = value[:_MAX_OPTIONS] if isinstance(value, list) else []
     return tuple(dict.fromkeys(one for one in texts if isinstance(one, str) and 0 < len(one) <= _MAX_TEXT))

@@ -1,4 +1,4 @@
-"""Lights of ESPHome: what their colour modes can do, and which one a command needs. Pure.
+"""Lights of ESPHome: the abilities of their colour modes, and the mode that a command needs. Pure.
 
 A colour mode is a set of abilities as bits; a state says which one is active, and only its fields count.
 
@@ -80,7 +80,7 @@ def _write_level(value: PlainValue, _code: str) -> Fields:
 
 
 class _Whites:
-    """The whites of a light, which it counts in mired.
+    """The range of white of a light, which ESPHome gives in mired.
 
     Attributes:
         bounds: Warmest and coldest in kelvin; empty where it says none.
@@ -131,7 +131,7 @@ _USUAL_KELVINS = (2_000, 6_535)
 
 
 def _is_white(mode: int, state: Fields) -> bool:
-    """Return whether a lamp in a mode that has both shines white alone."""
+    """Return whether a lamp in a mode with colours and white shines white only."""
     return mode in (47, 51) and number_of(state, "color_brightness") == 0
 
 

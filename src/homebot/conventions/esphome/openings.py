@@ -35,7 +35,7 @@ def build_valve(kind: str, info: Fields) -> EsphomeEntity:
 
 
 def build_lock(kind: str, info: Fields) -> EsphomeEntity:
-    """Describe a lock; one that wants a code judges it itself."""
+    """Describe a lock; the device checks the code if it needs one."""
     commands = {"unlocked": 0, "locked": 1} | ({"open": 2} if info.get("supports_open") is True else {})
     wants_code = info.get("requires_code") is True
 
@@ -62,7 +62,7 @@ _LOCK_STATES: dict[object, str] = {
 
 
 def _add_movement(entity: EsphomeEntity, name: str, info: Fields) -> None:
-    """Add whether it moves, and how far it is open, which is 0 or 1 where it does not measure that."""
+    """Add movement, and position if it is measured; otherwise the position is 0 or 1 and shows open or closed."""
     moves: dict[str, Fields] = dict(_MOVES)
     if info.get("supports_stop") is True:
         moves["stopped"] = {"stop": True}

@@ -106,7 +106,7 @@ def _select(kind: str, info: Fields) -> EsphomeEntity:
 
 
 def _setting_text(kind: str, info: Fields) -> EsphomeEntity:
-    """Describe a text; a password is sent, but never read. Its pattern is checked by the device."""
+    """Describe a text; a password can be set but is never read. The device checks the pattern."""
     least, most = (int(number_of(info, name) or 0) for name in ("min_length", "max_length"))
 
     def write(value: PlainValue, _code: str) -> Fields:
@@ -120,7 +120,7 @@ def _setting_text(kind: str, info: Fields) -> EsphomeEntity:
 
 
 def _button(kind: str, info: Fields) -> EsphomeEntity:
-    """Describe a button. One that makes the device show where it is takes ``locate`` as well."""
+    """Describe a button; one of the class ``identify`` also has ``locate``."""
     entity = EsphomeEntity(kind, info, "x_setting")
     names = ("push", "locate") if text_of(info, "device_class") == "identify" else ("push",)
     for name in names:
@@ -162,7 +162,7 @@ def _siren(kind: str, info: Fields) -> EsphomeEntity:
 
 
 def _alarm(kind: str, info: Fields) -> EsphomeEntity:
-    """Describe an alarm; one that wants a code judges it itself."""
+    """Describe an alarm; the device checks the code if it needs one."""
     has = whole_of(info, "supported_features")
     commands = {name: number for name, (number, bit) in _ALARM_COMMANDS.items() if not bit or has & bit}
     to_disarm = info.get("requires_code") is True
@@ -180,7 +180,7 @@ def _alarm(kind: str, info: Fields) -> EsphomeEntity:
 
 
 def _media_player(kind: str, info: Fields) -> EsphomeEntity:
-    """Describe a player, as far as the vocabulary goes: what it does, its volume, and its switch."""
+    """Describe a player, with what the vocabulary has of it: state, volume, on and off."""
     has = whole_of(info, "feature_flags")
     entity = EsphomeEntity(kind, info, "speaker")
     if has & _SWITCHED == _SWITCHED:
@@ -198,7 +198,7 @@ def _media_player(kind: str, info: Fields) -> EsphomeEntity:
 
 
 def _update(kind: str, info: Fields) -> EsphomeEntity:
-    """Describe the software of a device. It never gets a command to install anything: that is for people to decide."""
+    """Describe the firmware of a device; homebot never installs an update."""
 
     def is_newer(state: Fields) -> PlainValue:
         current, latest = text_of(state, "current_version"), text_of(state, "latest_version")
@@ -220,7 +220,7 @@ def _text(field: str) -> Callable[[Fields], PlainValue]:
 
 
 def _whole(state: Fields, names: tuple[str, ...]) -> tuple[int, ...]:
-    """Return whole numbers; raises ValueError where one is none."""
+    """Return whole numbers; raises ValueError if one is not a number."""
     return tuple(int(_checked(number_of(state, name))) for name in names)
 
 

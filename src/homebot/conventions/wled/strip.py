@@ -1,4 +1,4 @@
-"""A WLED controller by its documents: what it consists of, what it reports, and how it is told. Pure.
+"""A WLED controller: its parts and values from its JSON documents, and the documents that command it. Pure.
 
 A controller has a master switch and dimmer, and segments with brightness, colours and effects of their own. One with a
 single segment is one lamp; with several, the master is a lamp that can be dimmed and each segment is another.
@@ -56,7 +56,7 @@ _SWITCHES: Mapping[str, tuple[str, str, str]] = {
     "sync_receive": ("udpn", "recv", "Takes the state of others"),
     "nightlight": ("nl", "on", "Night light"),
 }
-"""The settings that are switches: the object and its field in the state, and a name."""
+"""Settings that are switches: the object and its field in the state, and a name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,9 +66,9 @@ class _Segment:
     Attributes:
         id: Its number.
         part: The id of its part.
-        name: What people called it; empty for nothing.
+        name: Its name for people; empty if it has none.
         abilities: Bits: 1 colours, 2 a white channel, 4 whites of different temperature.
-        fields: All that the controller says of it.
+        fields: Its object in the state.
     """
 
     id: int
@@ -79,7 +79,7 @@ class _Segment:
 
 
 class WledStrip:
-    """One controller as it was last reported.
+    """One controller in its last reported state.
 
     Args:
         document: Its state and info, the answer to ``/json/si`` or a message of its WebSocket.
@@ -109,7 +109,7 @@ class WledStrip:
 
     @property
     def identifiers(self) -> tuple[str, ...]:
-        """Its hardware address, as it is known by."""
+        """Its hardware address, as an identifier."""
         return identifiers((_text(self._info.get("mac")),))
 
     @property
@@ -124,7 +124,7 @@ class WledStrip:
         return {name: value for name, value in facts.items() if value}
 
     def parts(self) -> tuple[Part, ...]:
-        """Return its parts; first the master."""
+        """Return its parts, the master first."""
         names = tuple(dict.fromkeys(one for one in self._effects if one))
         found = [
             Part(
@@ -242,11 +242,11 @@ class WledStrip:
                 name = require_option(capability, value, [one for one in self._effects if one])
                 return {"on": True, "seg": [own | {"on": True, "fx": self._effects.index(name)}]}
             case _:
-                raise RefusedError(shown(capability), "this segment cannot do that")
+                raise RefusedError(shown(capability), "this segment does not support it")
 
 
 def effect_names(document: object) -> tuple[str, ...]:
-    """Return the names of effects, by number; those that cannot be chosen are empty.
+    """Return the names of effects by number; those that cannot be chosen are empty.
 
     Args:
         document: The answer to ``/json/eff``: a list of texts; what it is else has no effects.
@@ -261,7 +261,7 @@ def effect_names(document: object) -> tuple[str, ...]:
 
 
 def _segments(state: Fields, leds: Fields) -> Iterator[_Segment]:
-    """Yield the segments that light LEDs; the only one is the master's."""
+    """Yield the segments with LEDs; a single one is the master part."""
     listed = state.get("seg")
     given = [one for one in listed if isinstance(one, dict)] if isinstance(listed, list) else []
     lit = [one for one in given[:_MOST_SEGMENTS] if one.get("stop") != 0]

@@ -53,10 +53,10 @@ class DriverSettings(BaseModel):
 
 
 class DriverHost(Protocol):
-    """The gateway, as the driver of one service sees it.
+    """The interface that a gateway offers to the driver of one service.
 
     Attributes:
-        clock: The clock to live by.
+        clock: The clock.
         log: The log of the gateway's node.
     """
 
@@ -77,7 +77,7 @@ class DriverHost(Protocol):
         """Publish whether the device, or one of its parts, can be reached; the gateway does so for the connection."""
 
     async def deliver_raw(self, payload: bytes) -> None:
-        """Deliver a raw message of the device, to who listens to its address."""
+        """Deliver a raw message of the device to the subscribers of its address."""
 
     def reject(self, payload: bytes, why: str) -> None:
         """Count a message of the device that breaks the rules of its protocol, and log it now and then."""
@@ -137,7 +137,7 @@ class Driver(ABC):
 
 
 class DriverSession(Protocol):
-    """One connection of a driver, from its begin to its end."""
+    """One connection of a driver, from its start to its end."""
 
     async def run(self) -> None:
         """Do what :meth:`Driver.run` does."""
@@ -147,7 +147,7 @@ class DriverSession(Protocol):
 
 
 class SessionDriver(Driver):
-    """A driver whose every connection is a session of its own, so that nothing of one is left for the next."""
+    """A driver that creates a new session for each connection, so that no state is carried over."""
 
     def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
         super().__init__(service, settings, host)
@@ -155,10 +155,10 @@ class SessionDriver(Driver):
 
     @abstractmethod
     def open_session(self) -> DriverSession:
-        """Return a session that has not begun; what it needs of an extra is imported here."""
+        """Return a new session that has not started; libraries of an extra are imported here."""
 
     async def run(self) -> None:
-        """Be connected until cancelled."""
+        """Keep a connection until cancelled."""
         self._session = self.open_session()
         try:
             await self._session.run()
@@ -166,7 +166,7 @@ class SessionDriver(Driver):
             self._session = None
 
     async def perform(self, command: Command) -> None:
-        """Let the session carry *command* out."""
+        """Carry out *command* in the current session."""
         if self._session is None:
             raise LinkError(f"{self.service.name} is not connected")
         await self._session.perform(command)

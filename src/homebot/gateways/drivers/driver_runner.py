@@ -1,4 +1,4 @@
-"""The driver of one service: run again and again until the service is gone, and told what the device is to do."""
+"""Runs the driver of one service until the service is gone, and passes commands to it."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ FAILED = "driver.failed"
 CRASHED = "driver.crashed"
 
 LOST_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=15.0, late_cap=60.0, late_after=300.0, jitter=0.5)
-"""For a device that cannot be connected to: one that restarts is back within seconds."""
+"""After a lost connection: a device that restarts is back within seconds."""
 
 REFUSED_BACKOFF: Final = Backoff(first=30.0, factor=2.0, cap=600.0, late_cap=600.0, late_after=600.0, jitter=0.5)
-"""For one that lets nobody in, or does not follow its protocol: a person has to do something."""
+"""After a refused login or a protocol error: somebody has to change something."""
 
 STEADY_AFTER = 60.0
-"""Seconds after which a connection that ends counts as a new failure."""
+"""Seconds that a connection has to last for the back-off to start over."""
 
 DESCRIBED_WITHIN = 5.0
-"""Seconds after which a device is listed without its parts, if its driver has not described it until then; and those
-that a command waits for a connection that is being made."""
+"""Seconds after which a device is listed without parts if its driver has not described it yet; also how long a command
+waits for a connection that is being made."""
 
 
 class DriverRunner(PublishedDriverHost):
@@ -83,13 +83,13 @@ class DriverRunner(PublishedDriverHost):
         self._sleeps = False
 
     def change(self, service: FoundService) -> None:
-        """Take what is known of the service now; the driver is run anew where it has moved, or says something else."""
+        """Take the current records of the service; restart the driver if host, port or TXT record changed."""
         before, self.service = self.service, service
         if _place(before) != _place(service) and self._attempt is not None:
             self._attempt.cancel()
 
     async def run(self) -> None:
-        """Run the driver until cancelled, after a growing pause where it has failed."""
+        """Run the driver until cancelled; after a failure, wait with a growing pause and run it again."""
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._list_in_time)
             failures, failing_since = 0, self.clock.monotonic()
@@ -130,7 +130,7 @@ class DriverRunner(PublishedDriverHost):
         self.report_reachable(reachable=True)
 
     async def _run_once(self) -> Backoff | None:
-        """Run the driver until it fails; return how long to wait then, None where it is to be run anew at once."""
+        """Run the driver until it fails; return the back-off to wait, or None to run it again at once."""
         self._connecting, self._connected = True, anyio.Event()
         failed: Backoff | None = None
         with anyio.CancelScope() as self._attempt:

@@ -42,16 +42,16 @@ __all__ = ["MdnsGateway"]
 DRIVER_NOT_USED = "mdns.driver_not_used"
 
 SLACK = 15.0
-"""Seconds after the end of its record in which a service is asked; after that it counts as stale."""
+"""Seconds after the expiry of its SRV record in which a service is asked again before it counts as stale."""
 
 
 MAX_PROBLEMS = 20
-"""Devices of which the health service says what is wrong."""
+"""Devices whose problems the health service lists."""
 
 
 @dataclass(eq=False, slots=True)
 class _Listed:
-    """A service that is there, with its driver where it has one, and how that is stopped."""
+    """A listed service, with its running driver if it has one."""
 
     service: FoundService
     stale_after: float
@@ -61,7 +61,7 @@ class _Listed:
 
 
 class MdnsGateway(Gateway):
-    """Brings the devices on the local network that announce themselves by DNS-SD onto the graph.
+    """Gateway to the devices on the local network that announce themselves by DNS-SD.
 
     Args:
         node: Its node.
@@ -94,7 +94,7 @@ class MdnsGateway(Gateway):
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
-        """Look for the libraries, and for the drivers that have a table.
+        """Check that the libraries and the configured drivers are there.
 
         Raises:
             UsageError: One is missing, or a table is wrong.
@@ -104,7 +104,7 @@ class MdnsGateway(Gateway):
             find_drivers(settings.drivers, settings.folder)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Follow what is on the network until cancelled; ready when it has listened once, or could not."""
+        """Follow the services on the network until cancelled; ready after the first attempt to listen."""
         await anyio.to_thread.run_sync(import_module, "homebot.gateways.mdns.zeroconf_network")  # starts a program
         self._drivers = find_drivers(self._settings.drivers, self._settings.folder)
         for problem in self._drivers.problems:
@@ -124,11 +124,11 @@ class MdnsGateway(Gateway):
                 interfaces = await self._interfaces.wait_for_change(wanted, interfaces)
 
     def may_come(self, news: ServiceNews) -> bool:
-        """Return whether an announcement by a service that is not known yet is to be read."""
+        """Return whether to read an announcement of an unknown service."""
         return self.devices.admits(news.name)
 
     def take(self, found: ResolvedService) -> None:
-        """List a service that is there, or still there, or has changed."""
+        """List a service that is new, still there, or changed."""
         service = found.service
         if found.problem:
             self.devices.reject(service.key, found.txt, found.problem)
@@ -149,7 +149,7 @@ class MdnsGateway(Gateway):
             self._publish(listed, listed.device, "it is announced")
 
     def drop(self, name: str, why: str) -> None:
-        """Take out a service that is gone; a device that sleeps stays."""
+        """Remove a service that is gone; a sleeping device stays listed."""
         listed = self._listed.get(name)
         if listed is not None and self._sleeps(listed):
             self._stop(listed)
@@ -160,15 +160,15 @@ class MdnsGateway(Gateway):
             self._remove(name, why)
 
     def refuse(self, name: str, why: str) -> None:
-        """Count an announcement that is not followed, and charge it to who sent it."""
+        """Count an announcement that is not followed as an offence of its sender."""
         self.devices.reject(name, b"", f"it is not followed: {why}")
 
     def delay(self, name: str) -> None:
-        """Count a change that has to wait, and charge it to the service."""
+        """Count a delayed change as an offence of the service."""
         self.devices.reject(name, b"", f"its records change too often; they are read every {CHANGE_EVERY:g} s now")
 
     async def _follow(self, interfaces: Interfaces, task_status: TaskStatus[None]) -> None:
-        """Follow what is on the network until there is no interface to it any more.
+        """Follow the services until there is no network interface left.
 
         Raises:
             LinkError: The network cannot be used.
@@ -190,7 +190,7 @@ class MdnsGateway(Gateway):
             tasks.cancel_scope.cancel()
 
     async def _use(self, network: MdnsNetwork, interfaces: Interfaces) -> str:
-        """Use other *interfaces*; return the reason why that is not possible, empty where it is."""
+        """Use other *interfaces*; return why that failed, or an empty text."""
         if not interfaces:
             return _no_interface(self._settings.interfaces)
         try:
@@ -214,7 +214,7 @@ class MdnsGateway(Gateway):
         self.publish_state("active")
 
     def _start(self, listed: _Listed) -> None:
-        """Run the driver of a service, where there is one for it."""
+        """Start the driver of a service if there is one for its type."""
         driver = self._drivers.by_type.get(listed.service.service_type)
         if driver is None or self._tasks is None:
             return
@@ -252,7 +252,7 @@ class MdnsGateway(Gateway):
         return (known is not None and known.sleeps) or listed.service.name in self._settings.sleeping
 
     def _publish(self, listed: _Listed, device: GatewayDevice | None, why: str, *, confirmed: bool = True) -> None:
-        """Publish a service as its driver describes it, and as DNS-SD does; one that nobody describes has no part."""
+        """Publish a service with what its driver and DNS-SD say; without a driver it has no parts."""
         if self._listed.get(listed.service.key) is not listed:
             return
         listed.device, service = device or listed.device, listed.service
@@ -294,7 +294,7 @@ class MdnsGateway(Gateway):
             raise LinkError(f"no device can be reached: {self._unavailable}")
         listed = self._listed.get(command.key)
         if listed is None or listed.runner is None:
-            raise LinkError(f"{command.key[:100]} has no driver that could tell it anything")
+            raise LinkError(f"{command.key[:100]} has no driver to send commands with")
         await listed.runner.perform(command)
 
 

@@ -14,14 +14,14 @@ Interfaces: TypeAlias = tuple[str | int, ...]
 """IPv4 addresses, and the indexes of interfaces that have IPv6: as zeroconf wants them."""
 
 LOOK_EVERY = 2.0
-"""Seconds between two looks at which interfaces there are; one look costs about 0.2 ms."""
+"""Seconds between two checks of the interfaces; one check takes about 0.2 ms."""
 
 
 class NetworkInterfaces:
-    """The network interfaces of this computer; a host service may be another."""
+    """The network interfaces of this computer; the host may provide others."""
 
     def find(self, wanted: tuple[str, ...]) -> Interfaces:
-        """Return the interfaces that are there.
+        """Return the present interfaces.
 
         Args:
             wanted: Names or addresses; empty for all but loopback.
@@ -41,14 +41,14 @@ class NetworkInterfaces:
         return tuple(dict.fromkeys(found))
 
     async def wait_for_change(self, wanted: tuple[str, ...], before: Interfaces) -> Interfaces:
-        """Wait until others are there than *before*, and return them."""
+        """Wait until the interfaces differ from *before*, and return them."""
         while (now := self.find(wanted)) == before:  # noqa: ASYNC110 - the system tells nobody
             await anyio.sleep(LOOK_EVERY)
         return now
 
 
 def _is_ready(address: str, index: int) -> bool:
-    """Return whether a link-local address can be used, which takes some seconds: it might be a duplicate."""
+    """Return whether a link-local address can be used yet: duplicate detection takes some seconds."""
     with socket.socket(socket.AF_INET6, socket.SOCK_DGRAM) as probe:
         try:
             probe.bind((address, 0, 0, index))

@@ -1,4 +1,4 @@
-"""The network as the gateway sees it: signs of services, their records, and what homebot announces."""
+"""The port to the network: news of services, their records, and the services that homebot announces."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["OwnService", "ResolvedService", "ServiceNetwork", "ServiceNews"]
 
 @dataclass(frozen=True, slots=True)
 class ServiceNews:
-    """A sign of a service on the network.
+    """News of a service on the network.
 
     Attributes:
         kind: ``seen`` (announced, or changed), or ``gone`` (it said goodbye).
@@ -32,8 +32,8 @@ class ResolvedService:
 
     Attributes:
         service: The service.
-        ttl: Seconds for which its SRV record was said to hold.
-        left: Seconds of that which are left.
+        ttl: The time to live of its SRV record, in seconds.
+        left: The seconds of it that are left.
         problem: The rule that its records break, as text; empty for none.
         txt: Its TXT record.
     """
@@ -68,26 +68,26 @@ class ServiceNetwork(Protocol):
     """The port to the network; :class:`homebot.gateways.mdns.zeroconf_network.MdnsNetwork` is the adapter."""
 
     def resolve_cached(self, service_type: str, name: str) -> ResolvedService | None:
-        """Return a service as its last records say; None where some are missing or have run out."""
+        """Return a service from cached records; None if some are missing or expired."""
 
     async def resolve(self, service_type: str, name: str, within: float) -> ResolvedService | None:
-        """Ask for the records of a service; return None where it does not answer *within* that many seconds."""
+        """Ask for the records of a service; return None if it does not answer *within* that many seconds."""
 
     def forget(self, service_type: str, name: str) -> None:
-        """Forget what is kept of a service, so that its next announcement is news."""
+        """Drop the cached records of a service, so that its next announcement is news."""
 
     def cached_names(self, service_type: str) -> tuple[str, ...]:
         """Return the names of the services of a type that were announced and not withdrawn."""
 
     async def ask_again(self) -> None:
-        """Ask for all types anew."""
+        """Ask for all types again."""
 
     async def announce(self, service: OwnService) -> str:
-        """Announce a service of our own; return the name that it got.
+        """Announce a service of homebot; return the name that it got.
 
         Raises:
             LinkError: It cannot be announced.
         """
 
     async def withdraw(self, service_type: str) -> None:
-        """Withdraw a service of our own."""
+        """Withdraw a service of homebot."""

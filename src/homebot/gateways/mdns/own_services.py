@@ -1,7 +1,7 @@
-"""The services of homebot itself, announced to the network: that it is here, and what it serves to others.
+"""The services that homebot announces on the network.
 
-``_homebot._tcp`` is always announced, with name, version and id. What a part of homebot serves is announced as it says
-on :data:`homebot.devices.network_service.NETWORK_SERVICES`, unless only this computer can reach it.
+``_homebot._tcp`` is always announced, with name, version and id. Other services are announced as published on
+:data:`homebot.devices.network_service.NETWORK_SERVICES`, unless they listen on loopback only.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ ANNOUNCE_FAILED = "mdns.announce_failed"
 HOMEBOT = "_homebot._tcp"
 
 DOOR = "_rosbridge._tcp"
-"""The door, whose port is that of ``_homebot._tcp`` too; without one that is 0: there is nothing to connect to."""
+"""The door. ``_homebot._tcp`` has its port too, or 0 if there is no door to connect to."""
 
 MAX_SERVICES = 20
 
 
 class OwnServices:
-    """The services of this process that the network sees.
+    """The services that this process announces.
 
     Args:
         node: The node of the gateway.
@@ -49,7 +49,7 @@ class OwnServices:
         node.create_subscription(NetworkService, NETWORK_SERVICES, self._take, NETWORK_SERVICES_QOS)
 
     async def announce(self, network: ServiceNetwork) -> None:
-        """Keep the network informed until cancelled."""
+        """Keep the announcements up to date until cancelled."""
         self._waiting = dict.fromkeys((HOMEBOT, *self._offered))
         identity = await anyio.to_thread.run_sync(installation_facts, self._node.full_name)
         while True:

@@ -1,4 +1,4 @@
-"""Facts that DNS-SD tells of a device: by what it is known elsewhere, its maker and model, usable addresses. Pure."""
+"""Facts about a device from DNS-SD: identifiers, maker, model and usable addresses. Pure."""
 
 from __future__ import annotations
 

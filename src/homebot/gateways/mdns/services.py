@@ -1,8 +1,8 @@
-"""The services on the network, each asked again when what it said has run out.
+"""The services on the network, each queried again when its SRV record expires.
 
-One task follows one service: it sleeps until the SRV record runs out, asks again, and takes a service that does not
-answer for gone (RFC 6762, section 5.2). Announcements of services that are not known yet wait, bounded by type, and are
-taken in at a pace, one type after the other: a flood of one type does not keep the others out.
+One task follows each service: it waits until the SRV record expires, queries it again, and removes the service if it
+does not answer (RFC 6762, section 5.2). Announcements of unknown services wait in bounded queues, one for each type,
+and are admitted at a limited rate, each type in turn, so that a flood of one type does not block the others.
 """
 
 from __future__ import annotations
@@ -23,71 +23,71 @@ from homebot.isolation import isolated
 __all__ = ["ServiceHandler", "Services"]
 
 ANSWER_WITHIN = 3.0
-"""Seconds in which a service may answer: it is asked four times."""
+"""Seconds in which a service may answer; the query is sent four times."""
 
 SHORTEST = 5.0
-"""Seconds between two times that one service is asked, whatever time to live it has."""
+"""Seconds between two queries of one service at least, whatever its time to live."""
 
 GRACE = 0.5
-"""Seconds by which the record has run out for certain."""
+"""Seconds added to the time to live, so that the record has certainly expired."""
 
 MAX_BUDGETS = 1000
-"""Services that went and whose changes are still counted; the oldest is forgotten."""
+"""Removed services whose change budgets are remembered; the oldest is forgotten."""
 
 MAX_ASKED = 32
-"""Services that are asked at the same time."""
+"""Services that are queried at the same time."""
 
 MAX_WAITING = 256
-"""Services of one type that wait to be taken in; one more is dropped and counted, and looked for again later."""
+"""Services of one type that wait for admission; further ones are dropped, counted, and looked for again later."""
 
 BURST, PER_SECOND = 256.0, 20.0
-"""Services that are taken in at once, and after that."""
+"""Services that are admitted at once, and each second after that."""
 
 PACE = 0.25
-"""Seconds between two times that some are taken in, while more wait."""
+"""Seconds between two admissions while services wait; also how long to wait for the other records of a change."""
 
 LOOK_AGAIN = 30.0
-"""Seconds after which what was dropped is looked for in what the library keeps."""
+"""Seconds after which dropped services are looked for in the cache of the library."""
 
 ASK_AGAIN = 600.0
-"""Seconds after which all types are asked for anew: an announcement may have been lost."""
+"""Seconds after which all types are queried again, because announcements may have been lost."""
 
 CHANGES_AT_ONCE, CHANGE_EVERY = 5.0, 10.0
-"""Changes of one service that are taken in at once, and seconds for each one after that: a device that has moved is
-connected to anew, and one whose records change all the time must not be so all the time."""
+"""Changes of one service that are handled at once, and seconds between further ones: each change may cause a new
+connection."""
 
 TRIES_AFTER_LOSS = 5
-"""Times that a service known from before is asked when the network has come back; wireless links take their time."""
+"""Queries of a known service after the network came back: wireless links take some time."""
 
 
 class ServiceHandler(Protocol):
-    """The port to what is done with services."""
+    """The port through which services are listed."""
 
     def may_come(self, news: ServiceNews) -> bool:
-        """Return whether an announcement by a service that is not known yet is to be read."""
+        """Return whether to read an announcement of an unknown service."""
 
     def take(self, found: ResolvedService) -> None:
-        """Take in a service that is there, or still there, or has changed."""
+        """Take a service that is new, still there, or changed."""
 
     def drop(self, name: str, why: str) -> None:
-        """Take out a service that is gone, if it was ever there."""
+        """Remove a service that is gone, if it was listed."""
 
     def refuse(self, name: str, why: str) -> None:
         """Count an announcement that is not followed."""
 
     def delay(self, name: str) -> None:
-        """Count a change of a service that changes too often; its last records are taken in a little later."""
+        """Count a delayed change of a service that changes too often."""
 
 
 @dataclass(slots=True)
 class _ChangeBudget:
-    """The changes that may be taken in of one service."""
+    """Budget of changes of one service."""
 
     left: float = CHANGES_AT_ONCE
     since: float = 0.0
 
     def spend(self, now: float) -> float:
-        """Take one; return the seconds to wait for it."""
+        """Take one change; return the seconds to wait for it."""
         self.left = min(CHANGES_AT_ONCE, self.left + (now - self.since) / CHANGE_EVERY)
         self.left, self.since = max(-1.0, self.left - 1.0), now
         return max(0.0, -self.left * CHANGE_EVERY)
@@ -126,7 +126,7 @@ class Services:
         self._asking = anyio.CapacityLimiter(MAX_ASKED)
 
     def hear(self, news: ServiceNews) -> None:
-        """Take a sign of a service from the network."""
+        """Handle news of a service."""
         key = news.name.lower()
         one = self._followed.get(key)
         if news.kind == "gone":
@@ -183,7 +183,7 @@ class Services:
                 self._some_wait = anyio.Event()
 
     def _next(self) -> ServiceNews | None:
-        """Return the next service to be taken in, of each type in turn."""
+        """Return the next service to admit, of each type in turn."""
         for service_type in tuple(self._waiting):
             self._waiting.move_to_end(service_type)
             if line := self._waiting[service_type]:
@@ -225,7 +225,7 @@ class Services:
                     await anyio.sleep(self._pause(one))
 
     def _pause(self, one: _Followed) -> float:
-        """Return the seconds until a change is taken in, as it then is: most come in several messages."""
+        """Return the seconds to wait before reading a change: most come in several messages."""
         wait = one.budget.spend(self._clock.monotonic())
         if wait > 0:
             self._handler.delay(one.name)

@@ -36,7 +36,7 @@ KNOWN_TYPES = tuple(
         "_wot._tcp",
     )
 )
-"""What is asked for at once; everything else is found by asking for all types first."""
+"""The types that are queried at once; others are found by querying the list of all types first."""
 
 
 class MdnsGatewaySettings(GatewaySettings):
@@ -47,13 +47,13 @@ class MdnsGatewaySettings(GatewaySettings):
         service_types: The DNS-SD service types to look for, such as ``_shelly._tcp``. By default those of all drivers,
             some that are common in houses, and every further one on the network, which
             ``_services._dns-sd._udp`` stands for.
-        announce: Whether other programs on the network see homebot.
-        announce_as: The name that they see; by default that of this computer.
+        announce: Whether homebot announces itself on the network.
+        announce_as: The name that it announces; by default that of this computer.
         drivers: The tables of drivers by their names. A driver that is installed needs none; one of your own is named
             ``module:Class``.
         sleeping: Devices that sleep to save their battery and do not say so: the seconds of silence after which each
             counts as stale, by the instance names of their services.
-        forget_sleeping_after: Seconds after which a sleeping device is taken out that has not come back.
+        forget_sleeping_after: Seconds after which a sleeping device that did not come back is removed.
         max_services: Services that may be known at once; of one type at most half of them.
     """
 
@@ -79,7 +79,7 @@ class MdnsGatewaySettings(GatewaySettings):
         return full
 
     def model_post_init(self, context: object) -> None:
-        """Keep the folder of the configuration for the tables of drivers, which are checked later."""
+        """Remember the folder of the configuration for the tables of drivers, which are checked later."""
         self._folder = folder_of(context)
 
     @property
@@ -88,7 +88,7 @@ class MdnsGatewaySettings(GatewaySettings):
         return self._folder
 
     def types_with(self, drivers: frozenset[str]) -> frozenset[str]:
-        """Return the service types to look for, where those of *drivers* can be talked to."""
+        """Return the service types to look for, given the types that *drivers* support."""
         if self.service_types is not None:
             return frozenset(self.service_types)
         return frozenset((*drivers, *KNOWN_TYPES, ENUMERATION))

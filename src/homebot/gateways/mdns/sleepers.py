@@ -1,4 +1,4 @@
-"""Devices that sleep: they leave the network and come back, and stay listed meanwhile."""
+"""Sleeping devices: they leave the network, stay listed, and come back."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from homebot.timer_queue import TimerQueue
 __all__ = ["MAX_ASLEEP", "Sleepers"]
 
 MAX_ASLEEP = 100
-"""Devices that are listed while they sleep; of more, the one that has slept longest is taken out."""
+"""Sleeping devices that stay listed; if there are more, the one that has slept longest is removed."""
 
 
 class Sleepers:
-    """The devices that are asleep, each until it is heard again, or has slept for too long.
+    """The sleeping devices, each until it is back or has slept for too long.
 
     Args:
         clock: The clock.
-        longest: Seconds after which a device that was not heard again is taken out.
-        take_out: Called with its name then, and with the reason as text.
+        longest: Seconds after which a device that did not come back is removed.
+        remove: Called with the name of such a device and the reason as text.
     """
 
-    def __init__(self, clock: Clock, longest: float, take_out: Callable[[str, str], None]) -> None:
+    def __init__(self, clock: Clock, longest: float, remove: Callable[[str, str], None]) -> None:
         self._clock = clock
         self._longest = longest
-        self._take_out = take_out
+        self._remove = remove
         self._until: TimerQueue[str, None] = TimerQueue()
         self._names: dict[str, None] = {}
         self._changed = anyio.Event()
@@ -36,7 +36,7 @@ class Sleepers:
         return name in self._names
 
     def add(self, name: str) -> None:
-        """Note that a device fell asleep; one that is asleep already has its time from before."""
+        """Add a device that fell asleep; one that sleeps already keeps its deadline."""
         if name in self._names:
             return
         self._names[name] = None
@@ -46,21 +46,21 @@ class Sleepers:
             self._end(next(iter(self._names)), f"more than {MAX_ASLEEP} devices are asleep")
 
     def discard(self, name: str) -> None:
-        """Note that a device is awake, or gone; one that is not asleep is fine."""
+        """Drop a device that is awake or gone; does nothing if it does not sleep."""
         self._names.pop(name, None)
         self._until.discard(name)
 
     async def run(self) -> None:
-        """Take out what has slept for too long, until cancelled."""
+        """Remove devices that have slept for too long, until cancelled."""
         while True:
             self._changed = anyio.Event()
             now = self._clock.monotonic()
             while (due := self._until.pop(now)) is not None:
-                self._end(due[0], f"it was not heard for {self._longest:g} s, which is too long for sleep")
+                self._end(due[0], f"it did not come back from sleep within {self._longest:g} s")
             next_one = self._until.next()
             with anyio.move_on_after(None if next_one is None else next_one - now):
                 await self._changed.wait()
 
     def _end(self, name: str, why: str) -> None:
         self.discard(name)
-        self._take_out(name, why)
+        self._remove(name, why)

@@ -23,7 +23,7 @@ class TxtRecord:
     Attributes:
         properties: Values by key in lower case; of a key that occurs twice the first value. A value that is not UTF-8
             has its other bytes written as ``\xff``; a key without a value has an empty one.
-        problem: The rule that the record breaks, as text; empty for none. What can be read was read all the same.
+        problem: The rule that the record breaks, as text; empty for none. Valid keys are read all the same.
     """
 
     properties: Mapping[str, str] = field(default_factory=dict)

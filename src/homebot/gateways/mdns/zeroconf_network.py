@@ -1,8 +1,8 @@
-"""The network as multicast DNS shows it. The only file that imports zeroconf.
+"""The network as seen by multicast DNS. The only file that imports zeroconf.
 
-What the library does differently from what one would think: it raises the time to live of a PTR record to 1,125 s, so
-that the end of that record says little; and what an ``AsyncServiceInfo`` calls its TTLs are defaults of its own. The
-true time to live of a service is that of its SRV record in the cache, and is read there.
+Two surprises of the library: it raises the time to live of a PTR record to at least 1,125 s, so that its expiry says
+little; and the TTLs of an ``AsyncServiceInfo`` are constants, not what the peer sent. The true time to live of a
+service is that of its SRV record, which is read from the cache.
 
 Sources: RFC 6762 (Multicast DNS), RFC 6763 (DNS-Based Service Discovery).
 """
@@ -29,13 +29,13 @@ from homebot.gateways.mdns.txt_record import read_txt
 __all__ = ["MdnsNetwork"]
 
 MAX_TYPES = 100
-"""Service types that are asked for at once; a house has up to fifty."""
+"""Service types that are browsed at once; a house has up to fifty."""
 
 LONGEST_TTL = 4500.0
-"""Seconds: the longest time to live that RFC 6762, section 10, recommends, for any record."""
+"""Seconds: the longest time to live that RFC 6762, section 10, recommends for any record."""
 
 UNKNOWN_TTL = 120.0
-"""Seconds: what section 10 recommends for SRV records, where the record is not kept any more."""
+"""Seconds: what section 10 recommends for SRV records; used when the record is not cached any more."""
 
 _CLOSING = 2.0
 _SRV = 33  # RFC 2782
@@ -45,7 +45,7 @@ class MdnsNetwork(ServiceNetwork):
     """The network behind some interfaces, used as ``async with MdnsNetwork.opened(…) as network``.
 
     Attributes:
-        refused_types: Service types that are not asked for, because there are too many.
+        refused_types: Service types that are not browsed because there are too many.
     """
 
     def __init__(self, zeroconf: AsyncZeroconf, interfaces: Interfaces, hear: Callable[[ServiceNews], None]) -> None:
@@ -60,11 +60,11 @@ class MdnsNetwork(ServiceNetwork):
     @classmethod
     @asynccontextmanager
     async def opened(cls, interfaces: Interfaces, hear: Callable[[ServiceNews], None]) -> AsyncIterator[MdnsNetwork]:
-        """Open the network inside the block; leaving it says goodbye for what was announced.
+        """Open the network inside the block; leaving it withdraws what was announced.
 
         Args:
             interfaces: Where.
-            hear: Called with each sign of a service; it must not raise.
+            hear: Called with news of services; it must not raise.
 
         Raises:
             LinkError: It cannot be opened.
@@ -85,7 +85,7 @@ class MdnsNetwork(ServiceNetwork):
                 await network._close()
 
     async def change_interfaces(self, interfaces: Interfaces) -> None:
-        """Use other interfaces from now on; what is announced is announced there too.
+        """Use other interfaces from now on, also for what is announced.
 
         Raises:
             LinkError: They cannot be used.
@@ -108,20 +108,20 @@ class MdnsNetwork(ServiceNetwork):
         self._browsers[service_type] = AsyncServiceBrowser(self._zeroconf.zeroconf, service_type, handlers=[take])
 
     async def ask_again(self) -> None:
-        """Ask for all types anew, for what was not heard before; what is known already is said once more."""
+        """Look for all types again, for services that were missed; known ones are reported again."""
         for service_type, browser in tuple(self._browsers.items()):
             await browser.async_cancel()
             del self._browsers[service_type]
             self.browse(service_type)
 
     def cached_names(self, service_type: str) -> tuple[str, ...]:
-        """Return the names of the services of a type that were announced and not withdrawn, as far as they are kept."""
+        """Return the names of the cached services of a type that were not withdrawn."""
         now, cache = current_time_millis(), self._zeroconf.zeroconf.cache
         kept = cache.async_entries_with_name(service_type)
         return tuple(one.alias for one in kept if hasattr(one, "alias") and not one.is_expired(now))
 
     def resolve_cached(self, service_type: str, name: str) -> ResolvedService | None:
-        """Return a service as its last records say; None where some are missing or have run out."""
+        """Return a service from cached records; None if some are missing or expired."""
         try:
             info = AsyncServiceInfo(service_type, name)
         except Error:
@@ -130,7 +130,7 @@ class MdnsNetwork(ServiceNetwork):
         return self._resolved(info, service_type, name) if found else None
 
     async def resolve(self, service_type: str, name: str, within: float) -> ResolvedService | None:
-        """Ask for the records of a service that have run out, or were never heard.
+        """Ask for the records of a service that have expired or were never received.
 
         Args:
             service_type: Its type in full.
@@ -150,7 +150,7 @@ class MdnsNetwork(ServiceNetwork):
         return self._resolved(info, service_type, name) if is_enough else None
 
     def forget(self, service_type: str, name: str) -> None:
-        """Forget what is kept of a service, so that its next announcement is news."""
+        """Drop the cached records of a service, so that its next announcement is news."""
         cache = self._zeroconf.zeroconf.cache
         pointers = [
             one
@@ -160,7 +160,7 @@ class MdnsNetwork(ServiceNetwork):
         cache.async_remove_records({*pointers, *cache.async_entries_with_name(name)})
 
     async def announce(self, service: OwnService) -> str:
-        """Announce a service of our own, in place of one of the same type; return the name that it got.
+        """Announce a service of homebot in place of one of the same type; return the name that it got.
 
         Where another computer has a service of that name, a number is added to it (RFC 6762, section 9).
         """
@@ -185,7 +185,7 @@ class MdnsNetwork(ServiceNetwork):
         return instance_label(info.name, full)
 
     async def withdraw(self, service_type: str) -> None:
-        """Withdraw a service of our own with a goodbye; none of that type is nothing new."""
+        """Withdraw a service of homebot with a goodbye; does nothing if there is none of that type."""
         info = self._own.pop(service_type, None)
         if info is not None:
             await (await self._zeroconf.async_unregister_service(info))
@@ -221,7 +221,7 @@ class MdnsNetwork(ServiceNetwork):
         return ResolvedService(service, ttl, left, problem, info.text)
 
     def _time_to_live(self, name: str) -> tuple[float, float]:
-        """Return the seconds that the SRV record of a service holds in all, and from now on."""
+        """Return the time to live of the SRV record of a service, and the seconds that are left of it."""
         now = current_time_millis()
         kept = self._zeroconf.zeroconf.cache.async_entries_with_name(name)
         records = [one for one in kept if one.type == _SRV and not one.is_expired(now)]
@@ -246,6 +246,6 @@ def _is_loopback(interface: str | int) -> bool:
 
 
 def _host_label(name: str) -> str:
-    """Return a host name that this program has for itself: the computer's own may be announced by another program."""
+    """Return a host name for this program alone: another program may announce that of the computer."""
     label = "".join(one if one.isascii() and one.isalnum() else "-" for one in name.lower()).strip("-")
     return f"{label[:50] or 'homebot'}-homebot"

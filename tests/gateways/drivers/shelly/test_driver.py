@@ -155,7 +155,7 @@ class TestPasswords:
         monkeypatch.setenv("WRONG", "battery staple")
         host, shelly = KeepingHost(), Obeying(password=PASSWORD)
         async with served(shelly):
-            with pytest.raises(RefusedError, match="does not take the password") as caught:
+            with pytest.raises(RefusedError, match="refuses the password") as caught:
                 await driver(shelly.server.port, host, password_env="WRONG").run()
         assert "staple" not in str(caught.value)
         assert shelly.refused_calls == 2

@@ -36,7 +36,7 @@ class EsphomeConnection:
 
     Attributes:
         name: What the device is called, for errors.
-        lost: Is set when it is lost.
+        lost: Set when the connection is lost.
         was_expected: Whether the device said good-bye, for example because it goes to sleep.
     """
 
@@ -61,7 +61,7 @@ class EsphomeConnection:
         ]
 
     def subscribe(self, on_state: Callable[[str, Fields], None]) -> None:
-        """Have all states reported, first the present ones: their components and fields.
+        """Subscribe to all states: the current ones first, then each change, as component and fields.
 
         Raises:
             LinkError: The connection was lost.
@@ -87,7 +87,7 @@ class EsphomeConnection:
             command(number, device_id=device_id, **fields)
 
     async def on_stop(self, expected: bool) -> None:  # noqa: FBT001 - the library calls it so
-        """Take note that the connection ended."""
+        """Record that the connection ended."""
         self.was_expected = expected
         self.lost.set()
 
@@ -139,7 +139,7 @@ async def connected(
 
 
 def _with_compatible(info: model.EntityInfo, version: model.APIVersion) -> Fields:
-    """Return the fields of an entity; what old firmware says in other fields is in those of today."""
+    """Return the fields of an entity, with the deprecated fields of old firmware translated to current ones."""
     fields: dict[str, object] = info.to_dict()
     if isinstance(info, model.LightInfo):
         fields["supported_color_modes"] = info.supported_color_modes_compat(version)
@@ -166,6 +166,6 @@ def _translated(name: str) -> Iterator[None]:
             f"the connection to {name}", f"it wants another password; {PASSWORD_ADVICE.format(name)}"
         ) from None
     except (core.HandshakeAPIError, core.ProtocolAPIError) as exc:
-        raise WireError(f"{name} breaks the rules of ESPHome's native API: {clean_text(str(exc))}") from None
+        raise WireError(f"{name} does not follow ESPHome's native API: {clean_text(str(exc))}") from None
     except (core.APIConnectionError, OSError, TimeoutError) as exc:
         raise LinkError(f"{name} cannot be reached: {clean_text(str(exc)) or type(exc).__name__}") from None

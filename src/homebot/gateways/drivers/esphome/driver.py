@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 __all__ = ["EsphomeDriver", "StateQueue"]
 
 MAX_EVENTS = 100
-"""Events that wait to be reported; of states only the newest of each entity waits."""
+"""Events that wait to be reported. Of states, only the newest of each entity waits."""
 
 SLEEP_PAUSE = 5.0
-"""Seconds between two looks whether a device that went to sleep is awake."""
+"""Seconds between two attempts to connect to a sleeping device."""
 
 
 STALE_AFTER_SLEEP = 24 * 3600.0
@@ -38,8 +38,8 @@ STALE_AFTER_SLEEP = 24 * 3600.0
 class EsphomeDriver(Driver):
     """Connects to an ESPHome device, reports the states that it pushes, and commands it.
 
-    A device that says good-bye to sleep is not unreachable: whether it can be reached is unknown then, and it is tried
-    again and again until it wakes up.
+    A device that disconnects to sleep is not reported as unreachable: its reachability becomes unknown, and the driver
+    keeps trying to connect until it wakes up.
 
     Args:
         service: The service ``_esphomelib._tcp``; its instance name is the device's name.
@@ -58,7 +58,7 @@ class EsphomeDriver(Driver):
 
     @classmethod
     def check(cls, settings: DriverSettings) -> None:
-        """Look for the library, and read the secrets once.
+        """Check that the library is installed and the secrets can be read.
 
         Raises:
             UsageError: Something is missing; says what to do.
@@ -156,14 +156,14 @@ class EsphomeDriver(Driver):
 
 
 def _load() -> Callable[..., AbstractAsyncContextManager[EsphomeConnection]]:
-    """Import the library, which takes most of a second when the first device is found: not on the event loop."""
+    """Import the library in a thread, because that takes most of a second."""
     from homebot.gateways.drivers.esphome.connection import connected  # noqa: PLC0415 - an extra installs its library
 
     return connected
 
 
 class StateQueue:
-    """The states that a device pushed and nobody has reported yet: the newest of each entity, and the events.
+    """Queue of states that the device pushed and that are not reported yet: the newest of each entity, and the events.
 
     Args:
         device: The device.
@@ -178,7 +178,7 @@ class StateQueue:
         self._filled = anyio.Event()
 
     async def relay(self, connection: EsphomeConnection) -> None:
-        """Report what the device says until the connection is lost."""
+        """Report states and events until the connection is lost."""
         connection.subscribe(self.put)
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self.report_all)
@@ -186,7 +186,7 @@ class StateQueue:
             tasks.cancel_scope.cancel()
 
     def put(self, kind: str, state: Fields) -> None:
-        """Take a state that the device pushed, to be reported soon."""
+        """Put a state into the queue that the device pushed."""
         part = self._device.part_of(kind, state)
         if part is None:
             return
@@ -199,7 +199,7 @@ class StateQueue:
         self._filled.set()
 
     async def report_all(self) -> None:
-        """Report what waits, until cancelled."""
+        """Report queued states and events until cancelled."""
         while True:
             await self._filled.wait()
             self._filled = anyio.Event()

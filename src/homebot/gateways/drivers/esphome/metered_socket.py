@@ -1,4 +1,4 @@
-"""A socket that reads little at once, and no more than a device has to say."""
+"""A TCP socket with a small receive buffer and a limit on the rate of received data."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ _ADDRESSES = 4
 
 
 class MeteredSocket(socket.socket):
-    """A TCP socket that fails where too much comes.
+    """A TCP socket that fails when the peer sends more than :data:`PER_SECOND`.
 
     Attributes:
-        is_flooded: Whether that was so.
+        is_flooded: Whether that has happened.
     """
 
     is_flooded = False
@@ -34,14 +34,14 @@ class MeteredSocket(socket.socket):
     _since: float | None = None
 
     def limit_buffer(self) -> None:
-        """Have little wait in the kernel."""
+        """Keep the receive buffer of the kernel small."""
         self.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED_AT_ONCE)
 
     def recv(self, bufsize: int, flags: int = 0, /) -> bytes:
-        """Return what came.
+        """Return received data.
 
         Raises:
-            OSError: The connection failed, or too much came.
+            OSError: The connection failed, or the peer sends too much.
         """
         data = super().recv(bufsize, flags)
         now = anyio.current_time()
@@ -49,7 +49,7 @@ class MeteredSocket(socket.socket):
         self._left, self._since = min(BURST, self._left + passed * PER_SECOND) - len(data), now
         if self._left < 0:
             self.is_flooded = True
-            raise ConnectionAbortedError("it sends more than is read")
+            raise ConnectionAbortedError("the device sends too much data")
         return data
 
 

@@ -26,7 +26,7 @@ PLAINTEXT_ADVICE = (
 
 
 class EsphomeSecrets(BaseModel):
-    """The places where the secrets of one device are kept.
+    """The places of the secrets of one device.
 
     Attributes:
         key_file: File whose first line is the encryption key: what the device's ESPHome configuration has under
@@ -131,10 +131,10 @@ class EsphomeSettings(EsphomeSecrets, DriverSettings):
         return secrets.key(table), secrets.password(table)
 
     def addresses_of(self, device: str, found: tuple[str, ...]) -> tuple[str, ...]:
-        """Return those of the addresses *found* at which a device may be connected to; all but for some.
+        """Return the addresses among *found* at which a device may be connected to: all, unless its table names one.
 
         Raises:
-            RefusedError: It may be at none of them; says what to do.
+            RefusedError: None of them is the one in its table; says what to do.
         """
         own = self.devices.get(device)
         if own is None or own.allow_plaintext_at is None:

@@ -1,4 +1,4 @@
-"""The driver for ``_shelly._tcp``: what needs no library; the rest is loaded when the first device is found."""
+"""The driver for ``_shelly._tcp``, without the parts that need aiohttp: those load when the first device is found."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["ShellyDriver"]
 
 
 class ShellyDriver(SessionDriver):
-    """One device of Shelly's second generation or later; of the first it only tells what it is.
+    """One Shelly device of the second generation or later. Of the first generation, only model and firmware are listed.
 
     Source: Shelly Gen2+ API, Overview, Common Device Traits (mDNS).
     """
@@ -26,7 +26,7 @@ class ShellyDriver(SessionDriver):
 
     @classmethod
     def check(cls, settings: DriverSettings) -> None:
-        """Look for aiohttp, and for the passwords."""
+        """Check that aiohttp is installed and the passwords can be read."""
         check_extra('the driver "shelly"', "mdns", "aiohttp")
         if isinstance(settings, ShellyDriverSettings):
             settings.read_passwords()

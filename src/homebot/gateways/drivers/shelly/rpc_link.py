@@ -1,8 +1,8 @@
 """Calls and notifications over one WebSocket of a Shelly.
 
-Frames are taken in the order in which they come: an answer is handed to who waits for it before the next notification
-is looked at, so that an old status never takes the place of a newer one. At most three calls run at once, as a device
-has little memory, and one where they are signed, as each challenge ends the last.
+Frames are handled in the order of arrival: an answer reaches its caller before the next notification is handled, so
+that an old status never replaces a newer one. At most three calls run at once, because devices have little memory;
+signed calls run one at a time, because each challenge invalidates the one before.
 
 Source: Shelly Gen2+ API, General: RPC Protocol (frames, common errors), RPC Channels (WebSocket), Notifications.
 """
@@ -27,13 +27,13 @@ from homebot.gateways.http_client import WebSocket
 __all__ = ["RpcLink", "TakeFrame"]
 
 TakeFrame: TypeAlias = Callable[[Fields, bytes], Awaitable[None]]
-"""Takes a frame, parsed and as it came."""
+"""Takes a frame: parsed, and as received."""
 
 TIME_LIMIT: Final = 15.0
-"""Seconds for an answer; what a gateway does by Bluetooth takes several."""
+"""Seconds for an answer; a Bluetooth operation of a gateway takes several."""
 
 MOST_INVALID: Final = 20
-"""Invalid frames in a row after which the device is not listened to any longer."""
+"""Invalid frames in a row after which the connection is closed."""
 
 _UNAUTHORIZED = 401
 _LATER = frozenset({-104, -108, -114, 503})
@@ -48,17 +48,17 @@ class _PendingCall:
 
 
 class RpcLink:
-    """The two ends of the calls on one WebSocket.
+    """Sends calls and receives answers and notifications over one WebSocket.
 
     Args:
         socket: The WebSocket.
         name: What the device is called in errors.
         login: Signs calls; None where there is no password.
         on_notification: Takes notifications.
-        on_invalid: Is told of each frame that breaks the rules, and why.
+        on_invalid: Called with each invalid frame and the reason.
 
     Attributes:
-        end: Why the link is lost; None while it is not.
+        end: The error with which the link was lost; None while it is connected.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class RpcLink:
         self.end: HomebotError | None = None
 
     async def receive(self) -> None:
-        """Take frames until the link is lost.
+        """Handle frames until the link is lost.
 
         Raises:
             LinkError: It is lost.
@@ -114,7 +114,7 @@ class RpcLink:
         Args:
             method: The method.
             params: Its parameters; None for none.
-            on_answer: Takes the result, and the frame that it came in, before any later frame is looked at.
+            on_answer: Called with the result and its frame before any later frame is handled.
 
         Raises:
             LinkError: The link is lost, there was no answer in time, or the device says that it may work later.
@@ -159,13 +159,13 @@ class RpcLink:
         frame = parse_object(payload, MAX_ANSWER_BYTES)
         if "method" in frame:
             if not isinstance(frame["method"], str):
-                raise WireError("a frame has a method that is no text")
+                raise WireError("the method of a frame is not a text")
             await self._on_notification(frame, payload)
             return
         number = frame.get("id")
         call = self._pending.get(number) if isinstance(number, int) and not isinstance(number, bool) else None
         if call is None or call.frame is not None:
-            raise WireError("an answer is to no call")
+            raise WireError("an answer belongs to no call")
         call.frame = frame
         try:
             if call.on_answer is not None and isinstance(frame.get("result"), dict):
@@ -185,6 +185,6 @@ class RpcLink:
 
 
 def wants_password(*, has_one: bool) -> str:
-    """Return what a person has to do where a device asks for a password."""
+    """Return what to do when a device asks for a password, as text."""
     keys = "password_file or password_env in [gateways.mdns.drivers.shelly]"
-    return f"it does not take the password that {keys} names" if has_one else f"it wants a password; give {keys}"
+    return f"it refuses the password given by {keys}" if has_one else f"it wants a password; give {keys}"

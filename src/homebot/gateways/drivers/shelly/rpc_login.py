@@ -55,13 +55,13 @@ class RpcLogin:
         if isinstance(nonce, bool) or not isinstance(nonce, int | str) or not 0 < len(str(nonce)) <= _LONGEST_TEXT:
             raise WireError("a challenge has no valid nonce")
         if algorithm != ALGORITHM:
-            raise WireError(f"a challenge is not for {ALGORITHM}")
+            raise WireError(f"the algorithm of a challenge is not {ALGORITHM}")
         count = to_number(challenge.get("nc"))  # a text on a Wall Display
         self._realm, self._nonce = realm, nonce
         self._count = int(count) if count is not None and 0 < count < _MOST_COUNT else 1
 
     def sign(self) -> dict[str, object]:
-        """Return the member ``auth`` of the next call; after the first challenge."""
+        """Return the member ``auth`` of the next call; needs a challenge first."""
         count, client_nonce = self._count, secrets.token_hex(8)
         self._count += 1
         secret = _hash(USER, self._realm, self._password.get_secret_value())

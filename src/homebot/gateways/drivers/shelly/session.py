@@ -1,4 +1,4 @@
-"""One connection to one Shelly, from its first answer to the loss of the link."""
+"""One connection to one Shelly device."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from homebot.isolation import first_cause
 __all__ = ["ShellySession"]
 
 ASK_AGAIN: Final = 300.0
-"""Seconds after which a device is asked again how it is: who measures nothing may be silent for days."""
+"""Seconds between two requests for the whole status: a device that measures nothing may be silent for days."""
 
 WATCH_EVERY: Final = 18.0
-"""Seconds between two looks whether a device of the first generation, which pushes nothing here, is still there."""
+"""Seconds between two requests to a device of the first generation, which pushes nothing over HTTP."""
 
 PAUSE: Final = 5.0
-"""Shortest time between two rounds of questions, in seconds, however often a device says that it is set up anew."""
+"""Seconds between two rounds of requests at least, however often the device reports that its setup has changed."""
 
 _ADDRESSES = 4
 _PAGES = 20
@@ -74,7 +74,7 @@ class ShellySession:
                 await self._watch_first_generation(client, origin, about)
             device_id = about.get("id")
             if not isinstance(device_id, str) or not is_prefix(device_id):
-                raise WireError(f"{self._service.name} says nothing of itself that a Shelly does")
+                raise WireError(f"{self._service.name} does not answer like a Shelly device")
             async with client.websocket(f"{origin}/rpc", max_bytes=MAX_ANSWER_BYTES) as socket:
                 self._device = Gen2RpcDevice(device_id)
                 self._device.keep("info", about, len(compact_json(about)))
@@ -96,7 +96,7 @@ class ShellySession:
             await self._rpc.call(call.method, call.params)
 
     async def _probe(self, client: HttpClient) -> tuple[str, Fields]:
-        """Return the address that answers, and what the device says there without a password."""
+        """Return the address that answers, and what the device tells without a password."""
         failed = LinkError(f"{self._service.name} has no address")
         for address in self._service.addresses[:_ADDRESSES]:
             origin = http_origin(address, self._service.port)
@@ -178,7 +178,7 @@ class ShellySession:
             self._setup_changed.set()
 
     def _describe(self) -> None:
-        """Publish what the device is; where that is nothing new, that it is still there."""
+        """Publish the description of the device, or that it is still there if nothing changed."""
         if self._device is None:
             return
         news = self._device.describe()
@@ -201,7 +201,7 @@ class ShellySession:
         )
 
     async def _watch_first_generation(self, client: HttpClient, origin: str, about: Fields) -> None:
-        """Publish what the device is, and no more, for as long as it answers."""
+        """Publish the description of the device for as long as it answers."""
         self._host.describe(_first_generation(self._service, about))
         while True:
             await anyio.sleep(WATCH_EVERY)

@@ -1,4 +1,4 @@
-"""The driver for things on the network: what needs no library; the rest is loaded when the first thing is found."""
+"""The driver for things on the network, without the parts that need aiohttp: those load with the first thing."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ WEB_THING: Final = "_webthing._tcp.local."
 
 
 class ThingDriver(SessionDriver):
-    """One thing that describes itself; of a directory of things it only tells where that is.
+    """One thing that serves its description; of a directory of things, only the address is listed.
 
     Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, section 6.3 (DNS-Based Service
     Discovery); of ``_webthing._tcp``, Web Thing API, section 2.
 
     Attributes:
-        must_describe: Whether a host without a description is at fault.
+        must_describe: Whether a host without a description is an error.
     """
 
     service_types: ClassVar[frozenset[str]] = frozenset({"_wot._tcp.local.", WEB_THING})
@@ -34,7 +34,7 @@ class ThingDriver(SessionDriver):
 
     @classmethod
     def check(cls, settings: DriverSettings) -> None:
-        """Look for aiohttp, and for the passwords."""
+        """Check that aiohttp is installed and the passwords can be read."""
         check_extra('the driver "thing"', "mdns", "aiohttp")
         if isinstance(settings, ThingDriverSettings):
             read_logins(settings.credentials)
@@ -49,7 +49,7 @@ class ThingDriver(SessionDriver):
 class HttpThingDriver(ThingDriver):
     """A web server that may be a thing: its description is looked for at ``/.well-known/wot``.
 
-    It is no driver by itself: the configuration names it, and so lets homebot ask every web server on the network.
+    It is used only if the configuration names it, because it sends a request to every web server on the network.
 
     Source: as above, section 6.2 (Well-Known URIs).
     """

@@ -1,7 +1,7 @@
-"""One thing over HTTP: its description, and what is done with it.
+"""One connection to one thing over HTTP.
 
-The description is read again and again: it may have changed, and a thing that pushes its values and has vanished says
-nothing of it. It may come from anybody on the network: it is followed to its own host and to no other.
+The description is read again periodically: it may have changed, and this is how a vanished thing that pushes its values
+is noticed. Anybody on the network may serve a description, so only forms that lead to its own host are used.
 
 Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sections 6.2, 6.3 and 7.1.
 """
@@ -35,7 +35,7 @@ __all__ = ["ThingSession"]
 
 WELL_KNOWN: Final = "/.well-known/wot"
 READ_AGAIN: Final = 18.0
-"""Seconds between two readings of the description; with the time for an answer, a thing that vanished is missed within
+"""Seconds between two readings of the description. With the time limit of a request, a vanished thing is noticed within
 half a minute."""
 
 _ACCEPTED = "application/td+json, application/json;q=0.9"
@@ -45,7 +45,7 @@ _NOT_THERE = frozenset({404, 405, 410})
 
 @dataclass(frozen=True, slots=True)
 class _ReadDescription:
-    """A description as it was read.
+    """A description with its source.
 
     Attributes:
         url: Where.
@@ -63,7 +63,7 @@ class ThingSession:
         service: Where it is.
         settings: The driver's settings.
         host: Where it is described and reported to.
-        must_describe: Whether a host without a description is at fault.
+        must_describe: Whether a host without a description is an error.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class ThingSession:
         self._device: ThingDevice | None = None
 
     async def run(self) -> None:
-        """Read the description, and work with what it describes, until cancelled.
+        """Read the description and use the thing until cancelled.
 
         Raises:
             LinkError: It cannot be connected to, or the connection was lost.
@@ -105,7 +105,7 @@ class ThingSession:
         await self._device.perform(command)
 
     async def _follow(self, description: _ReadDescription) -> _ReadDescription:
-        """Work with the thing until its description is another, and return that."""
+        """Use the thing until its description changes, and return the new one."""
         thing = self._usable(read_thing(parse_json(description.data), description.url))
         device = describe_thing(thing, self._service.key, HTTP_BINDING)
         if self._service.properties.get("type") == "Directory" or "ThingDirectory" in thing.types:
@@ -137,7 +137,7 @@ class ThingSession:
                 return now
 
     async def _find(self) -> _ReadDescription | None:
-        """Return the description from the first address that answers; None where there is none, and need be none."""
+        """Return the description from the first address that answers; None if there is none and none is required."""
         said = self._service.properties
         scheme, path = said.get("scheme", ""), said.get("td", "")
         if self._service.service_type == WEB_THING:
@@ -171,21 +171,21 @@ class ThingSession:
         return _ReadDescription(url, answer.body)
 
     def _login(self, where: URL) -> HttpLogin | None:
-        """Return the credentials with which descriptions are read, which only the configuration can say."""
+        """Return the credentials for reading descriptions, which only the configuration can name."""
         known = next((one for one in self._logins if one.is_for(where.host or "", where.port)), None)
         if known is None or known.scheme in {"", "apikey"}:
             return None
         return http_login(known, where, SecurityScheme(known.scheme))
 
     def _known_as(self, login: ThingLogin) -> ThingLogin:
-        """Return credentials that are for the service by its host's name as those for its addresses."""
+        """Return credentials for the host name of the service extended to its addresses."""
         if not self._host_name or not login.is_for(self._host_name, self._service.port):
             return login
         shown = (f"[{one}]" if ":" in one else one for one in self._service.addresses)
         return login.with_hosts(*(f"{one}:{self._service.port}" for one in shown))
 
     def _usable(self, thing: Thing) -> Thing:
-        """Return *thing* with those forms alone that lead to its own host."""
+        """Return *thing* with only the forms that lead to its own host."""
         left_out = 0
 
         def usable(form: Form) -> Form | None:
@@ -206,7 +206,7 @@ class ThingSession:
         return found
 
     def _at_own_host(self, form: Form) -> Form | None:
-        """Return *form* with an address that can be reached: this computer need not know the names of the network."""
+        """Return *form* with an IP address in place of a host name that this computer may not resolve."""
         try:
             where = parse_url(form.href)
         except WireError:
@@ -222,7 +222,7 @@ class ThingSession:
 
 
 def _name_of(service: FoundService) -> str:
-    """Return the name of the host of a service; empty where it is none that mDNS may say the addresses of.
+    """Return the host name of a service; empty unless it is a name under ``.local``.
 
     A neighbour may claim ``localhost``, an address, or a name of the internet, and its own addresses for them.
     """

@@ -17,7 +17,7 @@ class ThingDriverSettings(DriverSettings):
     """The settings of the driver for things.
 
     Attributes:
-        credentials: The credentials of hosts that ask for some.
+        credentials: The credentials of hosts that require some.
         poll_every: Seconds between two readings of what a thing does not push.
     """
 

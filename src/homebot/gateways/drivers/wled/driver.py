@@ -1,4 +1,4 @@
-"""The driver for ``_wled._tcp``: what needs no library; the rest is loaded when the first device is found."""
+"""The driver for ``_wled._tcp``, without the parts that need aiohttp: those load when the first device is found."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class WledDriver(SessionDriver):
 
     @classmethod
     def check(cls, settings: DriverSettings) -> None:
-        """Look for aiohttp."""
+        """Check that aiohttp is installed."""
         del settings
         check_extra('the driver "wled"', "mdns", "aiohttp")
 

@@ -1,7 +1,8 @@
-"""One connection to one WLED controller, from its first answer to the loss of the link.
+"""One connection to one WLED controller.
 
-The controller sends its whole state over a WebSocket whenever that changes; one that serves none, or has no room for
-another, is asked every ten seconds. Commands go by HTTP, because a WebSocket does not say whether they were taken.
+The controller sends its whole state over a WebSocket whenever it changes. If it has no WebSocket, or no room for
+another client, it is polled every ten seconds. Commands are sent over HTTP, because the WebSocket does not acknowledge
+them.
 
 Source: WLED, https://kno.wled.ge/interfaces/websocket and /json-api.
 """
@@ -37,7 +38,7 @@ ASK_AGAIN: Final = 300.0
 """The same as :data:`POLL` where state is pushed: a lamp that is left alone says nothing for days."""
 
 MOST_INVALID: Final = 20
-"""Invalid messages in a row after which the controller is not listened to any longer."""
+"""Invalid messages in a row after which the connection is closed."""
 
 _ADDRESSES = 4
 _TRIES = 3
@@ -80,7 +81,7 @@ class WledSession:
                 self._client = None
 
     async def perform(self, command: Command) -> None:
-        """Carry out a command; return when the controller has taken it.
+        """Carry out a command; return when the controller has accepted it.
 
         Raises:
             LinkError: There is no connection, or the controller is busy for too long.
@@ -157,7 +158,7 @@ class WledSession:
         return await client.get_json(f"{self._origin}{path}")
 
     async def _send(self, client: HttpClient, state: Fields) -> object:
-        """Send a state; as it is absolute, sending it again does no harm."""
+        """Send a state; it is absolute, so it can be sent again."""
         for _ in range(_TRIES - 1):
             try:
                 return await client.send_json("POST", f"{self._origin}/json/state", state)
@@ -169,7 +170,7 @@ class WledSession:
         await self._publish(WledStrip(document, self._effects))
 
     async def _publish(self, strip: WledStrip) -> None:
-        """Publish what the controller is, and how it is; where it is nothing new, that it is still there."""
+        """Publish description and state of the controller, or that it is still there if nothing changed."""
         self._strip = strip
         device = GatewayDevice(
             key=self._service.key,
