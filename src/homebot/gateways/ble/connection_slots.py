@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import anyio
 
 __all__ = ["ConnectionSlots"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Waiter:
+    """A device in the queue."""
+
+    is_in_range: Callable[[], bool]
+    granted: anyio.Event = field(default_factory=anyio.Event)
 
 
 class ConnectionSlots:
@@ -23,7 +32,7 @@ class ConnectionSlots:
         self._taken: set[str] = set()
         self._opening = ""
         self._urgent: set[str] = set()
-        self._waiting: dict[str, Callable[[], bool]] = {}
+        self._waiting: dict[str, _Waiter] = {}
         self._changed = anyio.Event()
 
     def is_full_for(self, key: str) -> bool:
@@ -33,7 +42,7 @@ class ConnectionSlots:
     @property
     def is_wanted(self) -> bool:
         """True if a device that is in range waits for a slot."""
-        return any(self._is_ready(key) for key in self._waiting)
+        return self._next() is not None
 
     async def take(self, key: str, is_in_range: Callable[[], bool]) -> None:
         """Wait for a slot, and until no other device is being connected; then call :meth:`opened` or :meth:`release`.
@@ -45,14 +54,14 @@ class ConnectionSlots:
             key: The device.
             is_in_range: Returns whether it was heard lately; call :meth:`notify` when that becomes true.
         """
-        self._waiting[key] = is_in_range
+        waiter = self._waiting[key] = _Waiter(is_in_range)
+        self._grant()
         try:
-            while self._next() != key:
-                await self._changed.wait()
-            self._taken.add(key)
-            self._opening = key
-        finally:
-            del self._waiting[key]
+            await waiter.granted.wait()
+        except anyio.get_cancelled_exc_class():
+            if self._waiting.pop(key, None) is None:
+                self.release(key)
+            raise
 
     def opened(self, key: str) -> None:
         """Let the next device be connected: this one is."""
@@ -76,7 +85,8 @@ class ConnectionSlots:
         self.notify()
 
     def notify(self) -> None:
-        """Wake all that wait, since something has changed."""
+        """Look at the queue again, and wake who waits for :meth:`changed`."""
+        self._grant()
         self._changed.set()
         self._changed = anyio.Event()
 
@@ -84,12 +94,16 @@ class ConnectionSlots:
         """Wait for the next :meth:`notify`."""
         await self._changed.wait()
 
-    def _is_ready(self, key: str) -> bool:
-        return key in self._urgent or self._waiting[key]()
+    def _grant(self) -> None:
+        if self._opening or len(self._taken) >= self._count:
+            return
+        key = self._next()
+        if key is not None:
+            self._taken.add(key)
+            self._opening = key
+            self._waiting.pop(key).granted.set()
 
     def _next(self) -> str | None:
-        """Return the device that gets the next slot; None if there is none to give or nobody to take it."""
-        if self._opening or len(self._taken) >= self._count:
-            return None
-        ready = [key for key in self._waiting if self._is_ready(key)]
-        return next((key for key in ready if key in self._urgent), ready[0] if ready else None)
+        """Return the device whose turn it is; None if nobody waits that can be connected to."""
+        urgent = next((key for key in self._waiting if key in self._urgent), None) if self._urgent else None
+        return urgent or next((key for key, waiter in self._waiting.items() if waiter.is_in_range()), None)
