@@ -11,7 +11,9 @@ from tests.loopback import alone_on_loopback
 from tests.patience import PATIENCE
 
 from homebot.config import parse_config
+from homebot.devices import Devices
 from homebot.errors import ConfigError, UsageError
+from homebot.graph import Node
 from homebot.house import SimulatedLamp, World
 from homebot.house.description import load_world, parse_world
 from homebot.house.network import FAMILIES, HouseNetwork, kinds_of
@@ -19,41 +21,74 @@ from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.world import Placed
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "houses" / "protocols.toml"
+APP = Path(__file__).parents[2] / "examples" / "02_window_light"
 
 
 class ToldLamp(SimulatedLamp):
-    """A lamp of which tests wait until it was turned off."""
+    """A lamp of which tests wait until it was told something."""
 
-    dark: anyio.Event
+    def __init__(self, name: str, awaited: str) -> None:
+        super().__init__(name, is_on=awaited == "off")
+        self.awaited = awaited
+        self.told = anyio.Event()
 
     def _take(self, command: str) -> tuple[str, ...]:
-        if command == "off":
-            self.dark.set()
+        if command == self.awaited:
+            self.told.set()
         return super()._take(command)
+
+
+def lamps_of_every_family(awaited: str) -> dict[str, ToldLamp]:
+    return {
+        family: ToldLamp(f"{family}_lamp", awaited)
+        for family, spec in FAMILIES.items()
+        if "lamp" in spec.kinds and family != "matter_plug"
+    }
+
+
+def hall_with(lamps: dict[str, ToldLamp]) -> World:
+    rooms = Rooms({OUTSIDE: Room(window=1.0), "hall": Room()}, [])
+    return World(rooms, [Placed(lamp, "hall", dialect=family) for family, lamp in lamps.items()])
 
 
 async def test_the_light_service_turns_off_a_lamp_of_every_family() -> None:
     """The same app as over MQTT, without a line changed; it leaves alone what is at a plug, as that may be a fridge."""
-    lamps = {
-        family: ToldLamp(f"{family}_lamp", is_on=True)
-        for family, spec in FAMILIES.items()
-        if "lamp" in spec.kinds and family != "matter_plug"
-    }
-    for lamp in lamps.values():
-        lamp.dark = anyio.Event()
-    rooms = Rooms({OUTSIDE: Room(window=1.0), "hall": Room()}, [])
-    world = World(rooms, [Placed(lamp, "hall", dialect=family) for family, lamp in lamps.items()])
+    lamps = lamps_of_every_family("off")
     config = parse_config({"gateways": {"mqtt": {"root": "home425"}}, "apps": {"light_service": {}}}, "test")
     async with alone_on_loopback(), MemoryBroker() as broker:
         host = HostedBroker.in_memory(broker)
-        async with Runtime(config, house=world, with_door=False, services=[host]):
+        async with Runtime(config, house=hall_with(lamps), with_door=False, services=[host]):
             with anyio.fail_after(PATIENCE):
                 for lamp in lamps.values():
-                    await lamp.dark.wait()
+                    await lamp.told.wait()
     assert [lamp.is_on for lamp in lamps.values()] == [False] * len(lamps)
+
+
+async def test_the_app_of_the_examples_turns_on_a_lamp_of_every_family(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It was written for a window and a lamp that speak MQTT."""
+    monkeypatch.syspath_prepend(str(APP))
+    lamps = lamps_of_every_family("on")
+    apps = {"window_light": {"class": "window_light:WindowLight"}}
+    config = parse_config({"gateways": {"mqtt": {"root": "home425"}}, "apps": apps}, "test")
+    async with alone_on_loopback(), MemoryBroker() as broker:
+        host = HostedBroker.in_memory(broker)
+        window = broker.make_client(MqttOptions.from_url(broker.url, client_id="window"))
+        async with (
+            Runtime(config, house=hall_with(lamps), with_door=False, services=[host]) as runtime,
+            Node(runtime.graph, "watcher") as watcher,
+            window.connected(),
+        ):
+            with anyio.fail_after(PATIENCE):
+                while len(await Devices(watcher).find("lights")) < len(lamps):  # noqa: ASYNC110
+                    await anyio.sleep(0.2)
+                while not all(lamp.told.is_set() for lamp in lamps.values()):
+                    await window.publish("home425/windows/kitchen/out", b"open")
+                    await anyio.sleep(1)
+    assert [lamp.is_on for lamp in lamps.values()] == [True] * len(lamps)
 
 
 def test_the_example_has_a_device_of_every_family() -> None:
