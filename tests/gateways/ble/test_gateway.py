@@ -65,6 +65,9 @@ async def test_a_thermometer_is_listed_with_its_measurements_signal_and_distance
         distance = radio_house.newest(device.address, "distance", "measurement")
         assert isinstance(distance, float)
         assert 0.3 < distance < 4
+        assert ("distance_uncertainty", "a factor of 1.9, up or down") in {
+            (one.key, one.value) for one in sighting.metadata
+        }
 
 
 async def test_a_device_on_a_battery_may_be_silent_for_minutes(radio_house: RadioHouse) -> None:

@@ -49,7 +49,7 @@ async def test_without_bluez_it_is_unavailable_and_says_so(
     scan: str, bus: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("DBUS_SYSTEM_BUS_ADDRESS", bus)
-    assert "bluetoothd does not run" in await reason(scan)
+    assert "bluetoothd is not running" in await reason(scan)
 
 
 @pytest.mark.parametrize("scan", ["active", "passive"])

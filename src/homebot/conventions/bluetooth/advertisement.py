@@ -1,4 +1,4 @@
-"""One advertisement of a Bluetooth device, as it was received. Pure."""
+"""One received Bluetooth advertisement. Pure."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ _MEDIUM = 8
 
 @dataclass(frozen=True, slots=True)
 class Advertisement:
-    """Data that a device broadcast, and how it was received.
+    """The data of an advertisement, and its signal strength.
 
     Attributes:
         address: Its address, upper case with colons: ``A4:C1:38:0A:0B:0C``; on macOS a UUID.
-        rssi: How strongly it was received, in dBm.
-        name: Its local name; empty where it says none.
-        tx_power: The power at which it says that it sends, in dBm.
+        rssi: Received signal strength, in dBm.
+        name: The local name; empty for none.
+        tx_power: The advertised transmit power, in dBm.
         service_data: Bytes by service UUID, full and lower case.
         manufacturer_data: Bytes by company identifier.
-        service_uuids: The services that it offers, full and lower case.
+        service_uuids: The advertised services, full and lower case.
     """
 
     address: str
@@ -35,7 +35,7 @@ class Advertisement:
     service_uuids: tuple[str, ...] = ()
 
     def says_the_same(self, other: Advertisement) -> bool:
-        """Return whether all but the signal is as in *other*."""
+        """Return whether it equals *other* in all but the signal."""
         return (
             self.service_data == other.service_data
             and self.manufacturer_data == other.manufacturer_data

@@ -28,7 +28,7 @@ class BeaconParser(BroadcastParser):
     """Reads iBeacon and Eddystone-UID."""
 
     def concerns(self, advertisement: Advertisement) -> bool:
-        """Return whether it is one of the two."""
+        """Return whether it is an iBeacon or Eddystone-UID."""
         return (
             advertisement.manufacturer_data.get(APPLE, b"").startswith(_IBEACON)
             or advertisement.service_data.get(EDDYSTONE, b"?")[:1] == b"\x00"
@@ -38,7 +38,7 @@ class BeaconParser(BroadcastParser):
         """Return the identity of a beacon.
 
         Raises:
-            WireError: It is cut off.
+            WireError: It is truncated.
         """
         del now
         data = advertisement.manufacturer_data.get(APPLE, b"")

@@ -1,4 +1,4 @@
-"""The contract of parsers of broadcasts; the plug-in group is ``homebot.ble_parsers``. Pure."""
+"""The interface of parsers for Bluetooth broadcasts, a plug-in group (``homebot.ble_parsers``). Pure."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ class BroadcastValue(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Broadcast:
-    """The meaning of an advertisement, and what is known of its device by now.
+    """The meaning of an advertisement, with all that is known of its device.
 
     Attributes:
-        key: What the device is called, where that is not its address: beacons change theirs.
-        name: The name that it says; empty for none.
-        parts: All its parts that are known.
-        values: What is new; nothing where the advertisement repeats one that was read.
+        key: The key of the device if it is not its address, which beacons may change.
+        name: The name that it advertises; empty for none.
+        parts: All parts known so far.
+        values: New values; empty if the advertisement repeats an earlier one.
         metadata: Further facts.
-        identifiers: What it is known by beyond this gateway, beside its address.
-        rssi_at_1m: How strongly it is received at a distance of one metre, in dBm, where it says so.
+        identifiers: Identifiers that other gateways may see too, beside its address.
+        rssi_at_1m: Signal strength at one metre, in dBm, if it states that.
         silence: Seconds for which it may be silent at least; 0 for no particular time.
-        problem: What keeps it from being read, as text; empty where all is well.
+        problem: Why it cannot be read, as text; empty if it can.
     """
 
     key: str = ""
@@ -50,7 +50,7 @@ class Broadcast:
 
 
 class BroadcastParser(ABC):
-    """Reads the advertisements of one kind of device; it keeps what it has to know of each.
+    """Reads the advertisements of one kind of device, and keeps state for each device.
 
     Args:
         bind_keys: The keys of devices that encrypt, by address.
@@ -61,19 +61,19 @@ class BroadcastParser(ABC):
 
     @abstractmethod
     def concerns(self, advertisement: Advertisement) -> bool:
-        """Return whether an advertisement is of this kind, by what is seen at once."""
+        """Return whether an advertisement is of this kind; must be fast."""
 
     @abstractmethod
     def read(self, advertisement: Advertisement, now: float) -> Broadcast | None:
-        """Return what one says that :meth:`concerns` it; None where that tells no device.
+        """Return the meaning of an advertisement that :meth:`concerns` this parser; None if it is of no known device.
 
         Args:
             advertisement: The advertisement.
             now: Seconds of the gateway's clock.
 
         Raises:
-            WireError: It breaks the rules of its kind.
+            WireError: It does not follow its format.
         """
 
     def forget(self, address: str) -> None:  # noqa: B027 - no duty: some keep nothing
-        """Forget what is kept of the device that has *address*."""
+        """Forget the state of the device at *address*."""

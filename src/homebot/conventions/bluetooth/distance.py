@@ -15,7 +15,7 @@ from statistics import median
 __all__ = ["DISTANCE_FACTOR", "RSSI_AT_1M", "SignalFilter", "distance_of"]
 
 RSSI_AT_1M = -59.0
-"""dBm that most small devices are received with at a distance of one metre."""
+"""Signal strength of most small devices at one metre, in dBm."""
 
 LOSS_PER_DECADE = 28.0
 SCATTER = 8.0
@@ -30,29 +30,29 @@ _NEAREST, _FARTHEST = 0.1, 100.0
 
 
 def distance_of(rssi: float, rssi_at_1m: float) -> float:
-    """Return a distance in metres, 0.1 to 100, with two digits that mean something.
+    """Return a distance in metres, 0.1 to 100, rounded to two significant digits.
 
     Args:
-        rssi: What is received, in dBm.
-        rssi_at_1m: What is received at one metre.
+        rssi: The signal strength, in dBm.
+        rssi_at_1m: The signal strength at one metre, in dBm.
     """
     metres = 10 ** ((rssi_at_1m - rssi) / LOSS_PER_DECADE)
     return float(f"{min(max(metres, _NEAREST), _FARTHEST):.2g}")
 
 
 class SignalFilter:
-    """The median of the last signals of one device: at most 15, of the last 30 seconds."""
+    """The median of the last signal strengths of one device: at most 15, of the last 30 seconds."""
 
     def __init__(self) -> None:
         self._kept: deque[tuple[float, int]] = deque(maxlen=KEPT)
 
     def add(self, rssi: int, now: float) -> None:
-        """Add a signal in dBm; what cannot be one is left out: 127 means unknown (Core 6.0, Vol 4, E 7.7.65.2)."""
+        """Add a signal strength in dBm; invalid ones are ignored: 127 is unknown (Core 6.0, Vol 4, E 7.7.65.2)."""
         if _WEAKEST < rssi <= _STRONGEST:
             self._kept.append((now, rssi))
 
     def value(self, now: float) -> float | None:
-        """Return the median; None where nothing was received lately."""
+        """Return the median; None if nothing was received lately."""
         while self._kept and now - self._kept[0][0] > KEPT_FOR:
             self._kept.popleft()
         return float(median(rssi for _, rssi in self._kept)) if self._kept else None

@@ -1,4 +1,4 @@
-"""Declared profiles: how a device that is connected to encodes its state and its commands. Pure.
+"""Declared profiles: how a device encodes its state and its commands in GATT characteristics. Pure.
 
 A *frame* is hexadecimal bytes with fields between them: ``56{red}{green}{blue}00f0aa``. Each field is one byte:
 ``{on}`` is 01 or 00, ``{level}`` is 0 to ``level_max``, and ``{red}``, ``{green}``, ``{blue}`` are the brightest shade
@@ -61,7 +61,7 @@ def _checked(frame: str) -> str:
 
 def _checked_command(frame: str) -> str:
     if "" in _tokens(frame):
-        raise ValueError(".. is for what a device reports; a command needs every byte")
+        raise ValueError(".. is only for reports; a command needs every byte")
     return frame
 
 
@@ -71,17 +71,17 @@ CommandFrame: TypeAlias = Annotated[str, AfterValidator(_checked_command)]
 
 @dataclass(slots=True)
 class GattState:
-    """The state of a device, as its frames say it.
+    """The state of a device, as in its frames.
 
     Attributes:
-        fields: The bytes by field; what is not known is what a lamp has that was never told: off, bright and white.
+        fields: The bytes by field; by default off, full brightness and white.
     """
 
     fields: dict[str, int]
 
     @classmethod
     def unknown(cls, level_max: int) -> GattState:
-        """Return the state of a device that said nothing."""
+        """Return the state of a device that has reported nothing."""
         return cls({"on": 0, "level": level_max, "red": _BYTE, "green": _BYTE, "blue": _BYTE})
 
 
@@ -89,17 +89,17 @@ class GattProfile(BaseModel):
     """A table ``[gateways.NAME.profiles.PROFILE]``.
 
     Attributes:
-        service: The service by which its devices are recognised in their advertisements.
+        service: The advertised service that identifies its devices.
         type: The type of their part.
-        command: The characteristic that takes commands.
+        command: The characteristic for commands.
         on: The frame that turns it on.
-        off: Likewise off.
-        level: The frame that sets the brightness; none where it cannot be dimmed.
-        color: The frame that sets the colour; likewise.
+        off: The frame that turns it off.
+        level: The frame that sets the brightness; None if it cannot be dimmed.
+        color: The frame that sets the colour; None if it has no colour.
         level_max: The byte of full brightness.
-        state: The characteristic that reports; by default that of commands.
-        report: The frame that it reports; none where it reports nothing.
-        response: Whether commands are acknowledged by the device.
+        state: The characteristic with the state; by default that for commands.
+        report: The frame of the state; None if it reports nothing.
+        response: Whether the device acknowledges commands.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -124,7 +124,7 @@ class GattProfile(BaseModel):
 
     @property
     def reported_by(self) -> str:
-        """The characteristic that reports."""
+        """The characteristic with the state."""
         return self.state or self.command
 
     def part(self) -> Part:
@@ -139,10 +139,10 @@ class GattProfile(BaseModel):
         return Part(id="", service_type=self.type, capabilities=tuple(capabilities))
 
     def read(self, data: bytes, state: GattState) -> dict[str, PlainValue]:
-        """Take what a device reported into *state*, and return its values by capability.
+        """Update *state* from a report, and return its values by capability.
 
         Raises:
-            WireError: It is not the frame that the profile declares.
+            WireError: It does not match the frame of the profile.
         """
         tokens = _tokens(self.report or "..")
         if len(data) < len(tokens):
@@ -159,10 +159,10 @@ class GattProfile(BaseModel):
         return self._values(state.fields, {one.name for one in self.part().capabilities if one.readable})
 
     def write(self, capability: str, value: PlainValue, state: GattState) -> bytes:
-        """Return the command that sets a capability; *state*, which says what other fields are, then has it.
+        """Return the frame that sets a capability, with other fields from *state*, which is updated.
 
         Raises:
-            RefusedError: No frame does that.
+            RefusedError: The profile has no frame for it.
         """
         fields = dict(state.fields)
         frame: str | None = None
@@ -211,4 +211,4 @@ BUILT_IN: Mapping[str, GattProfile] = {
         report="{on}{level}",
     )
 }
-"""The profiles that need not be configured: the light of homebot's simulated house."""
+"""The built-in profiles: the light of homebot's simulated house."""

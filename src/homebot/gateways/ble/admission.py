@@ -1,4 +1,4 @@
-"""Bounds how many devices become known, and how fast: anybody can send advertisements under any address. Pure."""
+"""Limits how many new devices are accepted, and how fast: anybody can advertise under any address. Pure."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ __all__ = ["Newcomers", "find_dispensable"]
 
 BURST = 200
 RATE = 5.0
-"""Devices a second; a house has fewer than the burst, and more come only where somebody makes them up."""
+"""Devices a second; a house has fewer than the burst, so that more are probably fake."""
 
 SETTLED_AFTER = 60.0
-"""Seconds for which a device has been heard that is not given up for another."""
+"""Seconds after which a device is not removed to make room for another."""
 
 
 class Newcomers:
-    """The pace at which devices become known: 200 at once, then five a second."""
+    """The rate limit for new devices: 200 at once, then five a second."""
 
     def __init__(self, now: float) -> None:
         self.refused = 0
@@ -25,7 +25,7 @@ class Newcomers:
         self._at = now
 
     def admits(self, now: float) -> bool:
-        """Return whether one more may become known now."""
+        """Return whether one more device may be accepted now."""
         self._left = min(float(BURST), self._left + (now - self._at) * RATE)
         self._at = now
         if self._left < 1:
@@ -36,6 +36,6 @@ class Newcomers:
 
 
 def find_dispensable(devices: Iterable[KnownDevice]) -> KnownDevice | None:
-    """Return the device that has been silent longest of those that were heard for less than a minute; None for none."""
+    """Return the longest silent device of those heard for less than a minute; None if there is none."""
     brief = (one for one in devices if one.presence.last_heard - one.presence.first_heard < SETTLED_AFTER)
     return min(brief, key=lambda one: one.presence.last_heard, default=None)

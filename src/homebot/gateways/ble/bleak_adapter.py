@@ -51,7 +51,7 @@ class BleakRadio(BleRadio):
     Args:
         backend: The stack to use; None for that of the operating system.
         adapter: The name of the adapter, on Linux; empty for the system's.
-        is_passive: Whether to listen only.
+        is_passive: Whether to scan passively.
     """
 
     def __init__(self, backend: BleBackend | None, adapter: str, *, is_passive: bool) -> None:
@@ -63,7 +63,7 @@ class BleakRadio(BleRadio):
 
     @property
     def heard(self) -> int:
-        """The number of addresses that bleak keeps of the running scan."""
+        """The number of addresses that the running scan has seen."""
         return 0 if self._scanner is None else len(self._scanner.discovered_devices_and_advertisement_data)
 
     @asynccontextmanager
@@ -71,7 +71,7 @@ class BleakRadio(BleRadio):
         """Run a scan inside the block.
 
         Raises:
-            BluetoothUnavailableError: There is no adapter, or it vanished.
+            BluetoothUnavailableError: There is no adapter, or it was removed.
         """
 
         def hear(device: BLEDevice, data: AdvertisementData) -> None:
@@ -90,12 +90,12 @@ class BleakRadio(BleRadio):
         try:
             yield
         finally:
-            # A scan that cannot be ended has ended: the adapter is gone, as the next start will tell.
+            # If it cannot be stopped, the adapter is gone; the next start reports that.
             with anyio.CancelScope(shield=True), anyio.move_on_after(ANSWER_WITHIN), suppress(*_ERRORS):
                 await scanner.stop()
 
     async def connect(self, address: str, on_lost: Callable[[], None]) -> BleLink:
-        """Connect to a device, and find its services.
+        """Connect to a device and discover its services.
 
         Raises:
             BluetoothUnavailableError: There is no adapter.
@@ -117,7 +117,7 @@ class BleakRadio(BleRadio):
 
 
 class _BleakLink(BleLink):
-    """A connection that bleak made."""
+    """A connection through bleak."""
 
     def __init__(self, client: BleakClient, address: str) -> None:
         self._client = client
@@ -144,7 +144,7 @@ class _BleakLink(BleLink):
             await self._client.start_notify(characteristic, lambda _, data: on_value(bytes(data)))
 
     async def close(self) -> None:
-        # A connection that cannot be ended has ended.
+        # If it cannot be closed, it is lost.
         with anyio.CancelScope(shield=True), anyio.move_on_after(ANSWER_WITHIN), suppress(*_ERRORS):
             await self._client.disconnect()
 
@@ -163,10 +163,10 @@ def _advertisement(device: BLEDevice, data: AdvertisementData) -> Advertisement:
 
 @contextmanager
 def _unavailable_errors(*, only_adapter: bool = False) -> Iterator[None]:
-    """Let errors say that there is no adapter.
+    """Turn errors of bleak into :class:`BluetoothUnavailableError`.
 
     Args:
-        only_adapter: Whether only those that are about nothing else.
+        only_adapter: Whether to turn only those that name the adapter.
     """
     try:
         yield
@@ -192,9 +192,9 @@ def _link_errors(address: str) -> Iterator[None]:
 
 def _words(error: BaseException) -> str:
     if isinstance(error, TimeoutError):
-        return "no answer came in time"
+        return "it did not answer in time"
     if isinstance(error, FileNotFoundError):
-        return "there is no D-Bus; on Linux, bluetoothd and a system bus must run"
+        return "there is no D-Bus; on Linux, bluetoothd and the system bus must be running"
     if "org.bluez was not provided" in str(error):
-        return "bluetoothd does not run"
+        return "bluetoothd is not running"
     return str(error)[:200] or type(error).__name__

@@ -35,24 +35,24 @@ from homebot.plugins import load_plugin
 __all__ = ["BleGateway"]
 
 QUIET = 30.0
-"""Seconds without any advertisement after which the scan is begun anew: an adapter that vanished tells nobody."""
+"""Seconds without any advertisement after which the scan is restarted: an adapter that is gone does not say so."""
 
 MAX_PROBLEMS = 20
 
 MAX_SCANNED = 5_000
-"""Addresses after which the scan is begun anew: bleak keeps all of one scan."""
+"""Addresses after which the scan is restarted: bleak keeps every address of a scan."""
 
 UNREACHABLE = "gateway.unreachable"
 
 BACK_AFTER = 10.0
-"""Seconds of silence after which a device that is heard again is back."""
+"""Seconds of silence after which a device that is heard again counts as returned."""
 
 TICK = 5.0
 SIGNAL_EVERY = 5.0
 """Both in seconds."""
 
 PUT_EVERY = 1.0
-"""Seconds between two sightings of one device that is as it was."""
+"""Seconds between two sightings of a device that has not changed."""
 
 
 class BleGateway(Gateway):
@@ -61,7 +61,7 @@ class BleGateway(Gateway):
     Args:
         node: Its node.
         settings: Its table.
-        context: What its host gives it; a :class:`BleBackend` in it replaces the Bluetooth of the operating system.
+        context: Services of the host; a :class:`BleBackend` replaces the Bluetooth stack of the operating system.
 
     Attributes:
         devices: Its devices.
@@ -71,7 +71,7 @@ class BleGateway(Gateway):
     Settings: ClassVar[type[BaseModel]] = BleGatewaySettings
 
     def __init__(self, node: Node, settings: BleGatewaySettings, context: GatewayContext | None = None) -> None:
-        """Make the gateway; nothing is scanned before :meth:`serve`.
+        """Make the gateway; scanning starts with :meth:`serve`.
 
         Raises:
             UsageError: A bind key cannot be read.
@@ -91,7 +91,7 @@ class BleGateway(Gateway):
         self._connections: Connections | None = None
         self._restart = anyio.Event()
         self._listens_since: float | None = None
-        self._reason = "it has not begun"
+        self._reason = "it has not started"
         self._told: dict[str, int] = {}
         self.intake = Intake(clock)
         self.devices = PublishedDevices(self, self._perform, settings, max_devices=settings.max_devices)
@@ -108,7 +108,7 @@ class BleGateway(Gateway):
             _find_parsers(settings)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Run the scan and the connections until cancelled; ready when the first try to scan has ended."""
+        """Run the scan and the connections until cancelled; ready after the first attempt to scan."""
         from homebot.gateways.ble.bleak_adapter import BleakRadio  # noqa: PLC0415 - only where it runs
 
         backend = self.context.service(BleBackend)
@@ -124,7 +124,7 @@ class BleGateway(Gateway):
             owner=self.node.full_name,
             clock=self._clock,
             random=self._random,
-            described=partial(self._put, why="it was connected to"),
+            described=partial(self._put, why="it was connected"),
             report=self.devices.report,
             deliver_raw=self.devices.deliver_raw,
             reject=self.devices.reject,
@@ -162,7 +162,7 @@ class BleGateway(Gateway):
             await anyio.sleep(LINK_BACKOFF.delay(failures, now - since, self._random))
 
     async def _until_done(self, radio: BleRadio) -> None:
-        """Wait until the scan is to be begun anew."""
+        """Return when the scan should be restarted."""
         self._restart = anyio.Event()
         began = self._clock.monotonic()
         while radio.heard < MAX_SCANNED:
@@ -232,7 +232,7 @@ class BleGateway(Gateway):
             await self.devices.report(key, {one.capability: one.value}, one.part)
 
     def _admit(self, key: str, advertisement: Advertisement, found: Broadcast | None, now: float) -> KnownDevice | None:
-        """Return a new device, if it is to be listed and there is room."""
+        """Return a new device; None if it should not be listed, or there is no room."""
         declared = self._settings.devices.get(advertisement.address)
         profile = self._profile_of(advertisement, declared)
         is_understood = found is not None or profile is not None or declared is not None
@@ -270,7 +270,7 @@ class BleGateway(Gateway):
         self.devices.remove(device.key, why)
 
     async def _look_around(self) -> None:
-        """Keep in sight those that are connected, and forget those that have long been silent; every few seconds."""
+        """Refresh connected devices and forget silent ones, every few seconds."""
         while True:
             await anyio.sleep(TICK)
             now = self._clock.monotonic()
@@ -289,11 +289,11 @@ class BleGateway(Gateway):
             self.devices.problems = self._problems()
 
     def _problems(self) -> tuple[str, ...]:
-        """Return what is wrong, as text; of what was too much, only what came since this was asked last."""
+        """Return the current problems, as text; of overflows, only those since the last call."""
         problems = [f"{one.key}: {one.problem}" for one in self._known.values() if one.problem][:MAX_PROBLEMS]
         counts = {
-            "advertisements were dropped, as more came than can be read": self.intake.counts.dropped,
-            "advertisements of unknown devices were left out, as too many devices appear": self._newcomers.refused,
+            "advertisements were dropped: more arrived than can be read": self.intake.counts.dropped,
+            "advertisements of unknown devices were ignored: too many devices appear": self._newcomers.refused,
         }
         for what, count in counts.items():
             if count > self._told.get(what, 0):
@@ -303,7 +303,7 @@ class BleGateway(Gateway):
 
     async def _perform(self, command: Command) -> None:
         if self._connections is None or self._reason:
-            raise LinkError(f"no device can be reached: {self._reason}")
+            raise LinkError(f"no device is reachable: {self._reason}")
         await self._connections.perform(command.key, command.capability, command.value.plain())
 
 
@@ -313,8 +313,8 @@ def _find_parsers(settings: BleGatewaySettings) -> tuple[BroadcastParser, ...]:
     for name in dict.fromkeys(settings.parsers):
         kind = load_plugin(PARSERS, name)
         if not issubclass(kind, BroadcastParser):
-            raise PluginError(name, "is no BroadcastParser")
+            raise PluginError(name, "is not a BroadcastParser")
         found.append(kind(keys))
     if keys and not found:
-        raise UsageError("bind keys are configured, and no parser that reads them")
+        raise UsageError("bind keys are configured, but no parser that uses them")
     return tuple(found)

@@ -1,4 +1,4 @@
-"""Advertisements that were received and wait to be read: few of each device, and not too many in all."""
+"""A bounded queue of advertisements; repetitions are dropped."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from homebot.conventions.bluetooth.advertisement import Advertisement
 __all__ = ["Intake", "IntakeCounts"]
 
 EVERY = 1.0
-"""Seconds between two advertisements of a device that say the same."""
+"""Seconds between two identical advertisements of a device."""
 
 MAX_WAITING = 1000
 MAX_ADDRESSES = 2000
@@ -21,12 +21,12 @@ MAX_ADDRESSES = 2000
 
 @dataclass(slots=True)
 class IntakeCounts:
-    """Counts of what became of advertisements.
+    """Counts of received advertisements.
 
     Attributes:
         received: All.
-        repeated: Those that said nothing new within a second.
-        dropped: Those that were too many: the oldest that waited.
+        repeated: Those dropped because they repeated one of the last second.
+        dropped: Those dropped because the queue was full, oldest first.
     """
 
     received: int = 0
@@ -36,12 +36,12 @@ class IntakeCounts:
 
 @dataclass(slots=True)
 class Intake:
-    """A queue of at most 1,000 advertisements; the oldest goes.
+    """A queue of at most 1,000 advertisements; if it is full, the oldest is dropped.
 
     Attributes:
-        clock: The clock to live by.
-        counts: What became of advertisements.
-        heard_at: When one was received last.
+        clock: The clock of the gateway.
+        counts: How many were received and dropped.
+        heard_at: The time of the last one.
     """
 
     clock: Clock
@@ -52,7 +52,7 @@ class Intake:
     _some_wait: anyio.Event = field(default_factory=anyio.Event)
 
     def hear(self, advertisement: Advertisement) -> None:
-        """Take an advertisement; never waits."""
+        """Add an advertisement; never blocks."""
         now = self.heard_at = self.clock.monotonic()
         self.counts.received += 1
         address = advertisement.address
@@ -71,7 +71,7 @@ class Intake:
         self._some_wait.set()
 
     async def next(self) -> Advertisement:
-        """Return the advertisement that has waited longest; wait for one."""
+        """Return the oldest advertisement; waits for one."""
         while not self._waiting:
             self._some_wait = anyio.Event()
             await self._some_wait.wait()

@@ -1,4 +1,4 @@
-"""A device that the gateway lists, and what is known of it. Pure."""
+"""A device that the gateway lists, with all its facts. Pure."""
 
 from __future__ import annotations
 
@@ -39,28 +39,28 @@ _SIGNAL_PARTS = (
         capabilities=(Capability(name="measurement", unit="m"),),
     ),
 )
-_UNCERTAINTY = {"distance_uncertainty": f"times or divided by {DISTANCE_FACTOR:.1f}"}
+_UNCERTAINTY = {"distance_uncertainty": f"a factor of {DISTANCE_FACTOR:.1f}, up or down"}
 
 
 class KnownDevice:
     """A device that the gateway lists.
 
     Args:
-        key: What the gateway calls it.
-        declared: What the configuration says of it.
-        profile: How it is connected to; None for a device that only broadcasts.
+        key: Its key on the graph.
+        declared: Its table in the configuration.
+        profile: Its GATT profile; None for a device that only broadcasts.
         now: Seconds of the gateway's clock.
 
     Attributes:
         key: The same.
         profile: The same.
-        address: The address at which it was heard last.
-        presence: When it was heard.
-        signal: How strongly.
-        problem: What keeps it from being read; empty where all is well.
-        connected_facts: What it said of itself over a connection.
-        has_battery: Whether it reported a battery over a connection.
-        reported_at: When its signal was reported last.
+        address: The address of its last advertisement.
+        presence: The times at which it was heard.
+        signal: Its signal strength.
+        problem: Why it cannot be read; empty if it can.
+        connected_facts: Device information that was read over a connection.
+        has_battery: Whether it has the battery service.
+        reported_at: The time of the last report of its signal.
     """
 
     def __init__(self, key: str, declared: BleDeviceSettings, profile: GattProfile | None, now: float) -> None:
@@ -79,7 +79,7 @@ class KnownDevice:
         self._rssi_at_1m: float | None = None
 
     def hear(self, advertisement: Advertisement, broadcast: Broadcast | None, now: float) -> None:
-        """Take note of an advertisement, and of what it said."""
+        """Update the device from an advertisement and its meaning."""
         self.address = advertisement.address
         self.presence.hear(now)
         self.signal.add(advertisement.rssi, now)
@@ -94,7 +94,7 @@ class KnownDevice:
             self._rssi_at_1m = advertisement.tx_power - _FREE_SPACE_1M
 
     def describe(self, *, signal: bool) -> GatewayDevice:
-        """Return it as it is published.
+        """Return the description to publish.
 
         Args:
             signal: Whether the strength of the signal is reported.
@@ -114,10 +114,10 @@ class KnownDevice:
         )
 
     def signal_values(self, default_rssi_at_1m: float, now: float) -> Mapping[str, Mapping[str, PlainValue]]:
-        """Return the strength of the signal, and the distance by it, by part; nothing where none was received lately.
+        """Return signal strength and distance by part; empty if nothing was received lately.
 
         Args:
-            default_rssi_at_1m: What is received at one metre of a device that does not say it.
+            default_rssi_at_1m: Signal strength at one metre, in dBm, for devices that do not state it.
             now: Seconds of the gateway's clock.
         """
         rssi = self.signal.value(now)
@@ -135,7 +135,7 @@ class KnownDevice:
         return (Part(id=BATTERY, service_type=sensor_type("battery"), category="diagnostic", capabilities=battery),)
 
     def _serial_number(self) -> tuple[str, ...]:
-        """Return a declared identifier where maker and serial number are known: a number alone may be that of many."""
+        """Return an identifier if maker and serial number are known: a number alone may not be unique."""
         facts = self.connected_facts
         if "manufacturer" not in facts or "serial_number" not in facts:
             return ()

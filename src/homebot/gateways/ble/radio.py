@@ -1,4 +1,4 @@
-"""The port to Bluetooth: what the gateway needs of it, whatever library does it."""
+"""The port to Bluetooth: the operations that the gateway needs, independent of the library."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["BleLink", "BleRadio", "BluetoothUnavailableError"]
 
 
 class BluetoothUnavailableError(LinkError):
-    """There is no Bluetooth adapter, or it is off, or the service that has it does not run."""
+    """There is no Bluetooth adapter, it is turned off, or the Bluetooth service is not running."""
 
 
 class BleLink(ABC):
@@ -22,11 +22,11 @@ class BleLink(ABC):
     @property
     @abstractmethod
     def is_open(self) -> bool:
-        """True while it stands."""
+        """True while the connection is open."""
 
     @abstractmethod
     def has(self, characteristic: str, *properties: str) -> bool:
-        """Return whether the device has a characteristic, with one of these properties if any are given."""
+        """Return whether the device has a characteristic, and with at least one of *properties*, if any are given."""
 
     @abstractmethod
     async def read(self, characteristic: str) -> bytes:
@@ -39,7 +39,7 @@ class BleLink(ABC):
 
     @abstractmethod
     async def write(self, characteristic: str, data: bytes, *, response: bool) -> None:
-        """Set the value of a characteristic; with a *response*, return when the device has it.
+        """Set the value of a characteristic; with *response*, wait until the device has acknowledged it.
 
         Raises:
             LinkError: The connection is lost.
@@ -48,7 +48,7 @@ class BleLink(ABC):
 
     @abstractmethod
     async def subscribe(self, characteristic: str, on_value: Callable[[bytes], None]) -> None:
-        """Have *on_value* called with each value that the device notifies.
+        """Call *on_value* with each value that the device notifies.
 
         Raises:
             LinkError: The connection is lost.
@@ -57,7 +57,7 @@ class BleLink(ABC):
 
     @abstractmethod
     async def close(self) -> None:
-        """Disconnect; one that was lost before is nothing new."""
+        """Disconnect; does nothing if the connection was lost already."""
 
 
 class BleRadio(ABC):
@@ -66,19 +66,19 @@ class BleRadio(ABC):
     @property
     @abstractmethod
     def heard(self) -> int:
-        """The number of addresses that are kept of the running scan."""
+        """The number of addresses that the running scan has seen."""
 
     @abstractmethod
     def scanning(self, on_heard: Callable[[Advertisement], None]) -> AbstractAsyncContextManager[None]:
         """Return a scan, which runs inside the block.
 
         Raises:
-            BluetoothUnavailableError: There is no adapter, or it vanished.
+            BluetoothUnavailableError: There is no adapter, or it was removed.
         """
 
     @abstractmethod
     async def connect(self, address: str, on_lost: Callable[[], None]) -> BleLink:
-        """Connect to a device, and find its services.
+        """Connect to a device and discover its services.
 
         Raises:
             BluetoothUnavailableError: There is no adapter.
