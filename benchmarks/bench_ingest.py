@@ -94,6 +94,7 @@ async def ingest(port: int, count: int, *, with_directory: bool) -> tuple[int, f
         anyio.create_task_group() as tasks,
     ):
         settings = MqttGatewaySettings(url=f"mqtt://127.0.0.1:{port}", act=True)
+        MqttGateway.check(settings)  # as `homebot run` does before it starts anything
         started, spent = time.perf_counter(), time.process_time()
         gateway = MqttGateway(gateway_node, settings)
         await tasks.start(gateway.serve)

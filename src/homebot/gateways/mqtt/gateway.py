@@ -103,7 +103,7 @@ class MqttGateway(Gateway):
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
-        """Find the conventions and read the credentials.
+        """Find the conventions, read the credentials, and load the client's libraries.
 
         Raises:
             UsageError: A convention cannot be loaded, a file cannot be read, or settings contradict each other.
@@ -113,6 +113,7 @@ class MqttGateway(Gateway):
             settings.check_files()
             if settings.url != EMBEDDED:
                 settings.options()
+                client_maker(settings.client or "aiomqtt")  # here nothing waits for it yet
 
     @classmethod
     def host_services(cls, settings: BaseModel) -> tuple[HostService[object], ...]:
