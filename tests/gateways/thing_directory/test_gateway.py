@@ -101,6 +101,18 @@ async def test_a_malformed_description_is_counted_once_and_the_others_are_listed
     assert found.devices.counters.rejected <= 6
 
 
+async def test_a_thing_that_speaks_only_coap_says_what_to_do() -> None:
+    form = {"href": "coap://127.0.0.1/on"}
+    directory = ThingDirectoryServer(has_events=False)
+    directory.register(
+        description(1, properties={"on": {"type": "boolean", "@type": "OnOffProperty", "forms": [form]}})
+    )
+    async with served(directory), gateway(directory.url) as (found, watcher):
+        sighting = await listen(watcher, Sighting, found.names.received_topics).receive()
+    facts = {one.key: one.value for one in sighting.metadata}
+    assert facts["unusable"].startswith("its addresses are of coap, not of HTTP; the gateway coap can use it")
+
+
 async def test_a_description_that_is_too_long_is_refused_and_the_others_are_listed() -> None:
     directory = ThingDirectoryServer(has_events=False)
     directory.register(description(1, description="x" * 300_000))

@@ -243,8 +243,10 @@ class DirectorySession:
             return
         self._known[device.key] = digest
         self._stop(device.key)
-        if not any(form.scheme in HTTP_BINDING.schemes for one in thing.affordances for form in one.forms):
-            self._devices.put(device, "the directory lists it", confirmed=False)
+        schemes = {form.scheme for one in thing.affordances for form in one.forms}
+        if schemes.isdisjoint(HTTP_BINDING.schemes):
+            facts = {**device.metadata, "unusable": _unusable_text(schemes)}
+            self._devices.put(replace(device, metadata=facts), "the directory lists it", confirmed=False)
             return
         followed = ListedThing(
             thing,
@@ -293,3 +295,11 @@ class DirectorySession:
         if known is None or known.scheme in {"", "apikey"}:
             return None
         return http_login(known, where, SecurityScheme(known.scheme))
+
+
+def _unusable_text(schemes: set[str]) -> str:
+    """Return why a thing with addresses of *schemes* is not used here, and what to do about it."""
+    named = ", ".join(sorted(one for one in schemes if one))[:60]
+    text = f"its addresses are of {named}, not of HTTP" if named else "it has no address"
+    coap = any(one.startswith("coap") for one in schemes)
+    return f"{text}; the gateway coap can use it, given its address or its directory" if coap else text
