@@ -1,0 +1,76 @@
+"""Clients that break the rules of HTTP, or ask too much: they are refused, and the others are served."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from tests.bridges.thing_directory.conftest import OpenHouse
+from tests.patience import PATIENCE
+
+from homebot.devices.health import HealthRequest
+
+HOST = b"Host: 127.0.0.1\r\n"
+
+
+async def answer_to(port: int, request: bytes) -> bytes:
+    """Return the beginning of the answer to *request*; empty where the connection is cut."""
+    async with await anyio.connect_tcp("127.0.0.1", port) as stream:
+        with anyio.fail_after(PATIENCE):
+            try:
+                await stream.send(request)
+                return await stream.receive(200)
+            except (anyio.EndOfStream, anyio.BrokenResourceError):
+                return b""
+
+
+@pytest.mark.parametrize(
+    ("request_", "status"),
+    [
+        (b"\x00\xff\x01\r\n\r\n", (b" 400 ",)),
+        (b"GET /things HTTP/1.1\r\n\r\n", (b" 400 ", b" 403 ")),
+        (b"GET /things HTTP/1.1\r\n" + HOST + HOST + b"\r\n", (b" 400 ", b" 403 ")),
+        (b"GET /things HTTP/1.1\r\n" + HOST + b"X: " + b"a" * 1_000_000 + b"\r\n\r\n", (b" 400 ", b"")),
+        (b"GET //[ HTTP/1.1\r\n" + HOST + b"\r\n", (b" 404 ", b" 400 ")),
+        (b"GET /things/%ff%00 HTTP/1.1\r\n" + HOST + b"\r\n", (b" 404 ",)),
+        (b"GET http://[x/ HTTP/1.1\r\n" + HOST + b"\r\n", (b" 404 ", b" 400 ")),
+        (
+            b"PUT /things/x/properties/y HTTP/1.1\r\n"
+            + HOST
+            + b"Transfer-Encoding: chunked\r\n\r\n20000\r\n"
+            + b"a" * 0x20000,
+            (b" 413 ", b""),
+        ),
+        (b"PUT /things/x/properties/y HTTP/1.1\r\n" + HOST + b"Content-Length: 99999999999\r\n\r\n", (b" 413 ",)),
+    ],
+)
+async def test_what_breaks_the_rules_is_refused_and_the_next_request_is_answered(
+    served_house: OpenHouse, request_: bytes, status: tuple[bytes, ...]
+) -> None:
+    async with served_house() as house:
+        answer = await answer_to(house.bridge.port, request_)
+        assert any(one in answer if one else not answer for one in status), answer
+        assert len(await house.things(2)) == 2
+
+
+async def test_connections_beyond_the_limit_are_refused_until_others_close(served_house: OpenHouse) -> None:
+    async with served_house(max_clients=5) as house:
+        await house.things(2)
+        opened = [await anyio.connect_tcp("127.0.0.1", house.bridge.port) for _ in range(20)]
+        assert b" 503 " in await answer_to(house.bridge.port, b"GET /things HTTP/1.1\r\n" + HOST + b"\r\n")
+        for stream in opened:
+            await stream.aclose()
+        assert len(await house.things(2)) == 2
+        counts = {one.name: one.count for one in house.bridge.health(HealthRequest()).counts}
+        assert counts["turned_away"] >= 15
+
+
+async def test_a_client_that_floods_and_reads_nothing_leaves_the_others_alone(served_house: OpenHouse) -> None:
+    async with (
+        served_house() as house,
+        await anyio.connect_tcp("127.0.0.1", house.bridge.port) as stream,
+        anyio.create_task_group() as tasks,
+    ):
+        tasks.start_soon(stream.send, (b"GET /things HTTP/1.1\r\n" + HOST + b"\r\n") * 20_000)
+        for _ in range(20):
+            assert len(await house.things(2)) == 2
+        tasks.cancel_scope.cancel()
