@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from tests.peers.network import missing_programs
-from tests.peers.other_python import ROOT
+from tests.peers.other_python import INSTALLED_WITHIN, ROOT
 
 
 def node_folder(source: Path) -> Path:
@@ -27,9 +27,11 @@ def node_folder(source: Path) -> Path:
         (home / "package.json").write_text(wanted)
         command = ("npm", "install", "--no-audit", "--no-fund", "--no-package-lock", "--loglevel=error")
         try:
-            done = subprocess.run(command, cwd=home, check=False, capture_output=True, text=True, timeout=300)
+            done = subprocess.run(
+                command, cwd=home, check=False, capture_output=True, text=True, timeout=INSTALLED_WITHIN
+            )
         except subprocess.TimeoutExpired:
-            pytest.skip("npm install took more than five minutes")
+            pytest.skip(f"the packages of {source.name} were not installed within {INSTALLED_WITHIN:g} s")
         if done.returncode:
             pytest.skip(f"npm cannot install {source.name}: {done.stderr.strip()[-300:]}")
         installed.write_text(wanted)

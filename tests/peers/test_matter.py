@@ -36,6 +36,7 @@ import matter_server.server.device_controller as controller
 controller.NODE_RESUBSCRIBE_ATTEMPTS_UNAVAILABLE = 0  # else it takes minutes until it calls a dead device unavailable
 runpy.run_module("matter_server.server", run_name="__main__", alter_sys=True)
 """
+PATIENCE = 120.0
 NAMES, COMMISSIONING = GatewayNames("matter"), CommissioningNames("matter")
 
 
@@ -57,7 +58,7 @@ def _data() -> Iterator[None]:
     DATA.mkdir(exist_ok=True)
     yield
     if is_new:
-        with suppress(OSError):
+        with suppress(OSError):  # another program may use it by now
             DATA.rmdir()
 
 
@@ -72,20 +73,21 @@ async def server(hub: Machine, python: str, folder: Path, matter_js: Path) -> As
         *("sh", "-c", 'mount -t tmpfs tmpfs /data && exec "$@"', "sh", python, "-c", SERVER),
         *("--storage-path", str(folder / "server"), "--paa-root-cert-dir", str(certificates)),
         *("--primary-interface", INTERFACE, "--listen-address", "127.0.0.1"),
-        ready="Matter Server successfully initialized",
-    ):
+    ) as program:
+        await program.prints("Matter Server successfully initialized", PATIENCE)
         yield
 
 
 @asynccontextmanager
 async def light(machine: Machine, folder: Path, matter_js: Path) -> AsyncIterator[Program]:
     command = ("node", str(matter_js / "light.mjs"), f"--storage-path={folder / 'light'}")
-    async with machine.program("env", "MATTER_LOG_LEVEL=warn", *command, ready="the light runs") as program:
+    async with machine.program("env", "MATTER_LOG_LEVEL=warn", *command) as program:
+        await program.prints("the light runs", PATIENCE)
         yield program
 
 
 async def reported(reports: Subscription[Report], capability: str, is_it: Callable[[PlainValue], bool]) -> None:
-    with anyio.fail_after(90):
+    with anyio.fail_after(PATIENCE):
         while True:
             report = await reports.receive()
             if any(one.capability == capability and is_it(one.value.plain()) for one in report.readings):
@@ -115,7 +117,7 @@ async def test_a_light_is_commissioned_commanded_lost_found_and_removed(
         assert (await states.receive()).state == "active"
         code = (await lamp.prints("pairing code ")).partition("pairing code ")[2].split()[0]
         commission = watcher.create_client(Commission, COMMISSIONING.commission)
-        joined = await commission.call(CommissionRequest(code=code), timeout=120)
+        joined = await commission.call(CommissionRequest(code=code), timeout=PATIENCE)
         assert (joined.success, joined.message, joined.name) == (True, "", "Hall light")
         seen = await sightings.receive()
         assert (seen.kind, [part.service_type for part in seen.parts]) == ("appeared", ["light", "generic_switch"])
@@ -139,7 +141,7 @@ async def test_a_light_is_commissioned_commanded_lost_found_and_removed(
         async with light(device, tmp_path, matter_js) as again:
             await reported(reports, "reachable", lambda one: one is True)
             decommission = watcher.create_client(Decommission, COMMISSIONING.decommission)
-            assert (await decommission.call(DecommissionRequest(key=joined.key), timeout=120)).success
+            assert (await decommission.call(DecommissionRequest(key=joined.key), timeout=PATIENCE)).success
             await again.prints("decommissioned")
         kinds = [one.kind for one in iter(sightings.take, None)]
         assert kinds[-1] == "removed"
