@@ -16,7 +16,7 @@ from homebot.devices import (
     State,
 )
 from homebot.devices.device_types import wanted_types
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue
 from homebot.discovery.echoes import Echoes
 from homebot.discovery.endpoints import Addresses, addresses, endpoint_reach, endpoints, last_seen, sorted_routes
 from homebot.discovery.liveness import ReportInterval
@@ -269,7 +269,7 @@ def _states(merged: MergedParts, newest: Mapping[tuple[int, str], StoredValue]) 
             State.of_checked(
                 part=merged.parts[place].id,
                 capability=capability,
-                value=Value.of(stored.value),
+                value=stored.reported,
                 since=stored.since,
                 told_at=stored.told_at,
                 live=stored.live,

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from homebot.devices import Sighting
-from homebot.devices.value import PlainValue
+from homebot.devices.value import PlainValue, Value
 from homebot.messages import Time
 
 __all__ = [
@@ -35,13 +35,15 @@ class StoredValue:
     """A value that a part reported.
 
     Attributes:
-        value: The value.
+        reported: The value.
+        value: The same in plain Python, by which it is found.
         since: Since when it is that.
         told_at: When it was last reported.
         heard_at: The same on the clock that is never set, which says what is newer.
         live: Whether the device reported it, rather than a retained message.
     """
 
+    reported: Value
     value: PlainValue
     since: Time
     told_at: Time

@@ -65,18 +65,22 @@ class StateRecorder:
                     if live:
                         self._record_event(entry, source, reading, stamp)
                 elif has_capability(source, part, capability):
-                    stored = source.values[place] = StoredValue(reading.value.plain(), stamp, stamp, live, now)
+                    stored = source.values[place] = StoredValue(
+                        reading.value, reading.value.plain(), stamp, stamp, live, now
+                    )
                     self._post(entry, source, reading, stored)
                     new.append((reading, stored))
                 else:
                     self._table.counters.unknown_parts += 1
             elif live or not stored.live:  # what the broker had kept never overwrites what came live
                 stored.told_at, stored.live, stored.heard_at = stamp, live, now
+                if reading.value is stored.reported:
+                    continue
                 value, known = reading.value.plain(), stored.value
                 if known != value or type(known) is not type(value):
                     if entry.claimed and live:
                         self._compare(entry, source, reading)
-                    stored.value, stored.since = value, stamp
+                    stored.reported, stored.value, stored.since = reading.value, value, stamp
                     new.append((reading, stored))
         if new:
             self._publish(entry, source, new, report)
@@ -160,7 +164,7 @@ class StateRecorder:
             return
         if not entry.is_new_event(number, reading.capability, value, source.key, now):
             return
-        stored = StoredValue(value, stamp, stamp, live=True, heard_at=now)
+        stored = StoredValue(reading.value, value, stamp, stamp, live=True, heard_at=now)
         source.events = {**source.events, (reading.part, reading.capability): stored}
         if table.collects_states:
             event = _of_part(merged.parts[number].id, reading)

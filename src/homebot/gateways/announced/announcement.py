@@ -40,7 +40,6 @@ class AnnouncedPart(PartTexts):
     stored: StoredAnnouncement
     described: DescribedPart
     address: str
-    _readings: dict[str, tuple[PlainValue, Reading]] | None = field(default=None, init=False)  # most parts are silent
 
     def readings(self, values: Mapping[str, PlainValue]) -> list[Reading]:
         """Return *values* as readings, each the same one as before where the value is the same.
@@ -48,9 +47,11 @@ class AnnouncedPart(PartTexts):
         Raises:
             pydantic.ValidationError: A value, or the name of a capability, is none that a reading can have.
         """
-        if (known := self._readings) is None:
-            known = self._readings = {}
         part, found = self.described.part.id, []
+        if (of_parts := self.stored.readings) is None:
+            of_parts = self.stored.readings = {}
+        if (known := of_parts.get(part)) is None:
+            known = of_parts[part] = {}
         for name, value in values.items():
             before = known.get(name)
             if before is not None and before[0] == value and type(before[0]) is type(value):
@@ -97,6 +98,7 @@ class StoredAnnouncement:
         reachable: Whether the device (``""``) and its parts can be reached, as it was published last.
         report_streams: The streams of reports that late joiners get, by what was said on them.
         template: A sighting with all that its sightings have in common.
+        readings: The last value of each capability with its reading, by part; None where it reported none.
     """
 
     gateway: str
@@ -112,6 +114,7 @@ class StoredAnnouncement:
     reachable: dict[str, bool | None] = field(default_factory=dict, init=False)
     report_streams: dict[str, str] = field(default_factory=dict, init=False)
     template: Sighting = field(init=False)
+    readings: dict[str, dict[str, tuple[PlainValue, Reading]]] | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         described, text = self.described, self.described.text
