@@ -25,11 +25,11 @@ from homebot.isolation import first_cause
 
 pytestmark = pytest.mark.timeout(300)
 
-DRIVERS: dict[str, type[Driver]] = {
-    "esphome": EsphomeDriver,
-    "shelly": ShellyDriver,
-    "thing": ThingDriver,
-    "wled": WledDriver,
+DRIVERS: dict[str, tuple[type[Driver], str]] = {
+    "esphome": (EsphomeDriver, "_esphomelib._tcp.local."),
+    "shelly": (ShellyDriver, "_shelly._tcp.local."),
+    "thing": (ThingDriver, "_wot._tcp.local."),
+    "wled": (WledDriver, "_wled._tcp.local."),
 }
 DEVICES = Path(__file__).with_name("silent_devices.py")
 HANGS_AFTER = 150.0
@@ -40,8 +40,7 @@ class Watched:
     """One driver of one device, and when it noticed that the device is gone."""
 
     def __init__(self, name: str, address: str, port: int) -> None:
-        kind = DRIVERS[name]
-        (service_type,) = kind.service_types
+        kind, service_type = DRIVERS[name]
         service = FoundService(f"Hall.{service_type}", "Hall", service_type, "hall.local.", port, (address,))
         self.name = name
         self.host = KeepingHost()
