@@ -1,15 +1,13 @@
-"""JSON of many megabytes, parsed in slices, so that other work can be done in between. Pure.
+"""JSON of many megabytes, parsed item by item, so that other work can be done in between. Pure.
 
-`json` parses 32 MiB in a second, and lets no other thread run meanwhile. Here a window of the text is parsed at a time;
-a list or an object that is longer than the window is taken member by member.
+`json` parses 32 MiB in a second, and lets no other thread run meanwhile.
 """
 
 from __future__ import annotations
 
-import codecs
 import json
 import re
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from typing import Final, TypeAlias
 
 from homebot.conventions.payload import (
@@ -18,35 +16,54 @@ from homebot.conventions.payload import (
     check_surrogates,
     json_decoder,
     note_duplicate,
+    parse_json,
     shown,
 )
 from homebot.errors import WireError
 
-__all__ = ["WINDOW_BYTES", "is_longer_than", "parse_in_slices"]
+__all__ = ["is_longer_than", "parse_in_slices", "parse_list"]
 
-WINDOW_BYTES: Final = 64 * 1024
-"""Bytes that are parsed without a pause; a longer text or a longer run of blanks is one slice as well."""
+_Place: TypeAlias = tuple[object, int]
+"""A value, and where the text goes on behind it."""
 
-Slices: TypeAlias = Generator[None, None, object]
-_SPACES: Final = " \t\n\r"
-_BRACKETS: Final = frozenset("[{")
-_CLOSED: Final = frozenset('[{"')
-_NUMBER_SIGNS: Final = len("e-")
-"""Characters of a number that are none without a digit behind them, which may be in the next window."""
+_LEVELS: Final = 2
+"""Lists and objects that are parsed by their members: the pages of a list are mostly lists in an object."""
 
-_SHORT: Final = 200
-"""Characters; members that are shorter are parsed many at a time."""
-
+_SPACES: Final = b" \t\n\r"
 _NO_SPACE: Final = re.compile(r"[^ \t\n\r]")
+_CLOSING: Final = {"[": "]", "{": "}"}
 
 
-def parse_in_slices(payload: bytes, limit: int, window: int = WINDOW_BYTES) -> Slices:
-    """Parse JSON as :func:`homebot.conventions.payload.parse_json` does, and yield between two slices.
+def parse_list(payload: bytes, limit: int) -> Iterator[object]:
+    """Yield the items of the JSON list that *payload* is, one after the other.
 
-    Args:
-        payload: UTF-8.
-        limit: Its longest length in bytes.
-        window: Bytes of a slice; a number is at most as long.
+    Raises:
+        WireError: As :func:`~homebot.conventions.payload.parse_json`, or it is JSON but no list; what was yielded
+            before that is no list either.
+    """
+    if len(payload) > limit or not payload.lstrip(_SPACES).startswith(b"["):
+        value = parse_json(payload, limit)
+        raise WireError(f"{shown(value)} is not a list")
+    try:
+        text = payload.decode()
+        at = _after_spaces(text, text.index("[") + 1)
+        while text[at : at + 1] != "]":
+            value, at = _decode(text, at, MAX_DEPTH - 1)
+            yield value
+            at = _next_member(text, at, "]")
+        _check_end(text, at + 1)
+    except RecursionError:
+        raise WireError(f"JSON is nested deeper than {MAX_DEPTH} levels") from None
+    except ValueError as error:
+        raise WireError(f"{shown(payload)} is not JSON: {error}") from None
+
+
+def parse_in_slices(payload: bytes, limit: int) -> Generator[int, None, object]:
+    """Parse JSON as :func:`~homebot.conventions.payload.parse_json` does, and pause behind each member.
+
+    Yields:
+        The characters that were parsed until there. What is nested more deeply than two levels is parsed without a
+        pause.
 
     Returns:
         The value, when all of it was parsed.
@@ -57,18 +74,13 @@ def parse_in_slices(payload: bytes, limit: int, window: int = WINDOW_BYTES) -> S
     if len(payload) > limit:
         raise WireError(f"a payload of {len(payload)} bytes is longer than {limit}")
     try:
-        parser = _SlicedText(payload, window)
-        parser.skip_spaces()
-        value = yield from parser.parse_value(0)
-        parser.skip_spaces()
-        is_all = not parser.character
+        text = payload.decode()
+        value, at = yield from _parse(text, _after_spaces(text, 0), _LEVELS)
+        _check_end(text, at)
     except RecursionError:
         raise WireError(f"JSON is nested deeper than {MAX_DEPTH} levels") from None
     except ValueError as error:
-        problem = error.msg if isinstance(error, json.JSONDecodeError) else str(error)
-        raise WireError(f"{shown(payload)} is not JSON: {problem}") from None
-    if not is_all:
-        raise WireError(f"{shown(payload)} is not JSON: it goes on after its end")
+        raise WireError(f"{shown(payload)} is not JSON: {error}") from None
     return value
 
 
@@ -89,187 +101,76 @@ def is_longer_than(value: object, limit: int) -> bool:
     return False
 
 
-class _SlicedText:
-    """A payload, and the window of its text that is parsed now.
+def _parse(text: str, at: int, levels: int) -> Generator[int, None, _Place]:
+    """Parse the value that begins at *at*; *levels* lists and objects by their members."""
+    opening = text[at : at + 1]
+    closing = _CLOSING.get(opening)
+    if closing is None or levels == 0:
+        value, at = _decode(text, at, MAX_DEPTH - _LEVELS + levels)
+        yield at
+        return value, at
+    values: list[object] = []
+    names: list[str] = []
+    at = _after_spaces(text, at + 1)
+    while text[at : at + 1] != closing:
+        if opening == "{":
+            name, at = _parse_name(text, at)
+            names.append(name)
+        value, at = yield from _parse(text, at, levels - 1)
+        values.append(value)
+        at = _next_member(text, at, closing)
+    return (values if opening == "[" else _object(names, values)), at + 1
 
-    Attributes:
-        text: The window.
-        at: Where in the window the next value or sign begins.
-    """
 
-    __slots__ = (
-        "_decode",
-        "_ends_here",
-        "_is_next_slice",
-        "_is_tried",
-        "_payload",
-        "_start",
-        "_stop",
-        "_window",
-        "at",
-        "text",
-    )
+def _parse_name(text: str, at: int) -> tuple[str, int]:
+    """Parse the name of a member; its value is where the text goes on."""
+    name, at = json_decoder().raw_decode(text, at)
+    at = _after_spaces(text, at)
+    check_surrogates(name)
+    if not isinstance(name, str) or text[at : at + 1] != ":":
+        raise json.JSONDecodeError("Expecting a name in quotes and ':'", text, at)
+    return name, _after_spaces(text, at + 1)
 
-    def __init__(self, payload: bytes, window: int) -> None:
-        self._payload = payload
-        self._window = window
-        self._start = self._stop = 0
-        self._decode = json_decoder().raw_decode
-        self.text = ""
-        self.at = 0
-        self._is_next_slice = self._is_tried = False
-        self._read_from(0, window)
 
-    @property
-    def character(self) -> str:
-        """The character at :attr:`at`; empty at the end of the payload."""
-        if self.at >= len(self.text) and not self._ends_here:
-            self._read_from(self._stop, self._window)
-        return self.text[self.at : self.at + 1]
+def _object(names: list[str], values: list[object]) -> dict[str, object]:
+    found = dict(zip(names, values, strict=True))
+    if len(found) < len(names):
+        known: set[str] = set()
+        for name in names:
+            if name in known:
+                note_duplicate(name)
+            known.add(name)
+    return found
 
-    def skip_spaces(self) -> None:
-        """Move behind blanks."""
-        while (sign := self.character) and sign in _SPACES:
-            found = _NO_SPACE.search(self.text, self.at)
-            self.at = len(self.text) if found is None else found.start()
 
-    def parse_value(self, depth: int) -> Slices:
-        """Parse the value that begins here, inside *depth* lists and objects; yield before each further slice."""
-        size = self._window
-        while True:
-            if self._is_next_slice:
-                self._is_next_slice = False
-                yield
-            begins = self.character
-            try:
-                value, end = self._decode(self.text, self.at)
-            except ValueError:
-                if self._has_all(begins):
-                    raise
-            else:
-                if begins in _CLOSED or self._ends_here or end + _NUMBER_SIGNS < len(self.text):
-                    self._check(value, end, depth)
-                    self.at = end
-                    return value
-            if self.at > 0:
-                self._read_from(self._start + len(self.text[: self.at].encode()), self._window)
-            elif begins == "[":
-                return (yield from self._parse_list(depth + 1))
-            elif begins == "{":
-                return (yield from self._parse_object(depth + 1))
-            elif begins == '"':
-                size *= 8
-                self._read_from(self._start, size)
-            else:
-                raise ValueError("a number is too long")
+def _decode(text: str, at: int, levels: int) -> _Place:
+    """Decode the value that begins at *at*, with at most *levels* lists and objects in one another."""
+    value, end = json_decoder().raw_decode(text, at)
+    if text.count("[", at, end) + text.count("{", at, end) > levels:
+        check_depth(value, levels)
+    if text.find("\\u", at, end) >= 0:
+        check_surrogates(value)
+    return value, end
 
-    def _parse_list(self, depth: int) -> Slices:
-        found: list[object] = []
-        self._open(depth)
-        if self.character == "]":
-            self.at += 1
-            return found
-        while True:
-            begins_at = self.at
-            found.append((yield from self.parse_value(depth)))
-            if 0 < self.at - begins_at < _SHORT and isinstance(several := self._parse_several("[]", depth), list):
-                found += several
-            if not self._goes_on("]"):
-                return found
 
-    def _parse_object(self, depth: int) -> Slices:
-        found: dict[str, object] = {}
-        self._open(depth)
-        if self.character == "}":
-            self.at += 1
-            return found
-        while True:
-            begins_at = self.at
-            name = yield from self._parse_name(depth)
-            value = yield from self.parse_value(depth)
-            self._add(found, {name: value})
-            if 0 < self.at - begins_at < _SHORT and isinstance(several := self._parse_several("{}", depth), dict):
-                self._add(found, several)
-            if not self._goes_on("}"):
-                return found
+def _next_member(text: str, at: int, closing: str) -> int:
+    """Return where the next member begins that follows a comma, or where *closing* is."""
+    at = _after_spaces(text, at)
+    if text[at : at + 1] == closing:
+        return at
+    if text[at : at + 1] != ",":
+        raise json.JSONDecodeError("Expecting ',' delimiter", text, at)
+    at = _after_spaces(text, at + 1)
+    if text[at : at + 1] == closing:
+        raise json.JSONDecodeError("Expecting value", text, at)
+    return at
 
-    def _parse_name(self, depth: int) -> Generator[None, None, str]:
-        if self.character != '"':
-            raise ValueError("a name in quotes is expected")
-        name = yield from self.parse_value(depth)
-        assert isinstance(name, str)  # noqa: S101 - for the type checker: it begins with a quote
-        self.skip_spaces()
-        if self.character != ":":
-            raise ValueError("':' is expected")
-        self.at += 1
-        self.skip_spaces()
-        return name
 
-    def _parse_several(self, brackets: str, depth: int) -> object:
-        """Parse the members that follow in this window, all at once; return None where that does not work.
+def _after_spaces(text: str, at: int) -> int:
+    found = _NO_SPACE.search(text, at)
+    return len(text) if found is None else found.start()
 
-        The text is cut before a comma. If what is before it is a row of whole members, that comma is no part of one.
-        """
-        if self._is_tried or self.text[self.at : self.at + 1] != ",":
-            return None
-        self._is_tried = True
-        last = self.text[self.at - 1]
-        cut = self.text.rfind(f"{last}," if last in "]}" else ",", self.at + 1)
-        if cut < 0:
-            return None
-        end = cut + (last in "]}")
-        try:
-            text = f"{brackets[0]}{self.text[self.at + 1 : end]}{brackets[1]}"
-            value, length = self._decode(text)
-        except ValueError:
-            return None
-        if length < len(text) or not value:
-            return None
-        self._check(value, end, depth - 1)
-        self.at = end
-        return value
 
-    def _add(self, found: dict[str, object], members: dict[str, object]) -> None:
-        if not found.keys().isdisjoint(members):
-            note_duplicate(next(name for name in members if name in found))
-        found |= members
-
-    def _has_all(self, begins: str) -> bool:
-        """Return whether a value that begins so is whole in the window, so that an error in it is one."""
-        if begins in _BRACKETS:
-            return False
-        return self._ends_here or (begins != '"' and self.at == 0)
-
-    def _open(self, depth: int) -> None:
-        if depth > MAX_DEPTH:
-            raise RecursionError
-        self.at += 1
-        self.skip_spaces()
-
-    def _goes_on(self, closing: str) -> bool:
-        """Move behind the comma or the *closing* bracket; return whether it was a comma."""
-        self.skip_spaces()
-        sign = self.character
-        if sign not in {",", closing}:
-            raise ValueError(f"',' or '{closing}' is expected")
-        self.at += 1
-        if sign == closing:
-            return False
-        self.skip_spaces()
-        return True
-
-    def _check(self, value: object, end: int, depth: int) -> None:
-        if isinstance(value, (list, dict)):
-            brackets = self.text.count("[", self.at, end) + self.text.count("{", self.at, end)
-            if brackets > MAX_DEPTH - depth:
-                check_depth(value, MAX_DEPTH - depth)
-        if self.text.find("\\u", self.at, end) >= 0:
-            check_surrogates(value)
-
-    def _read_from(self, start: int, size: int) -> None:
-        """Read the window that begins at byte *start*; a character that it would cut is left for the next."""
-        piece = self._payload[start : start + size]
-        self._ends_here = start + size >= len(self._payload)
-        self.text, used = codecs.utf_8_decode(piece, "strict", self._ends_here)
-        self._start, self._stop, self.at = start, start + used, 0
-        self._is_next_slice, self._is_tried = True, False
+def _check_end(text: str, at: int) -> None:
+    if (end := _after_spaces(text, at)) < len(text):
+        raise json.JSONDecodeError("Extra data", text, end)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextvars import ContextVar
 from functools import lru_cache
 from types import MappingProxyType
@@ -41,7 +41,6 @@ __all__ = [
     "number_of",
     "numbers_of",
     "parse_json",
-    "parse_list",
     "parse_object",
     "percent_of",
     "read_number",
@@ -132,41 +131,6 @@ def _is_finite(value: object, depth: int) -> bool:
     return True
 
 
-def parse_list(payload: bytes, limit: int) -> Iterator[object]:
-    """Yield the items of the JSON list that *payload* is, one after the other: a long list takes long.
-
-    Raises:
-        WireError: As :func:`parse_json`, or it is JSON but no list; what was yielded before that is no list either.
-    """
-    if len(payload) > limit or not payload.lstrip(_SPACES).startswith(b"["):
-        value = parse_json(payload, limit)
-        raise WireError(f"{shown(value)} is not a list")
-    try:
-        text = payload.decode()
-        at = _after_spaces(text, text.index("[") + 1)
-        if text[at : at + 1] == "]":
-            _check_end(text, at + 1)
-            return
-        while True:
-            value, end = json_decoder().raw_decode(text, at)
-            if text.count("[", at, end) + text.count("{", at, end) > MAX_DEPTH:
-                check_depth([value])
-            if text.find("\\u", at, end) >= 0:
-                check_surrogates(value)
-            yield value
-            at = _after_spaces(text, end)
-            if text[at : at + 1] == "]":
-                _check_end(text, at + 1)
-                return
-            if text[at : at + 1] != ",":
-                raise json.JSONDecodeError("Expecting ',' delimiter", text, at)
-            at = _after_spaces(text, at + 1)
-    except RecursionError:
-        raise WireError(f"JSON is nested deeper than {MAX_DEPTH} levels") from None
-    except ValueError as error:
-        raise WireError(f"{shown(payload)} is not JSON: {error}") from None
-
-
 def parse_object(payload: bytes | str, limit: int = MAX_ANNOUNCEMENT_BYTES) -> dict[str, object]:
     """Return the JSON object that *payload* is.
 
@@ -206,16 +170,6 @@ def shown(value: object) -> str:
 
 _SPACES = b" \t\n\r"
 _NO_SPACE = re.compile(r"[^ \t\n\r]")
-
-
-def _after_spaces(text: str, at: int) -> int:
-    found = _NO_SPACE.search(text, at)
-    return len(text) if found is None else found.start()
-
-
-def _check_end(text: str, at: int) -> None:
-    if (end := _after_spaces(text, at)) < len(text):
-        raise json.JSONDecodeError("Extra data", text, end)
 
 
 _JOINERS = "\u200c\u200d"

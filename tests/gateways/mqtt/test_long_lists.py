@@ -18,7 +18,8 @@ from tests.gateways.mqtt.conftest import SimpleConvention
 from tests.turns import Turns, longest_turn
 
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest, Publication
-from homebot.conventions.payload import parse_json, parse_list
+from homebot.conventions.long_json import parse_list
+from homebot.conventions.payload import parse_json
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.discovery import Directory, DirectorySettings
 from homebot.errors import WireError

@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
-from homebot.conventions.payload import clean_text, parse_list, parse_object, shown
+from homebot.conventions.long_json import parse_list
+from homebot.conventions.payload import clean_text, parse_object, shown
 from homebot.conventions.zigbee2mqtt.bridge_device import (
     AvailabilityRule,
     BridgeDevice,
