@@ -38,6 +38,15 @@ def frame(value: object) -> bytes:
     return json.dumps(value).encode()
 
 
+@pytest.mark.parametrize("address", [[], {}, 7, None])
+def test_a_valve_whose_address_is_no_text_is_described(address: object) -> None:
+    device = Gen2RpcDevice("shellyblugwg3-a8032abe54dc")
+    device.keep("info", {"id": "shellyblugwg3-a8032abe54dc"}, 100)
+    device.keep("config", {"blutrv:200": {"addr": address}, "bthomedevice:200": {"addr": address}}, 100)
+    device.keep("status", {"blutrv:200": {"id": 200}, "bthomedevice:200": {"id": 200}}, 100)
+    assert device.describe() is not None
+
+
 @pytest.mark.parametrize("name", MODELS)
 def test_a_model_is_described_with_its_parts(name: str) -> None:
     model = MODELS[name]

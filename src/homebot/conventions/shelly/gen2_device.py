@@ -108,9 +108,9 @@ def _build_parts(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[De
     """
     parts: list[JsonPart] = []
     components = _components(topics, status, config)
-    valves = {one.config.get("addr") for one in components if one.kind == "blutrv"} - {None}
+    valves = {text_of(one.config.get("addr")) for one in components if one.kind == "blutrv"} - {""}
     for component in components:
-        if component.kind in _AS_SENDER and component.config.get("addr") in valves:
+        if component.kind in _AS_SENDER and text_of(component.config.get("addr")) in valves:
             continue  # what the valve sends is what its own component says
         for build in _BUILDERS[component.kind]:
             parts.extend(build(component))
