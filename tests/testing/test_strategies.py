@@ -178,14 +178,15 @@ def test_a_day_may_be_one_in_your_own_house(day: Day) -> None:
 
 
 def test_every_setting_of_every_kind_and_fault_is_drawn() -> None:
-    """A new one must be given its numbers."""
+    """A new one must be given its numbers; random houses have no tags, which need a reader outside virtual time."""
+    drawn = {kind: model for kind, model in KINDS.items() if kind != "tag"}
     assert {kind: set(table) for kind, table in KIND_SETTINGS.items()} == {
-        kind: set(model.model_fields) for kind, model in KINDS.items()
+        kind: set(model.model_fields) for kind, model in drawn.items()
     }
     assert {fault: set(table) for fault, table in FAULT_SETTINGS.items()} == {
         fault: set(model.model_fields) for fault, model in FAULTS.items()
     }
-    assert set(PAYLOADS) == set(KINDS)
+    assert set(PAYLOADS) == set(drawn)
 
 
 @pytest.mark.parametrize(

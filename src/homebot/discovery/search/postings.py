@@ -196,12 +196,12 @@ class Postings:
         return {one for one in devices if self.value(one, term) is not None}
 
     def _by_value(self, term: StateIs) -> Found:
-        found: set[str] = set()
-        for service_type in term.types or self._types_with.get(term.capability, frozenset()):
+        found: list[set[str]] = []
+        for service_type in term.types or self._types_with.get(term.capability, _NONE):
             column = self._columns.get((service_type, term.capability))
             if column is not None:
-                found |= _fitting(column, term)
-        return found
+                found.append(_fitting(column, term))
+        return found[0] if len(found) == 1 else _NONE.union(*found)
 
     def _type_keys(self, query: TypeIs) -> Iterator[_Key]:
         for service_type in query.types:
@@ -261,7 +261,7 @@ def _fitting(column: dict[tuple[str, str], StoredValue], term: StateIs) -> set[s
         return {place[0] for place, stored in items if stored.value is wanted}
     if isinstance(wanted, float):
         holds = _HOLDS[term.operator]
-        return {place[0] for place, stored in items if isinstance(stored.value, float) and holds(stored.value, wanted)}
+        return {place[0] for place, stored in items if isinstance(v := stored.value, float) and holds(v, wanted)}
     return {place[0] for place, stored in items if compares(term, stored.value)}
 
 
