@@ -122,6 +122,7 @@ async def test_lone_messages_of_a_concurrent_callback_take_no_new_tasks(node: No
 
     publisher = node.create_publisher(String, "t")
     node.create_subscription(String, "t", handle, concurrent=True)
+    await anyio.wait_all_tasks_blocked()  # it reads now: a message that lies there already gets a task of its own
     for word in ("1", "2", "3", "4"):
         publisher.publish(text(word))
         await anyio.wait_all_tasks_blocked()
