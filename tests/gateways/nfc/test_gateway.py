@@ -6,6 +6,7 @@ import json
 
 import pytest
 from tests.gateways.nfc.world import UID, card, tag_house, take, uri
+from tests.patience import PATIENCE
 
 from homebot.conventions.nfc.ndef_message import NdefRecord, read_ndef, write_ndef
 from homebot.devices import FIND_DEVICES, Device, Endpoint, FindDevices, Sighting
@@ -22,6 +23,7 @@ from homebot.devices.tags import (
     WriteTagRequest,
 )
 from homebot.graph import Node
+from homebot.house.nfc import TagField, Type4Card
 from homebot.messages.builtin_interfaces import Time
 
 NOW = Time(sec=1, nanosec=0)
@@ -147,6 +149,35 @@ async def test_a_tag_is_written_and_read_again() -> None:
         read = house.watcher.create_client(ReadTag, "/gateway/nfc/read_tag")
         again = await read.call(ReadTagRequest(wait=5))
         assert (again.device, again.area, again.message) == (LAMP.id, "Attic", "it points to Kitchen lamp")
+
+
+class LeavingCard(Type4Card):
+    """A tag that is replaced by another while it is written."""
+
+    def __init__(self, field: TagField, other: Type4Card) -> None:
+        super().__init__(bytes.fromhex(UID))
+        self._field = field
+        self._other = other
+
+    def answer(self, apdu: bytes) -> bytes:
+        if apdu[1:2] == b"\xd6":
+            self._field.card = self._other
+        return super().answer(apdu)
+
+
+async def test_a_tag_that_leaves_while_it_is_written_is_lost_and_the_next_one_is_read() -> None:
+    async with tag_house() as house:
+        directory(house.watcher)
+        taps = house.listen(TagTap, "taps")
+        house.field.card = LeavingCard(house.field, card(uri("homebot:device/lights/hall"), uid="04ffeeddccbbaa"))
+        write = house.watcher.create_client(WriteTag, "/gateway/nfc/write_tag")
+        written = await write.call(WriteTagRequest(device="Kitchen lamp", wait=PATIENCE), timeout=PATIENCE)
+        assert (written.success, written.problem, written.tag) == (False, "lost", UID)
+        assert "was taken away" in written.message
+        while (tap := await take(taps)).tag == UID:
+            pass
+        assert (tap.tag, tap.device) == ("04ffeeddccbbaa", "lights/hall")
+        assert tuple(house.gateway.at_reader) == ("04ffeeddccbbaa",)
 
 
 @pytest.mark.parametrize(

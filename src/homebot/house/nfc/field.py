@@ -46,6 +46,7 @@ class TagField:
         self.card: Type4Card | None = None
         self.port = port
         self._last = b""
+        self._activated: Type4Card | None = None
 
     @property
     def path(self) -> str:
@@ -89,14 +90,15 @@ class TagField:
         if command[:1] in {b"\x93", b"\x95", b"\x97"}:
             return _selected(card.uid, command)
         if command[:1] == b"\xe0":
+            self._activated = card
             return _ANSWER_TO_SELECT
-        return self._answer_block(card, command)
+        return self._answer_block(card, command) if card is self._activated else b""
 
     def _answer_block(self, card: Type4Card, block: bytes) -> bytes:
         kind = block[0]
         if kind & 0xE2 == 0x02:  # information
             self._last = bytes([kind]) + card.answer(block[1:])
-            return self._last
+            return self._last if self.card is card else b""
         if kind & 0xF6 == 0xB2:  # not acknowledged: what was said is asked for again, or whether anybody is there
             return self._last if self._last[:1] == bytes([kind & 1 | 2]) else bytes([0xA2 | kind & 1])
         return block[:1] if kind & 0xF7 == 0xC2 else b""  # deselected
