@@ -31,6 +31,9 @@ __all__ = ["MdnsNetwork"]
 MAX_TYPES = 100
 """Service types that are browsed at once; a house has up to fifty."""
 
+MAX_ADDRESSES = 64
+"""Addresses of a host that are kept, the newest: a computer has a few on each interface, and all are read each time."""
+
 LONGEST_TTL = 4500.0
 """Seconds: the longest time to live that RFC 6762, section 10, recommends for any record."""
 
@@ -39,6 +42,7 @@ UNKNOWN_TTL = 120.0
 
 _CLOSING = 2.0
 _SRV = 33  # RFC 2782
+_ADDRESS_TYPES = frozenset({1, 28})  # A (RFC 1035) and AAAA (RFC 3596)
 
 
 class MdnsNetwork(ServiceNetwork):
@@ -46,10 +50,12 @@ class MdnsNetwork(ServiceNetwork):
 
     Attributes:
         refused_types: Service types that are not browsed because there are too many.
+        dropped_addresses: Addresses that were dropped because their host has too many.
     """
 
     def __init__(self, zeroconf: AsyncZeroconf, interfaces: Interfaces, hear: Callable[[ServiceNews], None]) -> None:
         self.refused_types = 0
+        self.dropped_addresses = 0
         self._zeroconf = zeroconf
         self._interfaces = interfaces
         self._hear = hear
@@ -206,7 +212,9 @@ class MdnsNetwork(ServiceNetwork):
 
     def _resolved(self, info: AsyncServiceInfo, service_type: str, name: str) -> ResolvedService:
         ttl, left = self._time_to_live(name)
-        addresses = usable_addresses(info.parsed_scoped_addresses(), with_loopback=self._with_loopback)
+        self._drop_old_addresses(info.server or "")
+        newest = info.parsed_scoped_addresses()[:MAX_ADDRESSES]
+        addresses = usable_addresses(newest, with_loopback=self._with_loopback)
         record = read_txt(info.text)
         service = FoundService(
             key=name,
@@ -219,6 +227,15 @@ class MdnsNetwork(ServiceNetwork):
         )
         problem = record.problem or ("" if addresses else "it has no address that can be connected to")
         return ResolvedService(service, ttl, left, problem, info.text)
+
+    def _drop_old_addresses(self, host: str) -> None:
+        """Keep the newest :data:`MAX_ADDRESSES` of a host: the library keeps 10,000 records, whoever they are of."""
+        cache = self._zeroconf.zeroconf.cache
+        kept = [one for one in cache.async_entries_with_name(host) if one.type in _ADDRESS_TYPES]
+        if len(kept) > MAX_ADDRESSES:
+            old = sorted(kept, key=lambda one: one.created)[:-MAX_ADDRESSES]
+            cache.async_remove_records(old)
+            self.dropped_addresses += len(old)
 
     def _time_to_live(self, name: str) -> tuple[float, float]:
         """Return the time to live of the SRV record of a service, and the seconds that are left of it."""

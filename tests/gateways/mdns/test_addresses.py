@@ -1,0 +1,35 @@
+"""A host that announces more and more addresses: the newest are kept."""
+
+from __future__ import annotations
+
+import ipaddress
+
+from tests.gateways.mdns.packets import AAAA, address, answer, pointer, record, service, text
+from zeroconf._protocol.incoming import DNSIncoming
+from zeroconf.asyncio import AsyncZeroconf
+
+from homebot.gateways.mdns.zeroconf_network import MAX_ADDRESSES, MdnsNetwork
+
+LAMP = "_lamp._tcp.local."
+NAME = f"Hall.{LAMP}"
+HOST = "hall.local."
+FIRST = int(ipaddress.IPv6Address("2001:db8::1"))
+
+
+async def test_a_host_keeps_its_newest_addresses() -> None:
+    async with MdnsNetwork.opened(("127.0.0.1",), lambda _: None) as network:
+        library = network._zeroconf
+        assert isinstance(library, AsyncZeroconf)
+
+        def hear(*records: bytes) -> None:
+            library.zeroconf.record_manager.async_updates_from_response(DNSIncoming(answer(*records)))
+
+        hear(pointer(LAMP, NAME), service(NAME, HOST, 80), text(NAME, b"\0"), address(HOST, "192.168.1.7"))
+        for number in range(MAX_ADDRESSES + 10):
+            hear(record(HOST, AAAA, ipaddress.IPv6Address(FIRST + number).packed, unique=False))
+        found = network.resolve_cached(LAMP, NAME)
+        assert found is not None
+        assert len(found.service.addresses) == MAX_ADDRESSES
+        assert str(ipaddress.IPv6Address(FIRST + MAX_ADDRESSES + 9)) in found.service.addresses
+        assert len(library.zeroconf.cache.async_entries_with_name(HOST)) == MAX_ADDRESSES
+        assert network.dropped_addresses == 11
