@@ -40,9 +40,9 @@ test: $(VENV)/.dev
 	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n 4 --dist worksteal -m "not peers" --cov --cov-report=term $(ARGS)
 
 # With PYTHONDONTWRITEBYTECODE set, each worker would compile all of homebot: a third of the time.
-## Runs the quick tests (no other programs, no load, no generated cases): about a minute.
+## Runs the quick tests (no other programs, no load, no generated cases): about half a minute.
 test-fast: $(VENV)/.dev
-	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n auto --dist worksteal -m "not system and not peers" --hypothesis-profile=fast $(SLOW:%=--ignore=%) $(SLOW_KINDS:%=--ignore-glob="%") $(ARGS)
+	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n logical --dist worksteal -m "not system and not peers" --hypothesis-profile=fast $(SLOW:%=--ignore=%) $(SLOW_KINDS:%=--ignore-glob="%") $(ARGS)
 
 # Each test has a network of its own, which needs root; .ci/run installs the programs.
 ## Runs the gateways against other people's programs, those that are installed.
@@ -58,7 +58,7 @@ fuzz: $(VENV)/.dev
 # Days of the family home; `make houses HOUSES=1000` runs more.
 ## Simulates a hundred random days of a house.
 houses: $(VENV)/.dev
-	@HOUSES=$(HOUSES) $(BIN)/python -m pytest -n auto --timeout 600 --show-capture no tests/testing/test_family_day.py $(ARGS)
+	@HOUSES=$(HOUSES) $(BIN)/python -m pytest -n logical --timeout 600 --show-capture no tests/testing/test_family_day.py $(ARGS)
 
 ## Checks format, lint, types, and which package may import which.
 check: $(VENV)/.dev
