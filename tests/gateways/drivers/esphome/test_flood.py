@@ -15,10 +15,11 @@ from tests.gateways.drivers.esphome.served import living, service_of, simulated
 from homebot.conventions.esphome import Fields
 from homebot.errors import WireError
 from homebot.gateways.drivers.esphome.connection import EsphomeConnection, connected
-from homebot.gateways.drivers.esphome.metered_socket import BURST
 from homebot.isolation import first_cause
 
-PING = b"\0\0\7"
+PADDED_PING = b"\0\xeb\x07\7" + b"\x7a\xe8\x07" + bytes(1000)
+"""A ping with a field that nobody knows: 66 of them a second are too many, which the slowest machine can receive."""
+
 STATE = b"\0\0\x15"
 """The state of a binary sensor that says nothing: the smallest frame that is handed on."""
 
@@ -44,11 +45,13 @@ class Injector:
             tasks.start_soon(self._forward, device, client)
             await self._forward(client, device)
 
-    async def flood(self, data: bytes) -> None:
-        """Send *data*, or what of it can be sent."""
+    async def flood(self, data: bytes, *, is_endless: bool = False) -> None:
+        """Send *data*, or what of it can be sent; if endless, again and again until the connection is closed."""
         assert self._client is not None
         try:
             await self._client.send(data)
+            while is_endless:
+                await self._client.send(data)
         except (anyio.BrokenResourceError, anyio.ClosedResourceError):
             return
 
@@ -109,7 +112,7 @@ async def test_a_flood_ends_the_connection_and_a_person_hears_of_it() -> None:
 
     async def flooded() -> None:
         async with connected_through_injector() as (connection, injector):
-            await injector.flood(PING * BURST)
+            await injector.flood(PADDED_PING * 100, is_endless=True)
             await connection.lost.wait()
 
     with pytest.raises(BaseExceptionGroup) as caught:
