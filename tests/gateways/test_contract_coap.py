@@ -114,9 +114,10 @@ class CoapLamp(Lamp):
                 del request
                 return aiocoap.Message(payload=b"{" + b"?" * 900, content_format=50)
 
-        site, stranger, port = resource.Site(), Stranger(), free_port()
+        site, strangers, port = resource.Site(), [Stranger() for _ in range(20)], free_port()
         site.add_resource([".well-known", "core"], resource.WKCResource(site.get_resources_as_linkheader))
-        site.add_resource(["t"], stranger)
+        for number, stranger in enumerate(strangers):
+            site.add_resource([f"t{number}"], stranger)
         await self.world.start(serve, port, site)
         context = await aiocoap.Context.create_client_context(transports=["udp6"])
         message = aiocoap.Message(
@@ -129,7 +130,8 @@ class CoapLamp(Lamp):
         async def send(*, task_status: TaskStatus[None]) -> None:
             task_status.started()
             while True:
-                stranger.updated_state()
+                for stranger in strangers:
+                    stranger.updated_state()
                 await anyio.sleep(0.002)
 
         await self.world.start(send)
