@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr
@@ -30,3 +31,12 @@ class AccessSettings(BaseModel):
     token: Annotated[SecretStr, Field(min_length=1)] | None = None
     allowed_origins: tuple[str, ...] = ()
     max_clients: Count = 64
+
+    def listening_problem(self, error: OSError) -> str:
+        """Return why the address cannot be listened on, and what to do."""
+        where = f"{self.host}:{self.port}"
+        if error.errno == errno.EADDRINUSE:
+            return f"{where} is in use, maybe by another homebot; stop that one, or choose another port"
+        if error.errno == errno.EACCES:
+            return f"{where} is reserved by the system; choose a port from 1024 on"
+        return f"cannot listen on {where}: {error.strerror or error}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from homebot.devices import (
     Device,
@@ -20,13 +21,15 @@ from homebot.devices.value import PlainValue
 from homebot.discovery.echoes import Echoes
 from homebot.discovery.endpoints import Addresses, addresses, endpoint_reach, endpoints, last_seen, sorted_routes
 from homebot.discovery.liveness import ReportInterval
-from homebot.discovery.merging.agreement import Agreement
 from homebot.discovery.merging.parts import NO_IDS, MergedParts, PartIds, lost_ids, main_part, merge_parts
 from homebot.discovery.merging.trust import NOBODY_TRUSTED, EndpointKey
 from homebot.discovery.reachability import offline_parts, reachability
 from homebot.discovery.source_record import SourceKey, SourceRecord, StoredValue, preference
 from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
+
+if TYPE_CHECKING:
+    from homebot.discovery.merging.agreement import Agreement
 
 __all__ = ["MAX_FACTS", "Entry"]
 

@@ -14,7 +14,6 @@ from homebot.discovery.changes import NewStates
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
-from homebot.discovery.merging.agreement import Agreement
 from homebot.discovery.merging.parts import MergedParts
 from homebot.discovery.merging.trust import EndpointKey, can_hurt, endpoint_of, takes_commands
 from homebot.discovery.source_record import Reach, SourceRecord, StoredValue
@@ -100,6 +99,8 @@ class StateRecorder:
         if can_hurt(one.sighting for one in entry.sources.values()):
             return
         if entry.agreement is None:
+            from homebot.discovery.merging.agreement import Agreement  # noqa: PLC0415 - few devices are only claimed
+
             entry.agreement = Agreement()
         change = number, reading.capability, value
         if agreeing := entry.agreement.note(change, endpoint_of(source), entry.claimed, self._liveness.now):

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from pydantic import BaseModel, SecretStr
 
@@ -14,7 +14,6 @@ from homebot.addresses import is_loopback
 from homebot.apps import App
 from homebot.bridges.access_settings import AccessSettings
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.bridges.thing_directory import DirectoryBridgeSettings
 from homebot.config import Config, FilePath, Table, parse_settings, read_secret
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
@@ -22,21 +21,14 @@ from homebot.extras import check_extra
 from homebot.gateways import Gateway
 from homebot.plugins import load_plugin
 
+if TYPE_CHECKING:
+    from homebot.bridges.thing_directory import DirectoryBridgeSettings
+
 __all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_plan", "plan_errors"]
 
 
 class DoorTable(DoorSettings):
     """The keys of the table ``[door]``.
-
-    Attributes:
-        token_file: File whose first line is the token, for nobody else to read.
-    """
-
-    token_file: FilePath | None = None
-
-
-class ThingDirectoryTable(DirectoryBridgeSettings):
-    """The keys of the table ``[thing_directory]``.
 
     Attributes:
         token_file: File whose first line is the token, for nobody else to read.
@@ -175,6 +167,9 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
     key = "thing_directory"
     if config.thing_directory is None:
         return None
+    from homebot.bridges.thing_directory import DirectoryBridgeSettings  # noqa: PLC0415 - for those who serve it
+    from homebot.runtime.thing_directory_table import ThingDirectoryTable  # noqa: PLC0415 - likewise
+
     given = parse_settings(ThingDirectoryTable, config.thing_directory, config.source, key, config.folder)
     try:
         check_extra("the directory of things", "mdns", "aiohttp")

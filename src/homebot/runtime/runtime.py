@@ -20,7 +20,6 @@ from anyio.abc import TaskStatus
 
 from homebot.apps import App
 from homebot.bridges.rosbridge import Door
-from homebot.bridges.thing_directory import DirectoryBridgeSettings
 from homebot.clock import Clock, LoopClock
 from homebot.config import UNNAMED, Config
 from homebot.devices.health import GetHealth
@@ -29,7 +28,6 @@ from homebot.discovery import Directory
 from homebot.errors import ConfigError, UsageError
 from homebot.gateways import Gateway, GatewayContext, HostService
 from homebot.graph import Graph, Node, RosoutFeed
-from homebot.installation import installation_id
 from homebot.isolation import run_as
 from homebot.logger import get_logger, observed_lines
 from homebot.plugins import plugin_names
@@ -40,6 +38,7 @@ from homebot.runtime.plan import PlannedComponent, make_plan
 from homebot.runtime.supervisor import Supervisor, Work
 
 if TYPE_CHECKING:
+    from homebot.bridges.thing_directory import DirectoryBridgeSettings
     from homebot.house import World
     from homebot.house.network import HouseNetwork
 
@@ -261,6 +260,7 @@ class Runtime:
 
     def _serve_things(self, settings: DirectoryBridgeSettings) -> Work:
         from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge  # noqa: PLC0415 - an extra
+        from homebot.installation import installation_id  # noqa: PLC0415 - for those who serve it
 
         async def work(*, task_status: TaskStatus[None]) -> None:
             async with Node(self.graph, "thing_directory") as node:

@@ -22,7 +22,6 @@ from websockets.http11 import Request, Response
 from homebot.addresses import is_loopback
 from homebot.bridges.admission import refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
-from homebot.bridges.listening import listening_problem
 from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.connection import DoorConnection
 from homebot.bridges.rosbridge.settings import DoorSettings
@@ -162,7 +161,7 @@ class Door:
                 logger=log,
             )
         except OSError as exc:
-            raise UsageError(f"door: {listening_problem(settings, exc)}") from exc
+            raise UsageError(f"door: {settings.listening_problem(exc)}") from exc
 
     async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         settings, headers = self._settings, request.headers

@@ -18,7 +18,6 @@ from aiohttp import web
 from aiohttp.http_exceptions import HttpProcessingError
 
 from homebot.bridges.access_settings import AccessSettings
-from homebot.bridges.listening import listening_problem
 from homebot.clock import Clock
 from homebot.errors import UsageError
 
@@ -190,7 +189,7 @@ class BoundedServer:
         try:
             listener = await asyncio.get_running_loop().create_server(connections, settings.host, settings.port)
         except OSError as exc:
-            raise UsageError(f"thing_directory: {listening_problem(settings, exc)}") from exc
+            raise UsageError(f"thing_directory: {settings.listening_problem(exc)}") from exc
         self.port = listener.sockets[0].getsockname()[1]
         self.addresses = tuple(dict.fromkeys(one.getsockname()[0] for one in listener.sockets))
         try:
