@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import socket
 import ssl
 from collections.abc import AsyncIterator
 from pathlib import Path
+from typing import Any
 
 import anyio
 import pytest
@@ -16,7 +18,7 @@ from tests.mqtt.client.conftest import ClientKind
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttSubscription
-from homebot.mqtt.client.tcp_transport import dial_tcp
+from homebot.mqtt.client.tcp_transport import TcpTransport, dial_tcp
 from homebot.mqtt.options import MqttOptions
 
 
@@ -135,6 +137,42 @@ async def test_a_dialled_socket_sends_small_packets_at_once() -> None:
         assert transport.socket.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY) != 0
         transport.close()
         await transport.wait_closed()
+
+
+class CountingSocket(socket.socket):
+    """Counts how often TCP was told to acknowledge at once."""
+
+    acknowledged = 0
+
+    def setsockopt(self, level: int, name: int, *value: Any) -> None:
+        self.acknowledged += (level, name) == (socket.IPPROTO_TCP, socket.TCP_QUICKACK)
+        super().setsockopt(level, name, *value)
+
+
+class Reader(NoUser):
+    """Takes whatever comes."""
+
+    def data_received(self, data: bytes) -> None:
+        pass
+
+
+@pytest.mark.skipif(not hasattr(socket, "TCP_QUICKACK"), reason="only Linux has TCP_QUICKACK")
+@pytest.mark.virtual_time
+async def test_a_burst_is_acknowledged_by_tcp_at_its_begin_and_once_in_a_millisecond() -> None:
+    loop = asyncio.get_running_loop()
+    with CountingSocket() as sock:
+        transport = TcpTransport(Reader())
+        transport.socket = sock
+        await anyio.sleep(1)  # of virtual time
+        counts = []
+        for _ in range(1000):
+            transport.get_buffer(-1)
+            transport.buffer_updated(10)
+            counts.append(sock.acknowledged)
+        due = loop.create_future()
+        loop.call_later(0.002, due.set_result, None)
+        await due
+        assert (counts[0], counts[-1], sock.acknowledged) == (1, 1, 2)
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "::1", "localhost"])
