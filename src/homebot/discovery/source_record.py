@@ -7,11 +7,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from operator import itemgetter
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from homebot.devices import Sighting
 from homebot.devices.value import PlainValue, Value
 from homebot.messages import Time
+
+if TYPE_CHECKING:
+    from homebot.discovery.search.columns import Column
 
 __all__ = [
     "Reach",
@@ -41,6 +44,8 @@ class StoredValue:
         told_at: When it was last reported.
         heard_at: The same on the clock that is never set, which says what is newer.
         live: Whether the device reported it, rather than a retained message.
+        column: Where it is searched, which holds ``value`` again; None where it cannot be found.
+        row: Its place there.
     """
 
     reported: Value
@@ -49,6 +54,8 @@ class StoredValue:
     told_at: Time
     live: bool
     heard_at: float = -math.inf
+    column: Column | None = None
+    row: int = 0
 
 
 @dataclass(slots=True)

@@ -80,6 +80,8 @@ class StateRecorder:
                     if entry.claimed and live:
                         self._compare(entry, source, reading)
                     stored.reported, stored.value, stored.since = reading.value, value, stamp
+                    if stored.column is not None:
+                        stored.column.values[stored.row] = value
                     new.append((reading, stored))
         if new:
             self._publish(entry, source, new, report)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import operator
 from bisect import bisect_left, insort
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import repeat
 from typing import TypeAlias, final
@@ -31,6 +30,7 @@ from homebot.devices.query import (
 from homebot.devices.query.folding import fold, is_typo, may_be_typo
 from homebot.devices.query.matching import compares
 from homebot.devices.value import PlainValue
+from homebot.discovery.search.columns import Column
 from homebot.discovery.source_record import StoredValue
 
 __all__ = ["Found", "PostedValue", "Postings"]
@@ -61,7 +61,7 @@ class Postings:
         self._posted: dict[str, _Posted] = {}
         self._sets: dict[_Key, set[str]] = {}
         self._values_of: dict[str, set[_Key]] = {}
-        self._columns: dict[tuple[str, str], dict[tuple[str, str], StoredValue]] = {}
+        self._columns: dict[tuple[str, str], Column] = {}
         self._types_with: dict[str, set[str]] = {}
         self._words = _Words()
 
@@ -96,12 +96,17 @@ class Postings:
         posted = self._posted.get(device_id)
         if posted is None:
             return
+        known = posted.values.get((part, capability))
+        if known is not None and known[1] is stored and known[0] == service_type:
+            return
+        if known is not None:
+            self._columns[known[0], capability].discard(device_id, known[1])
         posted.values[part, capability] = (service_type, stored)
         column = self._columns.get((service_type, capability))
         if column is None:
-            column = self._columns[service_type, capability] = {}
+            column = self._columns[service_type, capability] = Column()
             self._types_with.setdefault(capability, set()).add(service_type)
-        column[device_id, part] = stored
+        column.add(device_id, stored)
 
     def discard(self, device_id: str) -> None:
         """Let the device be found no longer."""
@@ -200,7 +205,7 @@ class Postings:
         for service_type in term.types or self._types_with.get(term.capability, _NONE):
             column = self._columns.get((service_type, term.capability))
             if column is not None:
-                found.append(_fitting(column, term))
+                found.append(column.fitting(term))
         return found[0] if len(found) == 1 else _NONE.union(*found)
 
     def _type_keys(self, query: TypeIs) -> Iterator[_Key]:
@@ -250,29 +255,8 @@ class Postings:
             self._values_of[str(key[0])].discard(key[1:])
 
     def _discard_values(self, device_id: str, posted: _Posted) -> None:
-        for (part, capability), (service_type, _) in posted.values.items():
-            self._columns[service_type, capability].pop((device_id, part), None)
-
-
-def _fitting(column: dict[tuple[str, str], StoredValue], term: StateIs) -> set[str]:
-    """Return the devices that fit; numbers and flags, most of all, are compared without a call for each."""
-    wanted, items = term.value, column.items()
-    if isinstance(wanted, bool) and term.operator == "=":
-        return {place[0] for place, stored in items if stored.value is wanted}
-    if isinstance(wanted, float):
-        holds = _HOLDS[term.operator]
-        return {place[0] for place, stored in items if isinstance(v := stored.value, float) and holds(v, wanted)}
-    return {place[0] for place, stored in items if compares(term, stored.value)}
-
-
-_HOLDS: dict[str, Callable[[float, float], bool]] = {
-    "=": operator.eq,
-    "!=": operator.ne,
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-}
+        for (_, capability), (service_type, stored) in posted.values.items():
+            self._columns[service_type, capability].discard(device_id, stored)
 
 
 def _keys(facets: Facets) -> list[_Key]:

@@ -1,0 +1,75 @@
+"""Columns: the values of one capability of all parts of one type, side by side, to be compared at once. Pure."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from itertools import compress
+from typing import final
+
+from homebot.devices.query import StateIs
+from homebot.devices.query.matching import compares
+from homebot.devices.value import PlainValue
+from homebot.discovery.source_record import StoredValue
+
+__all__ = ["Column"]
+
+
+@final
+class Column:
+    """Values, and the devices that have them; a value is in one column, in one row.
+
+    Attributes:
+        values: The values; who changes `StoredValue.value` changes the one in its row as well.
+    """
+
+    __slots__ = ("_devices", "_stored", "values")
+
+    def __init__(self) -> None:
+        self.values: list[PlainValue] = []
+        self._devices: list[str] = []
+        self._stored: list[StoredValue] = []
+
+    def add(self, device_id: str, stored: StoredValue) -> None:
+        """Add a value of the device; it leaves the row where it is, maybe as one of another device."""
+        if stored.column is not None:
+            stored.column.remove(stored)
+        stored.column, stored.row = self, len(self.values)
+        self.values.append(stored.value)
+        self._devices.append(device_id)
+        self._stored.append(stored)
+
+    def discard(self, device_id: str, stored: StoredValue) -> None:
+        """Remove a value, unless it is one of another device by now."""
+        if stored.column is self and self._devices[stored.row] == device_id:
+            self.remove(stored)
+
+    def remove(self, stored: StoredValue) -> None:
+        """Remove a value that is in it."""
+        row, stored.column = stored.row, None
+        value, device, last = self.values.pop(), self._devices.pop(), self._stored.pop()
+        if last is not stored:
+            self.values[row], self._devices[row], self._stored[row] = value, device, last
+            last.row = row
+
+    def fitting(self, term: StateIs) -> set[str]:
+        """Return the devices that fit; numbers and flags, most of all, are compared without a call for each."""
+        wanted, values = term.value, self.values
+        if isinstance(wanted, bool) and term.operator == "=":
+            fits = [value is wanted for value in values]
+        elif isinstance(wanted, float):
+            holds = _HOLDS[term.operator]
+            fits = [isinstance(value, float) and holds(value, wanted) for value in values]
+        else:
+            fits = [compares(term, value) for value in values]
+        return set(compress(self._devices, fits))
+
+
+_HOLDS: dict[str, Callable[[float, float], bool]] = {
+    "=": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+}
