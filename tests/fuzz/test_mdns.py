@@ -9,6 +9,7 @@ from tests.gateways.mdns.packets import AAAA, address, answer, pointer, record, 
 from zeroconf._protocol.incoming import DNSIncoming
 from zeroconf.asyncio import AsyncZeroconf
 
+from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.mdns.network import ServiceNews
 from homebot.gateways.mdns.service_facts import facts_of, identifiers_of
 from homebot.gateways.mdns.txt_record import read_txt
@@ -39,7 +40,7 @@ def packet(rng: random.Random) -> bytes:
 
 async def test_what_anybody_sends_on_the_network_raises_nothing() -> None:
     heard: list[ServiceNews] = []
-    async with MdnsNetwork.opened(("127.0.0.1",), heard.append) as network:
+    async with MdnsNetwork.opened(("127.0.0.1",), heard.append, GatewayCounters()) as network:
         network.browse(LAMP)
         library = network._zeroconf
         assert isinstance(library, AsyncZeroconf)

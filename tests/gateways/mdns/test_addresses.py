@@ -8,6 +8,7 @@ from tests.gateways.mdns.packets import AAAA, address, answer, pointer, record, 
 from zeroconf._protocol.incoming import DNSIncoming
 from zeroconf.asyncio import AsyncZeroconf
 
+from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.mdns.zeroconf_network import MAX_ADDRESSES, MdnsNetwork
 
 LAMP = "_lamp._tcp.local."
@@ -17,7 +18,8 @@ FIRST = int(ipaddress.IPv6Address("2001:db8::1"))
 
 
 async def test_a_host_keeps_its_newest_addresses() -> None:
-    async with MdnsNetwork.opened(("127.0.0.1",), lambda _: None) as network:
+    counters = GatewayCounters()
+    async with MdnsNetwork.opened(("127.0.0.1",), lambda _: None, counters) as network:
         library = network._zeroconf
         assert isinstance(library, AsyncZeroconf)
 
@@ -32,4 +34,4 @@ async def test_a_host_keeps_its_newest_addresses() -> None:
         assert len(found.service.addresses) == MAX_ADDRESSES
         assert str(ipaddress.IPv6Address(FIRST + MAX_ADDRESSES + 9)) in found.service.addresses
         assert len(library.zeroconf.cache.async_entries_with_name(HOST)) == MAX_ADDRESSES
-        assert network.dropped_addresses == 11
+        assert counters.addresses_refused == 11

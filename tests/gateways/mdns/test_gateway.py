@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 
 import anyio
 import pytest
 from tests.gateways.mdns.lamp import DRIVER, LOOPBACK, SERVICE_TYPE, LampServer, Publisher, publisher
-from tests.gateways.mdns.packets import address, answer, pointer, service, text
+from tests.gateways.mdns.packets import AAAA, address, answer, pointer, record, service, text
 from tests.patience import PATIENCE
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
+from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.value import Value
 from homebot.errors import UsageError
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
 from homebot.gateways.mdns.services import CHANGE_EVERY, CHANGES_AT_ONCE
+from homebot.gateways.mdns.zeroconf_network import MAX_ADDRESSES
 from homebot.graph import Graph, Node, Subscription
 
 KEY = f"Hall.{SERVICE_TYPE}"
@@ -33,6 +35,7 @@ class House:
             Sighting, gateway.names.received_topics, qos_profile=1000
         )
         self._reports = watcher.create_subscription(Report, gateway.names.readings, qos_profile=1000)
+        self._health = watcher.create_client(GetHealth, gateway.names.health)
         self._commands = watcher.create_client(SendCommand, gateway.names.send_command)
 
     async def seen(self, *, kind: str = "", port: str = "") -> Sighting:
@@ -53,9 +56,25 @@ class House:
                 if any(one.capability == capability and one.value.plain() == value for one in report.readings):
                     return report
 
+    async def counted(self) -> dict[str, int]:
+        """Return the counters of the health service."""
+        return {one.name: one.count for one in (await self._health.call(HealthRequest())).counts}
+
     async def turn_on(self) -> SendCommandResponse:
         """Tell the lamp to be on."""
         return await self._commands.call(Command(key=KEY, part="", capability="on_off", value=Value.of(True)))
+
+
+@contextmanager
+def stranger() -> Iterator[Callable[..., None]]:
+    """Give what sends records to all who listen on loopback, in one message."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as opened:
+        opened.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(LOOPBACK))
+
+        def send(*records: bytes) -> None:
+            opened.sendto(answer(*records), ("224.0.0.251", 5353))
+
+        yield send
 
 
 def facts(sighting: Sighting) -> dict[str, str]:
@@ -161,15 +180,13 @@ async def test_a_service_without_a_driver_is_listed_with_its_facts() -> None:
 
 async def test_a_txt_record_that_breaks_the_rules_is_counted_and_read_as_far_as_it_goes() -> None:
     async with house(drivers={}) as home:
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-            stranger.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(LOOPBACK))
-            records = (
+        with stranger() as send:
+            send(
                 pointer(SERVICE_TYPE, KEY),
                 service(KEY, "hall.local.", 80),
                 text(KEY, b"\x07model=x\x04=abc\x03a\xff=\x05bin=\xfe\xffcut"),
                 address("hall.local.", LOOPBACK),
             )
-            stranger.sendto(answer(*records), ("224.0.0.251", 5353))
         found = facts(await home.seen())
         assert (found["model"], found["txt_bin"]) == ("x", "\\xfe")
         assert home.gateway.devices.counters.rejected == 1
@@ -177,19 +194,29 @@ async def test_a_txt_record_that_breaks_the_rules_is_counted_and_read_as_far_as_
 
 async def test_a_service_whose_addresses_are_not_its_own_is_not_listed() -> None:
     async with house(drivers={}) as home:
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-            stranger.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(LOOPBACK))
-            evil = f"Evil.{SERVICE_TYPE}"
-            records = (
+        evil = f"Evil.{SERVICE_TYPE}"
+        with stranger() as send:
+            send(
                 pointer(SERVICE_TYPE, evil),
                 service(evil, "evil.local.", 80),
                 text(evil, b"\0"),
                 address("evil.local.", "224.0.0.1"),
             )
-            stranger.sendto(answer(*records), ("224.0.0.251", 5353))
         await home.computer.announce("Hall", 80)
         assert (await home.seen()).key == KEY
         assert home.gateway.devices.keys == (KEY,)
+
+
+async def test_the_health_service_counts_the_dropped_addresses_of_a_host() -> None:
+    async with house(drivers={}) as home:
+        many = (
+            record("hall.local.", AAAA, socket.inet_pton(socket.AF_INET6, f"2001:db8::{one:x}"), unique=False)
+            for one in range(1, MAX_ADDRESSES + 10)
+        )
+        with stranger() as send:
+            send(pointer(SERVICE_TYPE, KEY), service(KEY, "hall.local.", 80), text(KEY, b"\0"), *many)
+        await home.seen()
+        assert (await home.counted())["addresses_refused"] == 9
 
 
 async def test_a_device_that_lost_its_power_is_removed_when_its_record_has_run_out_and_found_again_later() -> None:
@@ -253,12 +280,10 @@ async def test_a_flood_of_services_is_bounded_and_the_lamp_is_not_affected() -> 
     async with lamp.listening(), house(max_services=200) as home:
         await home.computer.announce("Hall", lamp.port)
         await home.reported("on_off", False)
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-            stranger.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(LOOPBACK))
+        with stranger() as send:
             for number in range(10_000):
                 fake, host = f"fake {number}.{SERVICE_TYPE}", f"fake{number}.local."
-                records = (pointer(SERVICE_TYPE, fake), service(fake, host, 9), text(fake, b"\0"))
-                stranger.sendto(answer(*records, address(host, LOOPBACK)), ("224.0.0.251", 5353))
+                send(pointer(SERVICE_TYPE, fake), service(fake, host, 9), text(fake, b"\0"), address(host, LOOPBACK))
                 if number % 20 == 0:
                     await anyio.sleep(0.001)
         assert len(home.gateway.devices.keys) <= 200

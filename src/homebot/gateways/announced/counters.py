@@ -26,6 +26,8 @@ class GatewayCounters:
         devices_refused: Descriptions that were one too many, had too many parts, or were too long for them.
         topics_refused: Addresses of states that are not listened to.
         topics_reserved: Addresses of commands that were announced and belong to no device.
+        types_refused: Times that a service type was announced and not looked for, because there were too many.
+        addresses_refused: Network addresses that were dropped because their host announces too many.
         reports: Reports of what devices told.
         readings_refused: Values that no described part can have reported.
         oversize: Messages that were too long to be looked at.
@@ -48,6 +50,8 @@ class GatewayCounters:
     devices_refused: int = 0
     topics_refused: int = 0
     topics_reserved: int = 0
+    types_refused: int = 0
+    addresses_refused: int = 0
     reports: int = 0
     readings_refused: int = 0
     oversize: int = 0

@@ -178,7 +178,8 @@ class MdnsGateway(Gateway):
         wanted = self._settings.interfaces
         if not interfaces:
             raise LinkError(_no_interface(wanted))
-        async with MdnsNetwork.opened(interfaces, self._services.hear) as network, anyio.create_task_group() as tasks:
+        opened = MdnsNetwork.opened(interfaces, self._services.hear, self.devices.counters)
+        async with opened as network, anyio.create_task_group() as tasks:
             self._tasks = tasks
             self._begin(network, tasks)
             self._ready(task_status)

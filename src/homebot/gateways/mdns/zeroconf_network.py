@@ -19,6 +19,7 @@ from zeroconf import Error, IPVersion, ServiceInfo, ServiceStateChange, Zeroconf
 from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf
 
 from homebot.errors import LinkError
+from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.drivers import FoundService
 from homebot.gateways.drivers.service_type import ENUMERATION, base_type, full_type, instance_label, is_service_type
 from homebot.gateways.mdns.interfaces import Interfaces
@@ -46,31 +47,34 @@ _ADDRESS_TYPES = frozenset({1, 28})  # A (RFC 1035) and AAAA (RFC 3596)
 
 
 class MdnsNetwork(ServiceNetwork):
-    """The network behind some interfaces, used as ``async with MdnsNetwork.opened(…) as network``.
+    """The network behind some interfaces, used as ``async with MdnsNetwork.opened(…) as network``."""
 
-    Attributes:
-        refused_types: Service types that are not browsed because there are too many.
-        dropped_addresses: Addresses that were dropped because their host has too many.
-    """
-
-    def __init__(self, zeroconf: AsyncZeroconf, interfaces: Interfaces, hear: Callable[[ServiceNews], None]) -> None:
-        self.refused_types = 0
-        self.dropped_addresses = 0
+    def __init__(
+        self,
+        zeroconf: AsyncZeroconf,
+        interfaces: Interfaces,
+        hear: Callable[[ServiceNews], None],
+        counters: GatewayCounters,
+    ) -> None:
         self._zeroconf = zeroconf
         self._interfaces = interfaces
         self._hear = hear
+        self._counters = counters
         self._browsers: dict[str, AsyncServiceBrowser] = {}
         self._own: dict[str, ServiceInfo] = {}
         self._with_loopback = any(_is_loopback(one) for one in interfaces)
 
     @classmethod
     @asynccontextmanager
-    async def opened(cls, interfaces: Interfaces, hear: Callable[[ServiceNews], None]) -> AsyncIterator[MdnsNetwork]:
+    async def opened(
+        cls, interfaces: Interfaces, hear: Callable[[ServiceNews], None], counters: GatewayCounters
+    ) -> AsyncIterator[MdnsNetwork]:
         """Open the network inside the block; leaving it withdraws what was announced.
 
         Args:
             interfaces: Where.
             hear: Called with news of services; it must not raise.
+            counters: Counts refused service types and addresses.
 
         Raises:
             LinkError: It cannot be opened.
@@ -79,7 +83,7 @@ class MdnsNetwork(ServiceNetwork):
             zeroconf = AsyncZeroconf(zc=Zeroconf(interfaces=list(interfaces), ip_version=_version(interfaces)))
         except (OSError, RuntimeError, Error) as exc:
             raise LinkError(f"mDNS cannot be used on {', '.join(map(str, interfaces))}: {exc}") from exc
-        network = cls(zeroconf, interfaces, hear)
+        network = cls(zeroconf, interfaces, hear, counters)
         try:
             try:
                 await zeroconf.zeroconf.async_wait_for_start()
@@ -108,7 +112,7 @@ class MdnsNetwork(ServiceNetwork):
         if service_type in self._browsers:
             return
         if len(self._browsers) >= MAX_TYPES:
-            self.refused_types += 1
+            self._counters.types_refused += 1
             return
         take = self._take_type if service_type == ENUMERATION else self._take
         self._browsers[service_type] = AsyncServiceBrowser(self._zeroconf.zeroconf, service_type, handlers=[take])
@@ -235,7 +239,7 @@ class MdnsNetwork(ServiceNetwork):
         if len(kept) > MAX_ADDRESSES:
             old = sorted(kept, key=lambda one: one.created)[:-MAX_ADDRESSES]
             cache.async_remove_records(old)
-            self.dropped_addresses += len(old)
+            self._counters.addresses_refused += len(old)
 
     def _time_to_live(self, name: str) -> tuple[float, float]:
         """Return the time to live of the SRV record of a service, and the seconds that are left of it."""
