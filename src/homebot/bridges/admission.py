@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hmac
 import ipaddress
+import re
 from collections.abc import Sequence
 from urllib.parse import parse_qs, urlsplit
 
@@ -16,14 +17,17 @@ from homebot.bridges.access_settings import AccessSettings
 
 __all__ = ["is_token", "refusal", "token_of"]
 
+_HOST = re.compile(r"[A-Za-z0-9._~%:\[\]-]*")
+"""A name or an address, with its port (RFC 9110, section 7.2): addresses in answers begin with it."""
+
 
 def refusal(settings: AccessSettings, hosts: Sequence[str], origins: Sequence[str]) -> str | None:
     """Return why a client with these Host and Origin headers is turned away, or None."""
     if len(hosts) != 1 or len(origins) > 1:
         return "exactly one Host and at most one Origin header are expected"
-    host = _host_of(f"//{hosts[0]}")
+    host = _host_of(f"//{hosts[0]}") if _HOST.fullmatch(hosts[0]) else ""
     if not _is_ours(settings, host):
-        return f"this server does not accept the host name {host[:100]!r}"
+        return f"this server does not accept the host name {(host or hosts[0])[:100]!a}"
     if origins and origins[0] not in settings.allowed_origins:
         origin = _host_of(origins[0])
         if origin != host and not is_loopback(origin):

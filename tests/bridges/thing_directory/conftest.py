@@ -74,32 +74,33 @@ class OpenHouse(Protocol):
     def __call__(self, **settings: object) -> AbstractAsyncContextManager[ServedHouse]: ...
 
 
+@asynccontextmanager
+async def open_house(**settings: object) -> AsyncIterator[ServedHouse]:
+    """Open a house with a directory of things on a free port."""
+    graph = Graph()
+    announced: list[NetworkService] = []
+    async with (
+        Node(graph, "memory", namespace="/gateway") as gateway_node,
+        Node(graph, "discovery") as directory_node,
+        Node(graph, "thing_directory") as node,
+        aiohttp.ClientSession() as client,
+        anyio.create_task_group() as tasks,
+    ):
+        gateway = MemoryGateway(gateway_node)
+        bridge = ThingDirectoryBridge(
+            node, DirectoryBridgeSettings.model_validate({"port": 0, **settings}), "villa", OWNER, announced.append
+        )
+        await tasks.start(Directory(directory_node, DirectorySettings()).serve)
+        async with running(gateway):
+            gateway.devices.put(LAMP, "new")
+            gateway.devices.put(SENSOR, "new")
+            await gateway.devices.report("hall", {"on_off": True, "level": 40.0})
+            await tasks.start(bridge.run)
+            yield ServedHouse(gateway, bridge, announced, client)
+            tasks.cancel_scope.cancel()
+
+
 @pytest.fixture
 def served_house() -> Callable[..., AbstractAsyncContextManager[ServedHouse]]:
     """Give what opens a house with a directory of things on a free port."""
-
-    @asynccontextmanager
-    async def opened(**settings: object) -> AsyncIterator[ServedHouse]:
-        graph = Graph()
-        announced: list[NetworkService] = []
-        async with (
-            Node(graph, "memory", namespace="/gateway") as gateway_node,
-            Node(graph, "discovery") as directory_node,
-            Node(graph, "thing_directory") as node,
-            aiohttp.ClientSession() as client,
-            anyio.create_task_group() as tasks,
-        ):
-            gateway = MemoryGateway(gateway_node)
-            bridge = ThingDirectoryBridge(
-                node, DirectoryBridgeSettings.model_validate({"port": 0, **settings}), "villa", OWNER, announced.append
-            )
-            await tasks.start(Directory(directory_node, DirectorySettings()).serve)
-            async with running(gateway):
-                gateway.devices.put(LAMP, "new")
-                gateway.devices.put(SENSOR, "new")
-                await gateway.devices.report("hall", {"on_off": True, "level": 40.0})
-                await tasks.start(bridge.run)
-                yield ServedHouse(gateway, bridge, announced, client)
-                tasks.cancel_scope.cancel()
-
-    return opened
+    return open_house

@@ -31,6 +31,8 @@ async def answer_to(port: int, request: bytes) -> bytes:
         (b"GET /things HTTP/1.1\r\n" + HOST + HOST + b"\r\n", (b" 400 ", b" 403 ")),
         (b"GET /things HTTP/1.1\r\n" + HOST + b"X: " + b"a" * 1_000_000 + b"\r\n\r\n", (b" 400 ", b"")),
         (b"GET //[ HTTP/1.1\r\n" + HOST + b"\r\n", (b" 404 ", b" 400 ")),
+        (b"GET /things HTTP/1.1\r\nHost: 127.0.0.1?\xb5\r\n\r\n", (b" 403 ",)),
+        (b"CONNECT / HTTP/2.0\r\n" + HOST + b"\r\n", (b"HTTP/1.1 505 ",)),
         (b"GET /things/%ff%00 HTTP/1.1\r\n" + HOST + b"\r\n", (b" 404 ",)),
         (b"GET http://[x/ HTTP/1.1\r\n" + HOST + b"\r\n", (b" 404 ", b" 400 ")),
         (

@@ -1,7 +1,8 @@
 """A bounded HTTP server for other programs; the one file of the bridges that knows aiohttp.
 
 A connection beyond the limit is answered with 503 and closed, and so is one on which no request comes in time. A client
-that takes no bytes is cut off. Errors of the library are logged in the server's name.
+that takes no bytes is cut off. A request in another version than HTTP/1.0 or 1.1 is answered with 505. Errors of the
+library are logged in the server's name.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ _LINE = 8190
 _CLOSING = 0.5
 _BUSY = b"HTTP/1.1 503 Service Unavailable\r\nRetry-After: 5\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
 """What a client gets that is one too many."""
+_OTHER_VERSION = b"HTTP/1.1 505 HTTP Version Not Supported\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
+"""What a client gets that speaks HTTP/0.9 or HTTP/2, which the library would answer in the version that it claims."""
 
 
 @dataclass(slots=True)
@@ -207,6 +210,12 @@ class BoundedServer:
         self.counters.requests += 1
         if self._connections is not None:
             self._connections.note_request(request.protocol)
+        if request.version.major != 1:
+            self.counters.turned_away += 1
+            if request.transport is not None:
+                request.transport.write(_OTHER_VERSION)
+            request.protocol.force_close()
+            return web.Response()
         exchange = HttpExchange(request, self.counters)
         with suppress(ConnectionError):  # the client has left
             await self._handle(exchange)
