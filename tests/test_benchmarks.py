@@ -70,6 +70,18 @@ def test_walks_counts_every_call_of_every_walk_and_the_same_each_time() -> None:
 
 
 @pytest.mark.parametrize(
+    ("walk", "calls", "files"),
+    [("text", 90, 22), ("announcement", 335, 81), ("JSON", 90, 32), ("find", 65, 15), ("turn_on", 45, 18)],
+)
+def test_no_walk_takes_more_calls_and_files_than_before(walk: str, calls: int, files: int) -> None:
+    """The counts of Python 3.11, with room for a few calls; a new Python may count fewer."""
+    (walked,) = (counted for name, counted in walks().items() if name.startswith(walk))
+
+    assert walked[0] <= calls
+    assert len(walked[1]) <= files
+
+
+@pytest.mark.parametrize(
     ("section", "walk"), [("A text message", "text message of a known device"), ("A JSON state", "JSON state")]
 )
 def test_the_files_that_a_message_is_said_to_pass_are_on_its_walk(section: str, walk: str) -> None:

@@ -40,7 +40,9 @@ def test_the_earliest_comes_first_and_of_equal_times_the_one_set_first(steps: li
                 del plain[due[0]]
         assert len(queue) == len(plain)
         assert [queue.time_of(one) for one in "abcd"] == [plain.get(one, (None,))[0] for one in "abcd"]
-        assert queue.next() == min((at for at, _ in plain.values()), default=None)
+        times = [entry_at for entry_at, _ in plain.values()]
+        assert queue.is_due_before(at) == any(one < at for one in times)
+        assert queue.next() == min(times, default=None)
     assert empty(queue) == [(key, number) for key, (_, number) in sorted(plain.items(), key=lambda entry: entry[1])]
 
 

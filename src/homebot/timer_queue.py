@@ -68,6 +68,14 @@ class TimerQueue(Generic[Key, Item]):
                 heapq.heapreplace(heap, entry)
         return None
 
+    def is_due_before(self, at: float) -> bool:
+        """Return whether anything is due before *at*; cheaper than :meth:`next` where nothing is."""
+        heap = self._heap
+        if not heap or heap[0][0] >= at:  # the first time in the heap may be outdated, but none is earlier
+            return False
+        earliest = self.next()
+        return earliest is not None and earliest < at
+
     def pop(self, now: float = math.inf) -> tuple[Key, Item] | None:
         """Forget the earliest key and return it with its item; None where nothing is due at *now*."""
         earliest = self.next()

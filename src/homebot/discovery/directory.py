@@ -228,8 +228,7 @@ class Directory:
         if self._is_idle:
             self._is_idle = False
             self._happened.set()
-        deadline = self.index.next_deadline()
-        if deadline is not None and deadline < self._wakes_at:
+        if self.index.is_due_before(self._wakes_at):
             self._earlier_deadline.set()
 
     async def _publish_changes(self) -> None:

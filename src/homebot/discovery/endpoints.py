@@ -63,9 +63,7 @@ def endpoints(
     """
     found: list[Endpoint] = []
     for (gateway, key), address, command_address in described:
-        heard = list(sources.values())
-        if len(heard) > 1:
-            heard = [source for source in heard if source.key[0] == gateway]
+        heard = [source for source in sources.values() if source.key[0] == gateway]
         found.append(
             Endpoint.of_checked(
                 gateway=gateway,
@@ -110,8 +108,6 @@ def sorted_routes(
 
 def last_seen(sources: Collection[SourceRecord]) -> Time:
     """Return when a device was last heard of in *sources*: when it spoke, or else was announced."""
-    if len(sources) == 1:
-        return next(iter(sources)).seen_at
     confirmed = [source for source in sources if source.confirmed]
     return max(confirmed or sources, key=lambda one: (one.heard_at, one.seen_at.sec, one.seen_at.nanosec)).seen_at
 

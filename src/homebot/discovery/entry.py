@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from homebot.devices import (
     Device,
     DevicePart,
+    Endpoint,
     Fact,
     Freshness,
     KeyValue,
@@ -103,7 +104,8 @@ class Entry:
 
     def last_seen(self) -> Time:
         """Return when it was last heard of: when it spoke, or else was announced."""
-        return last_seen(self.sources.values())
+        sources = self.sources.values()
+        return next(iter(sources)).seen_at if len(sources) == 1 else last_seen(sources)
 
     def invalidate_device(self) -> None:
         """Build the device anew when it is next asked for: its states or its freshness changed."""
@@ -136,17 +138,17 @@ class Entry:
             for source in sources:
                 has_states = has_states or bool(source.values)
                 has_events = has_events or bool(source.events)
-            parts = described.merged.parts
+            parts, reachable = described.merged.parts, self.reachability()
             if self.stale_gateways or self.is_denied:
                 parts = sorted_routes(parts, self.sources, self.stale_gateways)
             self._device = Device.of_checked(
                 id=self.id,
                 name=described.name,
                 service_type=described.service_type,
-                endpoints=endpoints(described.addresses, self.sources, self.freshness, self.stale_gateways),
+                endpoints=self._endpoints(described.addresses, reachable),
                 metadata=described.metadata,
                 first_seen=self.first_seen,
-                last_seen=last_seen(sources),
+                last_seen=self.last_seen(),
                 expires=Time.from_seconds(self.expires),
                 freshness=self.freshness,
                 service_types=described.service_types,
@@ -155,7 +157,7 @@ class Entry:
                 identifiers=described.identifiers,
                 parts=parts,
                 facts=described.facts,
-                reachable=self.reachability(),
+                reachable=reachable,
                 offline_parts=self.offline_parts(described.merged) if self.is_denied else (),
                 states=_states(described.merged, self._newest(described.merged, events=False)) if has_states else (),
                 events=_states(described.merged, self._newest(described.merged, events=True)) if has_events else (),
@@ -192,6 +194,29 @@ class Entry:
         if self.echoes is None:
             self.echoes = Echoes()
         return self.echoes.is_new(place, capability, value, route, now)
+
+    def _endpoints(self, described: tuple[Addresses, ...], reachable: Reachability) -> tuple[Endpoint, ...]:
+        """Return its endpoints; the one of a single announcement, as most devices have, is as the device."""
+        if len(self.sources) > 1:
+            return endpoints(described, self.sources, self.freshness, self.stale_gateways)
+        (((gateway, key), address, command_address),) = described
+        source, freshness = self.sources[gateway, key], self.freshness
+        if gateway in self.stale_gateways:
+            freshness = "stale"
+        elif freshness == "fresh" and not source.confirmed:
+            freshness = "unconfirmed"
+        return (
+            Endpoint.of_checked(
+                gateway=gateway,
+                key=key,
+                address=address,
+                command_address=command_address,
+                freshness=freshness,
+                last_seen=source.seen_at,
+                reachable=reachable.state,
+                claimed=source.is_claimed,
+            ),
+        )
 
     def _believed(self) -> Mapping[SourceKey, SourceRecord]:
         """Return the announcements by which it is judged what it is, and how: not claimed ones beside others."""

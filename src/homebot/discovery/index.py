@@ -45,6 +45,7 @@ class DeviceIndex:
         take_changes: Returns what happened, at most so many changes or all, oldest first, and forgets it; what became
             of one device meanwhile is in its change.
         next_deadline: Returns when :meth:`expire` has something to do, in seconds of its clock; None for never.
+        is_due_before: Returns whether it has something to do before a time of that clock.
         tombstones: Devices that went.
     """
 
@@ -58,6 +59,7 @@ class DeviceIndex:
         self._pending = PendingReports()
         self._liveness = Liveness(table, forget_after)
         self.next_deadline = self._liveness.next_deadline
+        self.is_due_before = self._liveness.is_due_before
         self._merger = DeviceMerger(table, self._liveness, self._pending)
         self._intake = SightingIntake(table, self._liveness, self._merger, self._pending, max_devices)
         self._states = StateRecorder(table, self._liveness, self._merger.trust)

@@ -96,9 +96,10 @@ class Liveness:
     Attributes:
         now: Time of what was taken in last, in seconds of a clock that is never set.
         next_deadline: Returns when :meth:`take_silent` has a device, in seconds of that clock; None for never.
+        is_due_before: Returns whether it has one before a time of that clock.
     """
 
-    __slots__ = ("_deadlines", "_forget_after", "_table", "next_deadline", "now")
+    __slots__ = ("_deadlines", "_forget_after", "_table", "is_due_before", "next_deadline", "now")
 
     def __init__(self, table: DeviceTable, forget_after: float) -> None:
         self.now = -math.inf
@@ -106,6 +107,7 @@ class Liveness:
         self._forget_after = forget_after
         self._deadlines: TimerQueue[str, None] = TimerQueue()
         self.next_deadline = self._deadlines.next
+        self.is_due_before = self._deadlines.is_due_before
 
     def mark_seen(self, entry: Entry, source: SourceRecord, stamp: Time, why: str) -> None:
         """Note that *entry* itself spoke now, through *source*: it is fresh.

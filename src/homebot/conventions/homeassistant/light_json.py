@@ -121,7 +121,7 @@ class _State:
             return NO_READINGS
         found: dict[str, PlainValue] = {}
         state = message.get("state", "")
-        if isinstance(state, str | None) and state in _STATES:
+        if (state is None or isinstance(state, str)) and state in _STATES:
             found["on_off"] = _STATES[state]
         brightness = message.get("brightness")
         if self.lamp.has_level and isinstance(brightness, (int, float)) and 0 < brightness < _HUGE:

@@ -47,6 +47,7 @@ class DeviceReporter:
 
     def __init__(self, gateway: Gateway, stale_after: float) -> None:
         self._gateway = gateway
+        self._gateway_name = gateway.node.name
         self._clock = gateway.node.graph.clock
         self._stale_after = stale_after
         self._events = 0
@@ -78,7 +79,7 @@ class DeviceReporter:
         """Publish what the device *key* reported."""
         self._reports.publish(
             Report.of_checked(
-                gateway=self._gateway.node.name,
+                gateway=self._gateway_name,
                 key=key,
                 readings=readings,
                 address=address,
