@@ -17,6 +17,7 @@ import anyio
 from anyio.abc import TaskGroup
 from anyio.streams.memory import MemoryObjectReceiveStream, MemoryObjectSendStream
 
+from homebot.backoff import Backoff, BackoffCounter
 from homebot.clock import Clock
 from homebot.conventions.bluetooth.advertisement import full_uuid
 from homebot.conventions.bluetooth.gatt_profile import GattProfile, GattState
@@ -26,7 +27,6 @@ from homebot.gateways.ble.connection_slots import ConnectionSlots
 from homebot.gateways.ble.known_device import BATTERY, KnownDevice
 from homebot.gateways.ble.radio import BleLink, BleRadio, BluetoothUnavailableError
 from homebot.isolation import run_as
-from homebot.mqtt.backoff import Backoff
 
 __all__ = ["ConnectionHost", "Connections"]
 
@@ -34,7 +34,7 @@ COMMAND_WITHIN = 25.0
 """Seconds that a command waits for a connection."""
 
 LASTED = 60.0
-"""Seconds after which a connection that is lost does not count as a failure."""
+"""Seconds after which a connection that is lost counts as a first failure."""
 
 POLL_EVERY = 10.0
 """Seconds between two reads of a device that does not notify."""
@@ -208,13 +208,13 @@ class Connections:
     async def _keep(self, kept: _Kept) -> None:
         """Connect whenever there is a slot, until cancelled."""
         key = kept.device.key
-        failures, since = 0, 0.0
+        retries = BackoffCounter(self._host.clock, self._host.random, LASTED)
         with kept.scope:
             while True:
                 await self._slots.take(key, partial(self._is_in_range, kept.device))
                 kept.wake = anyio.Event()
                 kept.has_yielded = False
-                began = self._host.clock.monotonic()
+                retries.begin()
                 try:
                     await self._connected(kept)
                 except BluetoothUnavailableError:
@@ -225,21 +225,14 @@ class Connections:
                     kept.link = None
                     self._slots.release(key)
                 if kept.has_yielded:
-                    failures = 0
+                    retries.succeed()
                     continue
-                now = self._host.clock.monotonic()
-                failures = 0 if now - began >= LASTED else failures + 1
-                since = now if failures <= 1 else since
                 self._host.reachable(key, reachable=False)
-                with anyio.move_on_after(self._pause(failures, since)):
+                with anyio.move_on_after(retries.fail(_BACKOFF)):
                     await kept.wake.wait()
 
     def _is_in_range(self, device: KnownDevice) -> bool:
         return self._host.clock.monotonic() - device.presence.last_heard <= IN_RANGE
-
-    def _pause(self, failures: int, since: float) -> float:
-        failing_for = self._host.clock.monotonic() - since if failures else 0.0
-        return _BACKOFF.delay(max(1, failures), failing_for, self._host.random)
 
     async def _connected(self, kept: _Kept) -> None:
         """Connect, and return when the connection is lost or given to another device.

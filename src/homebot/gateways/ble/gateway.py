@@ -11,6 +11,7 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
+from homebot.backoff import LINK_BACKOFF, BackoffCounter
 from homebot.ble_backend import BleBackend
 from homebot.conventions.bluetooth.advertisement import Advertisement
 from homebot.conventions.bluetooth.broadcast import Broadcast, BroadcastParser
@@ -29,7 +30,6 @@ from homebot.gateways.ble.settings import PARSERS, BleDeviceSettings, BleGateway
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
 from homebot.isolation import run_as
-from homebot.mqtt.backoff import LINK_BACKOFF
 from homebot.plugins import load_plugin
 
 __all__ = ["BleGateway"]
@@ -137,12 +137,13 @@ class BleGateway(Gateway):
         self._restart.set()
 
     async def _scan(self, radio: BleRadio, task_status: TaskStatus[None]) -> None:
-        failures, since, is_ready = 0, 0.0, False
+        retries, is_ready = BackoffCounter(self._clock, self._random), False
         while True:
             now = self._clock.monotonic()
             try:
                 async with radio.scanning(self.intake.hear):
-                    failures, self._reason = 0, ""
+                    retries.succeed()
+                    self._reason = ""
                     self._listens_since = now if self._listens_since is None else self._listens_since
                     self.publish_state("active")
                     if not is_ready:
@@ -157,9 +158,7 @@ class BleGateway(Gateway):
             if not is_ready:
                 task_status.started()
             is_ready = True
-            failures += 1
-            since = now if failures == 1 else since
-            await anyio.sleep(LINK_BACKOFF.delay(failures, now - since, self._random))
+            await anyio.sleep(retries.fail(LINK_BACKOFF))
 
     async def _until_done(self, radio: BleRadio) -> None:
         """Return when the scan should be restarted."""

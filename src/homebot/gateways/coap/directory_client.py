@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Final
 
 import anyio
 
+from homebot.backoff import Backoff, BackoffCounter
 from homebot.clock import Clock
 from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoint_of_link
 from homebot.conventions.coap.link_format import parse_links
 from homebot.conventions.uri import resolve_uri
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
 from homebot.isolation import first_cause, run_as
-from homebot.mqtt.backoff import Backoff
 from homebot.wot.coap.content_formats import LINK_FORMAT
 
 if TYPE_CHECKING:
@@ -71,18 +71,16 @@ class DirectoryClient:
 
     async def run(self) -> None:
         """Follow the directory until cancelled."""
-        failures, since = 0, self._clock.monotonic()
+        retries = BackoffCounter(self._clock, self._random, CHECK_EVERY)
         while True:
-            began = self._clock.monotonic()
+            retries.begin()
             try:
                 await self._follow()
             except (LinkError, PeerError) as exc:
                 if isinstance(exc, WireError):
                     self._reject(exc.frame, str(exc))
                 self._report(f"the resource directory {self._uri} cannot be read: {exc}")
-            now = self._clock.monotonic()
-            failures, since = (failures + 1, since) if now - began < CHECK_EVERY else (1, now)
-            await anyio.sleep(RETRY.delay(failures, now - since, self._random))
+            await anyio.sleep(retries.fail(RETRY))
 
     async def _follow(self) -> None:
         lookup = await self._find_lookup()

@@ -11,6 +11,7 @@ import anyio
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
+from homebot.backoff import DEVICE_BACKOFF, BackoffCounter
 from homebot.conventions.coap.address import split_address
 from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoint_at, static_endpoint
 from homebot.conventions.coap.link_format import parse_links
@@ -20,7 +21,7 @@ from homebot.extras import check_extra
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.coap.directory_client import DirectoryClient
-from homebot.gateways.coap.session import RETRY, EndpointSession
+from homebot.gateways.coap.session import EndpointSession
 from homebot.gateways.coap.settings import CoapGatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
@@ -94,19 +95,18 @@ class CoapGateway(Gateway):
         """Find devices, and work with them, until cancelled."""
         from homebot.gateways.coap.aiocoap_client import CoapClient  # noqa: PLC0415 - a library of an extra
 
-        failures = 0
+        retries = BackoffCounter(self.node.graph.clock, self._random)
         while True:
             try:
                 async with CoapClient.open(self._settings.timeout, self._settings.credentials) as client:
-                    failures = 0
+                    retries.succeed()
                     await self._serve(client, task_status)
             except LinkError as exc:
-                failures += 1
                 self.publish_state("unavailable", str(exc))
-                if failures == 1 and not self._all_tried.is_set():
+                if not self._all_tried.is_set():
                     self._all_tried.set()
                     task_status.started()
-                await anyio.sleep(RETRY.delay(failures, 0.0, self._random))
+                await anyio.sleep(retries.fail(DEVICE_BACKOFF))
 
     async def _serve(self, client: CoapClient, task_status: TaskStatus[None]) -> None:
         settings = self._settings
@@ -193,19 +193,18 @@ class CoapGateway(Gateway):
             admits=self.devices.admits,
             reject=self.devices.reject,
         )
-        failures = 0
+        retries = BackoffCounter(self.node.graph.clock, self._random)
         while True:
             try:
                 async with server.open(*split_address(self._settings.serve_directory)):
-                    failures = 0
+                    retries.succeed()
                     self._report(OWN_DIRECTORY, "")
                     while True:
                         await anyio.sleep(1.0)
                         server.expire()
             except LinkError as exc:
-                failures += 1
                 self._report(OWN_DIRECTORY, str(exc))
-            await anyio.sleep(RETRY.delay(failures, 0.0, self._random))
+            await anyio.sleep(retries.fail(DEVICE_BACKOFF))
 
     async def _ask(self, client: CoapClient, interface: str, version: str) -> None:
         way = f"{interface} {version}"

@@ -13,6 +13,7 @@ import anyio
 from anyio.abc import TaskGroup
 from structlog.typing import FilteringBoundLogger
 
+from homebot.backoff import DEVICE_BACKOFF, BackoffCounter
 from homebot.clock import Clock
 from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of
 from homebot.conventions.coap.link_format import WebLink, parse_links
@@ -26,7 +27,6 @@ from homebot.gateways.coap.coap_port import COAP_BINDING, CoapPort
 from homebot.gateways.things.host import PublishedDriverHost
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
 from homebot.isolation import first_cause, run_as
-from homebot.mqtt.backoff import Backoff
 from homebot.wot import Thing, read_thing
 from homebot.wot.coap.content_formats import LINK_FORMAT, TD_FORMAT
 from homebot.wot.coap.own_forms import with_own_forms
@@ -35,10 +35,10 @@ from homebot.wot.coap.resource_types import thing_of_links
 if TYPE_CHECKING:
     from homebot.gateways.coap.aiocoap_client import CoapClient
 
-__all__ = ["RETRY", "EndpointSession"]
+__all__ = ["EndpointSession"]
 
-# A device that lost its power is often back in a minute; one that is asked more often than that pays with its battery.
-RETRY: Final = Backoff(first=1.0, factor=2.0, cap=60.0, late_cap=300.0, late_after=3600.0, jitter=0.5)
+STEADY_AFTER: Final = 60.0
+"""Seconds after which a connection that ends counts as a first failure."""
 
 MAX_THINGS = 16
 """Descriptions of one endpoint that are read."""
@@ -104,9 +104,9 @@ class EndpointSession:
 
         That is one that only answered a multicast question, and then no other one.
         """
-        failures, failing_since = 0, self._clock.monotonic()
+        retries = BackoffCounter(self._clock, self._random, STEADY_AFTER)
         while True:
-            began = self._clock.monotonic()
+            retries.begin()
             try:
                 await self._run_once()
             except (LinkError, PeerError) as exc:
@@ -116,10 +116,8 @@ class EndpointSession:
                 self._report_lost(exc)
             if not self._things and not self.endpoint.is_registered and not self.endpoint.is_static:
                 return
-            now = self._clock.monotonic()
-            failures, failing_since = (failures + 1, failing_since) if now - began < RETRY.cap else (1, now)
             self._seen = anyio.Event()
-            with anyio.move_on_after(RETRY.delay(failures, now - failing_since, self._random)):
+            with anyio.move_on_after(retries.fail(DEVICE_BACKOFF)):
                 await self._seen.wait()
 
     async def perform(self, command: Command) -> None:

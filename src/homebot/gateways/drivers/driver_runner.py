@@ -10,6 +10,7 @@ from typing import Final
 import anyio
 from structlog.typing import FilteringBoundLogger
 
+from homebot.backoff import DEVICE_REFUSED_BACKOFF, Backoff, BackoffCounter
 from homebot.clock import Clock
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PeerError
@@ -19,7 +20,6 @@ from homebot.gateways.drivers import Driver, FoundService
 from homebot.gateways.drivers.installed_drivers import UsableDriver
 from homebot.gateways.things.host import PublishedDriverHost
 from homebot.isolation import error_text, first_cause, run_as
-from homebot.mqtt.backoff import Backoff
 
 __all__ = ["DriverRunner"]
 
@@ -28,9 +28,6 @@ CRASHED = "driver.crashed"
 
 LOST_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=15.0, late_cap=60.0, late_after=300.0, jitter=0.5)
 """After a lost connection: a device that restarts is back within seconds."""
-
-REFUSED_BACKOFF: Final = Backoff(first=30.0, factor=2.0, cap=600.0, late_cap=600.0, late_after=600.0, jitter=0.5)
-"""After a refused login or a protocol error: somebody has to change something."""
 
 STEADY_AFTER = 60.0
 """Seconds that a connection has to last for the back-off to start over."""
@@ -92,19 +89,15 @@ class DriverRunner(PublishedDriverHost):
         """Run the driver until cancelled; after a failure, wait with a growing pause and run it again."""
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._list_in_time)
-            failures, failing_since = 0, self.clock.monotonic()
+            retries = BackoffCounter(self.clock, self._random, STEADY_AFTER)
             while True:
-                begun = self.clock.monotonic()
+                retries.begin()
                 failed = await self._run_once()
                 if failed is None:
-                    failures = 0
+                    retries.succeed()
                     continue
-                now = self.clock.monotonic()
-                if failures == 0 or now - begun > STEADY_AFTER:
-                    failures, failing_since = 0, now
-                failures += 1
                 with anyio.CancelScope() as self._attempt:
-                    await anyio.sleep(failed.delay(failures, now - failing_since, self._random))
+                    await anyio.sleep(retries.fail(failed))
 
     async def perform(self, command: Command) -> None:
         """Carry *command* out; it waits a moment for a connection that is being made.
@@ -141,13 +134,13 @@ class DriverRunner(PublishedDriverHost):
             except* LinkError as group:
                 failed, self.problem = LOST_BACKOFF, str(first_cause(group))
             except* PeerError as group:
-                failed, self.problem = REFUSED_BACKOFF, str(first_cause(group))
+                failed, self.problem = DEVICE_REFUSED_BACKOFF, str(first_cause(group))
                 self._log_failure(FAILED)
             except* Exception as group:  # noqa: BLE001 - one device's driver must not end the others
-                failed, self.problem = REFUSED_BACKOFF, error_text(group)
+                failed, self.problem = DEVICE_REFUSED_BACKOFF, error_text(group)
                 self._log_failure(CRASHED, exc_info=group)
         self._driver = None
-        self.needs_help = failed is REFUSED_BACKOFF
+        self.needs_help = failed is DEVICE_REFUSED_BACKOFF
         self._end_attempt()
         return failed
 

@@ -11,6 +11,7 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
+from homebot.backoff import LINK_BACKOFF, REFUSED_BACKOFF, BackoffCounter
 from homebot.conventions.matter.endpoint import DESCRIPTOR, MatterEndpoint
 from homebot.conventions.matter.other_clusters import SWITCH, press_of
 from homebot.conventions.matter.parts import parts_of
@@ -37,7 +38,6 @@ from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent
 from homebot.gateways.matter.settings import MatterGatewaySettings
 from homebot.graph import Node
 from homebot.isolation import run_as
-from homebot.mqtt.backoff import LINK_BACKOFF, REFUSED_BACKOFF
 
 __all__ = ["MatterGateway"]
 
@@ -78,7 +78,7 @@ class MatterGateway(Gateway):
         self._link: MatterServerLink | None = None
         self._connecting: MatterServerLink | None = None
         self._reason = "not connected yet"
-        self._listed_at = 0.0
+        self._retries = BackoffCounter(self._clock, self._random, STEADY_AFTER)
         self._tried = anyio.Event()
         self.devices = PublishedDevices(self, self._perform, settings)
         CommissioningServices(self, node)
@@ -142,23 +142,18 @@ class MatterGateway(Gateway):
         return device.key, device.name
 
     async def _connect_again_and_again(self) -> None:
-        failures, failing_since = 0, 0.0
         while True:
+            self._retries.begin()
             backoff = LINK_BACKOFF
             try:
                 await self._converse()
             except (LinkError, PeerError) as exc:
                 backoff = LINK_BACKOFF if isinstance(exc, LinkError) else REFUSED_BACKOFF
                 self._reason = str(exc)
-            now = self._clock.monotonic()
-            if self._link is not None and now - self._listed_at > STEADY_AFTER:
-                failures = 0
             self._link = None
             self.publish_state("unavailable", self._reason)
             self._tried.set()
-            failing_since = now if failures == 0 else failing_since
-            failures += 1
-            await anyio.sleep(backoff.delay(failures, now - failing_since, self._random))
+            await anyio.sleep(self._retries.fail(backoff))
 
     async def _converse(self) -> None:
         """Connect, and follow the server until the link is lost.
@@ -188,7 +183,7 @@ class MatterGateway(Gateway):
         for node_id in self._nodes.keys() - present:
             self._remove_node(node_id, "the Matter server no longer has it")
         self._link, self._reason = self._connecting, ""
-        self._listed_at = self._clock.monotonic()
+        self._retries.begin()
         self.publish_state("active")
         self._tried.set()
 

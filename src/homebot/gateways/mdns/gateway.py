@@ -14,6 +14,7 @@ import anyio.to_thread
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
+from homebot.backoff import BackoffCounter
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
 from homebot.extras import check_extra
@@ -109,18 +110,18 @@ class MdnsGateway(Gateway):
         self._drivers = find_drivers(self._settings.drivers, self._settings.folder)
         for problem in self._drivers.problems:
             self.node.log.warning(DRIVER_NOT_USED, message=problem)
-        wanted, failures = self._settings.interfaces, 0
+        wanted, retries = self._settings.interfaces, BackoffCounter(self.node.graph.clock, self._random)
         interfaces = self._interfaces.find(wanted)
         while True:
             try:
                 await self._follow(interfaces, task_status)
-                interfaces, failures = (), 0
+                retries.succeed()
+                interfaces = ()
                 continue
             except LinkError as exc:
                 self._set_unavailable(str(exc))
             self._ready(task_status)
-            failures += 1
-            with anyio.move_on_after(LOST_BACKOFF.delay(failures, 0.0, self._random)):
+            with anyio.move_on_after(retries.fail(LOST_BACKOFF)):
                 interfaces = await self._interfaces.wait_for_change(wanted, interfaces)
 
     def may_come(self, news: ServiceNews) -> bool:

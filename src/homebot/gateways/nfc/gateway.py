@@ -13,6 +13,7 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
+from homebot.backoff import Backoff, BackoffCounter
 from homebot.conventions.nfc.ndef_message import read_ndef
 from homebot.conventions.nfc.pointer import Pointer, pointer_of_device, pointer_of_records
 from homebot.conventions.payload import clean_text
@@ -34,13 +35,15 @@ from homebot.gateways.nfc.tag_services import TagServices
 from homebot.graph import Node
 from homebot.isolation import run_as
 from homebot.messages.builtin_interfaces import Time
-from homebot.mqtt.backoff import Backoff
 from homebot.wot import Thing, facts_of, identifiers_of, read_thing
 
 __all__ = ["NfcGateway"]
 
 READER_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=10.0, late_cap=30.0, late_after=300.0, jitter=0.5)
 """For a reader that is not connected."""
+
+STEADY_AFTER: Final = 60.0
+"""Seconds after which a reader that fails counts as a first failure."""
 
 _MAX_AT_READERS: Final = 64
 """Tags that may be at readers at once; beyond that, the oldest is forgotten."""
@@ -128,8 +131,9 @@ class NfcGateway(Gateway):
 
     async def _follow(self, number: int, reader: TagReader) -> None:
         """Run one reader; when it fails, run it again after a pause."""
-        failures, since, clock = 0, 0.0, self.node.graph.clock
+        retries = BackoffCounter(self.node.graph.clock, self._random, STEADY_AFTER)
         while True:
+            retries.begin()
             desk = ReaderDesk(partial(self._hear, number))
             self._services.open(desk)
             try:
@@ -140,9 +144,7 @@ class NfcGateway(Gateway):
                 self._lose(number, "the reader stopped")
             finally:
                 self._services.close(desk)
-            failures = failures + 1
-            since = since or clock.monotonic()
-            await anyio.sleep(READER_BACKOFF.delay(failures, clock.monotonic() - since, self._random))
+            await anyio.sleep(retries.fail(READER_BACKOFF))
 
     def _hear(self, number: int, desk: ReaderDesk, news: ReaderNews) -> None:
         """Take a report of a reader; called in the loop."""

@@ -9,13 +9,13 @@ import anyio
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
+from homebot.backoff import DEVICE_BACKOFF, DEVICE_REFUSED_BACKOFF, BackoffCounter
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PeerError
 from homebot.extras import check_extra
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
-from homebot.gateways.thing_directory.listed_thing import LOST_BACKOFF, REFUSED_BACKOFF
 from homebot.gateways.thing_directory.settings import ThingDirectorySettings
 from homebot.gateways.things.http_credentials import read_logins
 from homebot.graph import Node
@@ -47,8 +47,8 @@ class ThingDirectoryGateway(Gateway):
         super().__init__(node, settings, context)
         self._settings = settings
         self._random = self.context.random or Random()  # noqa: S311 - for pauses
+        self._retries = BackoffCounter(node.graph.clock, self._random)
         self._session: DirectorySession | None = None
-        self._failures = 0
         self._is_ready = False
         self.devices = PublishedDevices(self, self._perform, settings, max_devices=settings.max_devices)
 
@@ -64,7 +64,7 @@ class ThingDirectoryGateway(Gateway):
         from homebot.gateways.thing_directory.session import DirectorySession  # noqa: PLC0415 - loads aiohttp
 
         def has_listed() -> None:
-            self._failures = 0
+            self._retries.succeed()
             self.devices.problems = ()
             self.publish_state("active")
             self._ready(task_status)
@@ -72,22 +72,19 @@ class ThingDirectoryGateway(Gateway):
         clock, log = self.node.graph.clock, self.node.log
         async with anyio.create_task_group() as tasks:
             session = DirectorySession(self._settings, self.devices, tasks, has_listed, clock, log, self._random)
-            self._session, failing_since = session, clock.monotonic()
+            self._session = session
             while True:
-                backoff, problem = LOST_BACKOFF, ""
+                backoff, problem = DEVICE_BACKOFF, ""
                 try:
                     await session.follow()
                 except LinkError as exc:
                     problem = str(exc)
                 except PeerError as exc:
-                    backoff, problem = REFUSED_BACKOFF, str(exc)
-                if self._failures == 0:
-                    failing_since = clock.monotonic()
-                self._failures += 1
+                    backoff, problem = DEVICE_REFUSED_BACKOFF, str(exc)
                 self.devices.problems = (problem,)
                 self.publish_state("unavailable", problem)
                 self._ready(task_status)
-                await anyio.sleep(backoff.delay(self._failures, clock.monotonic() - failing_since, self._random))
+                await anyio.sleep(self._retries.fail(backoff))
 
     def _ready(self, task_status: TaskStatus[None]) -> None:
         if not self._is_ready:

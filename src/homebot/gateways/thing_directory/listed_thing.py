@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from functools import partial
 from random import Random
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import anyio
 from structlog.typing import FilteringBoundLogger
 
+from homebot.backoff import DEVICE_BACKOFF, DEVICE_REFUSED_BACKOFF, Backoff, BackoffCounter
 from homebot.clock import Clock
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PeerError
@@ -17,16 +18,12 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.things.host import PublishedDriverHost
 from homebot.gateways.things.thing_device import ThingDevice
 from homebot.isolation import error_text, run_as
-from homebot.mqtt.backoff import Backoff
 from homebot.wot import Thing
 
 if TYPE_CHECKING:
     from homebot.gateways.things.http_port import HttpThingPort
 
 __all__ = ["ListedThing"]
-
-LOST_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=60.0, late_cap=300.0, late_after=3600.0, jitter=0.5)
-REFUSED_BACKOFF: Final = Backoff(first=30.0, factor=2.0, cap=600.0, late_cap=600.0, late_after=600.0, jitter=0.5)
 
 STEADY_AFTER = 60.0
 """Seconds after which a connection that ends counts as a new failure."""
@@ -113,21 +110,17 @@ class ListedThing(PublishedDriverHost):
         await self._used.perform(command)
 
     async def _run_again_and_again(self) -> None:
-        failures, failing_since = 0, self.clock.monotonic()
+        retries = BackoffCounter(self.clock, self._random, STEADY_AFTER)
         while True:
-            begun = self.clock.monotonic()
+            retries.begin()
             failed = await self._run_once()
             self._list()
             self.report_reachable(reachable=False)
-            now = self.clock.monotonic()
-            if failures == 0 or now - begun > STEADY_AFTER:
-                failures, failing_since = 0, now
-            failures += 1
-            await anyio.sleep(failed.delay(failures, now - failing_since, self._random))
+            await anyio.sleep(retries.fail(failed))
 
     async def _run_once(self) -> Backoff:
         """Work with the thing until that fails; return how long to wait then."""
-        failed, problem = LOST_BACKOFF, "the connection was closed"
+        failed, problem = DEVICE_BACKOFF, "the connection was closed"
         try:
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(run_as, "a thing", self._used.run)
@@ -135,9 +128,9 @@ class ListedThing(PublishedDriverHost):
         except* LinkError as group:
             problem = error_text(group.exceptions[0])
         except* PeerError as group:
-            failed, problem = REFUSED_BACKOFF, error_text(group.exceptions[0])
+            failed, problem = DEVICE_REFUSED_BACKOFF, error_text(group.exceptions[0])
         except* Exception as group:
-            failed, problem = REFUSED_BACKOFF, error_text(group)
+            failed, problem = DEVICE_REFUSED_BACKOFF, error_text(group)
             self.log.warning(_FAILED, message=f"{self.device.name}: {problem}", exc_info=group)
         self.log.info("thing_directory.thing_lost", device=self.device.key, reason=problem[:200])
         return failed

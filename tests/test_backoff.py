@@ -9,7 +9,8 @@ from random import Random
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.mqtt.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff
+from homebot.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff, BackoffCounter
+from homebot.clock import ManualClock
 
 PLAIN = Backoff(first=1.0, factor=2.0, cap=5.0, late_cap=60.0, late_after=100.0, jitter=0.0)
 
@@ -37,3 +38,28 @@ def test_a_link_is_tried_again_within_one_and_a_half_seconds(failures: int, fail
 @given(st.integers(1, 10**6), st.floats(0, 10**6), st.randoms(use_true_random=False))
 def test_a_refused_login_is_never_repeated_quickly(failures: int, failing_for: float, random: Random) -> None:
     assert 7.5 <= REFUSED_BACKOFF.delay(failures, failing_for, random) <= 300
+
+
+def test_pauses_grow_with_each_failure_until_an_attempt_succeeds() -> None:
+    retries = BackoffCounter(ManualClock(), Random(1))
+    assert [retries.fail(PLAIN) for _ in range(3)] == [1.0, 2.0, 4.0]
+    retries.succeed()
+    assert retries.fail(PLAIN) == 1.0
+
+
+def test_an_attempt_that_lasted_counts_as_a_success() -> None:
+    clock = ManualClock()
+    retries = BackoffCounter(clock, Random(1), steady_after=60.0)
+    for lasts, pause in ((0.0, 1.0), (60.0, 2.0), (61.0, 1.0), (1.0, 2.0)):
+        retries.begin()
+        clock.advance(lasts)
+        assert retries.fail(PLAIN) == pause
+
+
+def test_the_late_cap_holds_when_all_has_failed_for_long() -> None:
+    clock = ManualClock()
+    retries = BackoffCounter(clock, Random(1))
+    for _ in range(10):
+        retries.fail(PLAIN)
+    clock.advance(PLAIN.late_after)
+    assert retries.fail(PLAIN) == 60.0

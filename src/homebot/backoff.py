@@ -1,12 +1,22 @@
-"""Delay before trying again: one policy, pure, the randomness handed in."""
+"""Pauses between attempts: one policy, with the randomness handed in."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from random import Random
 from typing import Final
 
-__all__ = ["LINK_BACKOFF", "REFUSED_BACKOFF", "Backoff"]
+from homebot.clock import Clock
+
+__all__ = [
+    "DEVICE_BACKOFF",
+    "DEVICE_REFUSED_BACKOFF",
+    "LINK_BACKOFF",
+    "REFUSED_BACKOFF",
+    "Backoff",
+    "BackoffCounter",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +56,41 @@ class Backoff:
         return min(limit, cap) * (1.0 - self.jitter * random.random())
 
 
+class BackoffCounter:
+    """Counts the failures in a row of what is attempted again and again.
+
+    Args:
+        clock: The clock.
+        random: The source of jitter.
+        steady_after: Seconds that an attempt has to last for its failure to count as the first; infinite where only
+            :meth:`succeed` says so.
+    """
+
+    def __init__(self, clock: Clock, random: Random, steady_after: float = math.inf) -> None:
+        self._clock = clock
+        self._random = random
+        self._steady_after = steady_after
+        self._began = clock.monotonic()
+        self._failures = 0
+        self._failing_since = 0.0
+
+    def begin(self) -> None:
+        """Note that an attempt begins."""
+        self._began = self._clock.monotonic()
+
+    def succeed(self) -> None:
+        """Note that the attempt succeeded: its failure, if it fails later, is the first."""
+        self._failures = 0
+
+    def fail(self, backoff: Backoff) -> float:
+        """Count a failure; return the seconds to wait before the next attempt."""
+        now = self._clock.monotonic()
+        if self._failures == 0 or now - self._began > self._steady_after:
+            self._failures, self._failing_since = 0, now
+        self._failures += 1
+        return backoff.delay(self._failures, now - self._failing_since, self._random)
+
+
 # A broker in the house is back a second after its restart, and a try costs one refused TCP connect: with
 # 1.5 s plus the handshake a client is back within 2 s. A hub or router that reboots takes a few minutes;
 # who is away for longer is switched off, and 30 s spare its log.
@@ -55,3 +100,10 @@ LINK_BACKOFF: Final = Backoff(first=0.1, factor=2.0, cap=1.5, late_cap=30.0, lat
 # A refused login needs a person. Trying fast fills the broker's log and trips tools that ban by failed logins.
 REFUSED_BACKOFF: Final = Backoff(first=15.0, factor=2.0, cap=300.0, late_cap=300.0, late_after=300.0, jitter=0.5)
 """For a broker that answered with no."""
+
+# A device that lost its power is often back in a minute; one that is asked more often than that pays with its battery.
+DEVICE_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=60.0, late_cap=300.0, late_after=3600.0, jitter=0.5)
+"""For a device, or a directory of devices, that does not answer."""
+
+DEVICE_REFUSED_BACKOFF: Final = Backoff(first=30.0, factor=2.0, cap=600.0, late_cap=600.0, late_after=600.0, jitter=0.5)
+"""For one that refused a login or broke its protocol: somebody has to change something."""
