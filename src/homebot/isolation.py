@@ -15,7 +15,7 @@ from contextlib import contextmanager
 
 import anyio
 
-from homebot.errors import AbortError, ExitError
+from homebot.errors import AbortError, ExitError, LinkError, PeerError
 
 __all__ = [
     "crash_of",
@@ -27,6 +27,7 @@ __all__ = [
     "only_cause",
     "run_as",
     "uncancel",
+    "ungrouped",
 ]
 
 
@@ -115,6 +116,21 @@ def first_cause(error: BaseException) -> BaseException:
     while isinstance(error, BaseExceptionGroup):
         error = error.exceptions[0]
     return error
+
+
+@contextmanager
+def ungrouped() -> Iterator[None]:
+    """Raise the first :class:`LinkError` or :class:`PeerError` of the block in place of the group around it.
+
+    A group that holds any other error is raised as it is.
+    """
+    try:
+        yield
+    except BaseExceptionGroup as group:
+        known, others = group.split((LinkError, PeerError))
+        if known is None or others is not None:
+            raise
+        raise first_cause(known) from group
 
 
 def only_cause(group: BaseExceptionGroup[BaseException]) -> BaseException | None:

@@ -22,8 +22,9 @@ from tests.turns import Turns, longest_turn
 from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
 from homebot.gateways.event_stream import ServerEvent
 from homebot.gateways.http_address import http_origin
-from homebot.gateways.http_client import HttpClient, WebSocket
+from homebot.gateways.http_client import HttpClient
 from homebot.gateways.http_login import HttpLogin
+from homebot.gateways.http_websocket import WebSocket
 
 PASSWORD = "correct horse"
 

@@ -1,4 +1,4 @@
-"""A client for HTTP, WebSockets and server-sent events; with its helpers the one file that knows aiohttp.
+"""A client for HTTP, WebSockets and server-sent events; it and its helpers are the files that know aiohttp.
 
 Whatever a server does, an answer, a frame and an event are at most as long as the caller allows, everything ends within
 a time limit but waiting for the next frame or event, and what goes wrong is one of three errors: :class:`LinkError`,
@@ -21,18 +21,19 @@ from typing import Final, Self
 
 import aiohttp
 import anyio
-import anyio.lowlevel
 from yarl import URL
 
-from homebot.conventions.payload import clean_text, compact_json, parse_json, shown
+from homebot.conventions.payload import compact_json, parse_json, shown
 from homebot.errors import LinkError, RefusedError, UsageError, WireError
-from homebot.gateways.event_stream import EventStreamParser, ServerEvent
+from homebot.gateways.event_stream import EventStreamParser
 from homebot.gateways.http_address import parse_url, shown_url
 from homebot.gateways.http_errors import check_status, translated_errors
+from homebot.gateways.http_events import EventStream
 from homebot.gateways.http_login import HttpLogin, authentication
 from homebot.gateways.http_redirects import follow_own_redirects, staying_at
+from homebot.gateways.http_websocket import WebSocket
 
-__all__ = ["MAX_ANSWER_BYTES", "EventStream", "HttpAnswer", "HttpClient", "WebSocket"]
+__all__ = ["MAX_ANSWER_BYTES", "HttpAnswer", "HttpClient"]
 
 MAX_ANSWER_BYTES: Final = 256 * 1024
 """Longest answer, frame and event, where the caller allows no other length."""
@@ -247,7 +248,7 @@ class HttpClient:
                 raise WireError(f"{shown_url(where)} sends {found[:60] or 'nothing that has a type'}, not events")
             parser = EventStreamParser(self._max_bytes if max_bytes is None else max_bytes)
             parser.last_id = last_id
-            yield EventStream(response, shown_url(where), parser)
+            yield EventStream(response.content.readany, shown_url(where), parser)
 
     def _opened(self) -> aiohttp.ClientSession:
         if self._session is None and self._is_closed:
@@ -267,94 +268,6 @@ class HttpClient:
                 yield
         except TimeoutError:
             raise LinkError(f"{shown_url(where)} did not answer within {time_limit:g} s") from None
-
-
-class WebSocket:
-    """An open WebSocket. Any task may send; one at a time may receive."""
-
-    def __init__(self, opened: aiohttp.ClientWebSocketResponse, where: str, time_limit: float) -> None:
-        self._opened = opened
-        self._where = where
-        self._time_limit = time_limit
-
-    @property
-    def protocol(self) -> str:
-        """The subprotocol that the server chose; empty for none."""
-        return self._opened.protocol or ""
-
-    async def send(self, message: str | bytes) -> None:
-        """Send a message: text, or binary where it is bytes.
-
-        Raises:
-            LinkError: The connection is lost, or so slow that the message could not be sent in time.
-        """
-        try:
-            with anyio.fail_after(self._time_limit), translated_errors("WebSocket", self._where):
-                if isinstance(message, str):
-                    await self._opened.send_str(message)
-                else:
-                    await self._opened.send_bytes(message)
-        except TimeoutError:
-            raise LinkError(f"{self._where} takes no message") from None
-
-    async def receive(self) -> str | bytes:
-        """Wait for a message, and return it.
-
-        Raises:
-            LinkError: The connection was closed or is lost.
-            WireError: A message breaks the rules, or is too long; no other can follow.
-        """
-        message = await self._next()
-        if message.type is aiohttp.WSMsgType.TEXT or message.type is aiohttp.WSMsgType.BINARY:
-            data: str | bytes = message.data
-            return data
-        if message.type is aiohttp.WSMsgType.ERROR and isinstance(message.data, aiohttp.WebSocketError):
-            raise WireError(f"{self._where} broke the rules of WebSockets: {clean_text(str(message.data), 80)}")
-        raise LinkError(f"{self._where} closed the connection")
-
-    async def _next(self) -> aiohttp.WSMessage:
-        """Return the next message that is not a ping or a pong, answering pings."""
-        with translated_errors("WebSocket", self._where):
-            while True:
-                await anyio.lowlevel.checkpoint()  # receiving what came already lets no other task run
-                message = await self._opened.receive()
-                if message.type is aiohttp.WSMsgType.PING:
-                    await self._opened.pong(message.data)
-                elif message.type is not aiohttp.WSMsgType.PONG:
-                    return message
-
-
-class EventStream:
-    """An open stream of server-sent events, for ``async for``; it ends with an error, as a server never ends it.
-
-    Raises:
-        LinkError: The connection was closed or is lost; ask again with :attr:`last_id`, after :attr:`retry` seconds.
-        WireError: An event is too long, or the stream breaks the rules of HTTP.
-    """
-
-    def __init__(self, response: aiohttp.ClientResponse, where: str, parser: EventStreamParser) -> None:
-        self._response = response
-        self._where = where
-        self._parser = parser
-
-    @property
-    def last_id(self) -> str:
-        """The id of the last event that had one."""
-        return self._parser.last_id
-
-    @property
-    def retry(self) -> float | None:
-        """Seconds after which the server wants to be asked again; None where it does not say."""
-        return self._parser.retry
-
-    async def __aiter__(self) -> AsyncIterator[ServerEvent]:
-        while True:
-            with translated_errors("GET", self._where):
-                chunk = await self._response.content.readany()
-            if not chunk:
-                raise LinkError(f"{self._where} ended the stream of events")
-            for event in self._parser.feed(chunk):
-                yield event
 
 
 def _make_socket(address: aiohttp.AddrInfoType) -> socket.socket:

@@ -21,7 +21,7 @@ from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoi
 from homebot.conventions.coap.link_format import parse_links
 from homebot.conventions.uri import resolve_uri
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
-from homebot.isolation import first_cause, run_as
+from homebot.isolation import run_as, ungrouped
 from homebot.wot.coap.content_formats import LINK_FORMAT
 
 if TYPE_CHECKING:
@@ -85,17 +85,12 @@ class DirectoryClient:
     async def _follow(self) -> None:
         lookup = await self._find_lookup()
         await self._read(lookup)
-        try:
+        with ungrouped():
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(run_as, "the lookup of a resource directory", partial(self._observe, lookup))
                 while True:
                     await anyio.sleep(CHECK_EVERY)
                     await self._read(lookup)
-        except BaseExceptionGroup as group:
-            known, others = group.split((LinkError, PeerError))
-            if known is None or others is not None:
-                raise
-            raise first_cause(known) from group
 
     async def _find_lookup(self) -> str:
         """Return the address of the endpoint lookup.

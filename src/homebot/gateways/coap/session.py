@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 from dataclasses import replace
 from functools import partial
 from random import Random
 from typing import TYPE_CHECKING, Final
 
 import anyio
-from anyio.abc import TaskGroup
 from structlog.typing import FilteringBoundLogger
 
 from homebot.backoff import DEVICE_BACKOFF, BackoffCounter
@@ -26,7 +23,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.coap.coap_port import COAP_BINDING, CoapPort
 from homebot.gateways.things.host import PublishedDriverHost
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
-from homebot.isolation import first_cause, run_as
+from homebot.isolation import run_as, ungrouped
 from homebot.wot import Thing, read_thing
 from homebot.wot.coap.content_formats import LINK_FORMAT, TD_FORMAT
 from homebot.wot.coap.own_forms import with_own_forms
@@ -140,11 +137,12 @@ class EndpointSession:
         self._things = {device.key: self._thing(device, thing) for device, thing in described}
         for key in before - set(self._things):
             self._devices.remove(key, "its endpoint no longer describes it")
-        async with _one_error() as tasks:
-            for thing in self._things.values():
-                tasks.start_soon(run_as, "a CoAP device", thing.run)
-            if not any(device.parts for device, _ in described):
-                tasks.start_soon(run_as, "the check of a CoAP device", partial(self._check, described[0][0]))
+        with ungrouped():
+            async with anyio.create_task_group() as tasks:
+                for thing in self._things.values():
+                    tasks.start_soon(run_as, "a CoAP device", thing.run)
+                if not any(device.parts for device, _ in described):
+                    tasks.start_soon(run_as, "the check of a CoAP device", partial(self._check, described[0][0]))
 
     def _thing(self, device: GatewayDevice, thing: Thing) -> ThingDevice:
         host = PublishedDriverHost(self._devices, device.key, self._clock, self._log)
@@ -252,16 +250,3 @@ class EndpointSession:
             ),
             thing,
         )
-
-
-@asynccontextmanager
-async def _one_error() -> AsyncIterator[TaskGroup]:
-    """Run a task group whose expected errors come out as one, the first, instead of in a group."""
-    try:
-        async with anyio.create_task_group() as tasks:
-            yield tasks
-    except BaseExceptionGroup as group:
-        known, others = group.split((LinkError, PeerError))
-        if known is None or others is not None:
-            raise
-        raise first_cause(known) from group

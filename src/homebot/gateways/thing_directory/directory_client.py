@@ -15,7 +15,8 @@ from yarl import URL
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.http_address import parse_url
-from homebot.gateways.http_client import EventStream, HttpClient
+from homebot.gateways.http_client import HttpClient
+from homebot.gateways.http_events import EventStream
 from homebot.gateways.long_json import parse_long_json
 from homebot.gateways.thing_directory.documents import members_of, next_page
 

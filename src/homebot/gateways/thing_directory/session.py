@@ -23,7 +23,7 @@ from homebot.clock import Clock
 from homebot.conventions.long_json import is_longer_than
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
 from homebot.devices.gateway_messages import Command
-from homebot.errors import HomebotError, RefusedError, UnableError, WireError
+from homebot.errors import RefusedError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.http_client import HttpClient
@@ -42,7 +42,7 @@ from homebot.gateways.things.forms import change_forms
 from homebot.gateways.things.http_credentials import read_logins
 from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, http_login
 from homebot.gateways.things.thing_device import describe_thing
-from homebot.isolation import first_cause, run_as
+from homebot.isolation import run_as, ungrouped
 from homebot.wot import Form, SecurityScheme, Thing, read_thing
 
 __all__ = ["DirectorySession"]
@@ -132,16 +132,13 @@ class DirectorySession:
         """Follow the events of the directory; return where it has none."""
         is_open = False
         try:
-            async with reader.events() as stream, anyio.create_task_group() as tasks:
-                is_open = True
-                await self._list(reader)
-                tasks.start_soon(run_as, "the list of things", partial(self._list_again, reader))
-                async for event in stream:
-                    await self._hear(reader, event.kind, event.data)
-        except BaseExceptionGroup as group:
-            if group.split(HomebotError)[1] is not None:
-                raise
-            raise first_cause(group) from None
+            with ungrouped():
+                async with reader.events() as stream, anyio.create_task_group() as tasks:
+                    is_open = True
+                    await self._list(reader)
+                    tasks.start_soon(run_as, "the list of things", partial(self._list_again, reader))
+                    async for event in stream:
+                        await self._hear(reader, event.kind, event.data)
         except (RefusedError, WireError) as exc:
             if is_open or (isinstance(exc, RefusedError) and exc.code not in _NO_EVENTS):
                 raise

@@ -16,11 +16,11 @@ import anyio
 from homebot.conventions.payload import clean_text, shown
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
-from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError
+from homebot.errors import LinkError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import DriverHost
 from homebot.gateways.things.port import ThingPayload, ThingPort
-from homebot.isolation import first_cause, run_as
+from homebot.isolation import run_as, ungrouped
 from homebot.wot import (
     Binding,
     ClassifiedAffordance,
@@ -116,16 +116,11 @@ class ThingDevice:
         self._is_reached, self._refusal = False, None
         self._host.describe(self._device)
         observed = self._sources()
-        try:
+        with ungrouped():
             async with anyio.create_task_group() as tasks:
                 for source in observed:
                     tasks.start_soon(run_as, "the observation of a thing", partial(self._observe, source))
                 tasks.start_soon(run_as, "the polling of a thing", self._poll)
-        except BaseExceptionGroup as group:
-            known, others = group.split((LinkError, PeerError))
-            if known is None or others is not None:
-                raise
-            raise first_cause(known) from group
 
     async def perform(self, command: Command) -> None:
         """Carry out a command; return when the thing has accepted it.

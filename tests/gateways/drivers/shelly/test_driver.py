@@ -217,12 +217,12 @@ async def test_what_is_no_shelly_is_an_error_of_ours(about: object) -> None:
             await driver(server.port, KeepingHost()).run()
 
 
-async def test_a_device_that_sends_rubbish_is_left_after_twenty_frames() -> None:
+async def test_a_device_that_sends_rubbish_is_left_after_twenty_messages() -> None:
     host = KeepingHost()
     frames = [b"", b"[]", b"{", b'{"id": 7}', b'{"id": true}', b'{"method": 5}', b"\xff", b'{"id": 1e400}'] * 5
     server = WebServer(Strange(PLUS1, *frames))
     async with served(server):
-        with pytest.raises(WireError, match="20 invalid frames"):
+        with pytest.raises(WireError, match="20 invalid messages"):
             await driver(server.port, host).run()
     assert len(host.rejected) == 20
 

@@ -22,7 +22,7 @@ from homebot.conventions.shelly.gen2_component import Fields
 from homebot.conventions.shelly.gen2_rpc import CLIENT
 from homebot.errors import HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.drivers.shelly.rpc_login import RpcLogin
-from homebot.gateways.http_client import WebSocket
+from homebot.gateways.http_websocket import WebSocket
 
 __all__ = ["RpcLink", "TakeFrame"]
 
@@ -31,9 +31,6 @@ TakeFrame: TypeAlias = Callable[[Fields, bytes], Awaitable[None]]
 
 TIME_LIMIT: Final = 15.0
 """Seconds for an answer; a Bluetooth operation of a gateway takes several."""
-
-MOST_INVALID: Final = 20
-"""Invalid frames in a row after which the connection is closed."""
 
 _UNAUTHORIZED = 401
 _LATER = frozenset({-104, -108, -114, 503})
@@ -87,19 +84,8 @@ class RpcLink:
             LinkError: It is lost.
             WireError: Too many frames in a row broke the rules, or one was too long.
         """
-        invalid = 0
         try:
-            while True:
-                message = await self._socket.receive()
-                payload = message.encode(errors="replace") if isinstance(message, str) else message
-                try:
-                    await self._take(payload)
-                    invalid = 0
-                except WireError as exc:
-                    self._on_invalid(payload, str(exc))
-                    invalid += 1
-                    if invalid >= MOST_INVALID:
-                        raise WireError(f"{self._name} sent {invalid} invalid frames in a row") from exc
+            await self._socket.receive_all(self._take, self._on_invalid)
         except HomebotError as exc:
             self.end = exc
             raise

@@ -16,15 +16,16 @@ from homebot.conventions.shelly.gen2_device import is_prefix, text_of
 from homebot.conventions.shelly.gen2_rpc import ANSWERS, COMPONENTS, AnswerKind, Gen2RpcDevice, is_news_of_setup
 from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers
-from homebot.errors import HomebotError, LinkError, RefusedError, WireError
+from homebot.errors import LinkError, PeerError, RefusedError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import DriverHost, FoundService
+from homebot.gateways.drivers.first_answer import first_answer
 from homebot.gateways.drivers.shelly.rpc_link import RpcLink, wants_password
 from homebot.gateways.drivers.shelly.rpc_login import RpcLogin
 from homebot.gateways.drivers.shelly.settings import ShellyDriverSettings
 from homebot.gateways.http_address import http_origin
 from homebot.gateways.http_client import HttpClient
-from homebot.isolation import first_cause
+from homebot.isolation import ungrouped
 
 __all__ = ["ShellySession"]
 
@@ -37,7 +38,6 @@ WATCH_EVERY: Final = 18.0
 PAUSE: Final = 5.0
 """Seconds between two rounds of requests at least, however often the device reports that its setup has changed."""
 
-_ADDRESSES = 4
 _PAGES = 20
 
 
@@ -97,14 +97,12 @@ class ShellySession:
 
     async def _probe(self, client: HttpClient) -> tuple[str, Fields]:
         """Return the address that answers, and what the device tells without a password."""
-        failed = LinkError(f"{self._service.name} has no address")
-        for address in self._service.addresses[:_ADDRESSES]:
+
+        async def ask(address: str) -> tuple[str, Fields]:
             origin = http_origin(address, self._service.port)
-            try:
-                return origin, as_fields(await client.get_json(f"{origin}/shelly"))
-            except LinkError as exc:
-                failed = exc
-        raise failed
+            return origin, as_fields(await client.get_json(f"{origin}/shelly"))
+
+        return await first_answer(self._service.name, self._service.addresses, ask)
 
     def _login(self, device_id: str, about: Fields) -> RpcLogin | None:
         password = self._settings.password_of(device_id)
@@ -117,16 +115,15 @@ class ShellySession:
 
     async def _live(self, rpc: RpcLink) -> None:
         try:
-            async with anyio.create_task_group() as tasks:
-                tasks.start_soon(rpc.receive)
-                while True:
-                    await self._ask(rpc)
-                    with anyio.move_on_after(ASK_AGAIN):
-                        await self._setup_changed.wait()
-        except BaseExceptionGroup as group:
-            if group.split(HomebotError)[1] is not None:
-                raise
-            raise rpc.end or first_cause(group) from None
+            with ungrouped():
+                async with anyio.create_task_group() as tasks:
+                    tasks.start_soon(rpc.receive)
+                    while True:
+                        await self._ask(rpc)
+                        with anyio.move_on_after(ASK_AGAIN):
+                            await self._setup_changed.wait()
+        except (LinkError, PeerError) as exc:
+            raise rpc.end or exc from None
 
     async def _ask(self, rpc: RpcLink) -> None:
         self._setup_changed = anyio.Event()

@@ -16,9 +16,10 @@ from yarl import URL
 
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, clean_text, parse_json
 from homebot.devices.gateway_messages import Command
-from homebot.errors import HomebotError, LinkError, RefusedError, WireError
+from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import DriverHost, FoundService
+from homebot.gateways.drivers.first_answer import first_answer
 from homebot.gateways.drivers.thing.driver import WEB_THING
 from homebot.gateways.drivers.thing.settings import ThingDriverSettings
 from homebot.gateways.http_address import http_origin, parse_url, shown_url
@@ -28,7 +29,7 @@ from homebot.gateways.things.forms import change_forms
 from homebot.gateways.things.http_credentials import ThingLogin, read_logins
 from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, http_login
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
-from homebot.isolation import first_cause, run_as
+from homebot.isolation import run_as, ungrouped
 from homebot.wot import Form, SecurityScheme, Thing, read_thing
 
 __all__ = ["ThingSession"]
@@ -39,7 +40,6 @@ READ_AGAIN: Final = 18.0
 half a minute."""
 
 _ACCEPTED = "application/td+json, application/json;q=0.9"
-_ADDRESSES = 4
 _NOT_THERE = frozenset({404, 405, 410})
 
 
@@ -116,15 +116,12 @@ class ThingSession:
             return await self._until_changed(description)
         changed = description
         try:
-            async with HttpThingPort(thing, self._logins) as port, anyio.create_task_group() as tasks:
-                self._device = ThingDevice(thing, device, port, self._host, self._settings.poll_every)
-                tasks.start_soon(run_as, "a thing", self._device.run)
-                changed = await self._until_changed(description)
-                tasks.cancel_scope.cancel()
-        except BaseExceptionGroup as group:
-            if group.split(HomebotError)[1] is not None:
-                raise
-            raise first_cause(group) from None
+            with ungrouped():
+                async with HttpThingPort(thing, self._logins) as port, anyio.create_task_group() as tasks:
+                    self._device = ThingDevice(thing, device, port, self._host, self._settings.poll_every)
+                    tasks.start_soon(run_as, "a thing", self._device.run)
+                    changed = await self._until_changed(description)
+                    tasks.cancel_scope.cancel()
         finally:
             self._device = None
         return changed
@@ -146,22 +143,20 @@ class ThingSession:
             scheme, path = "", ""
         name = (self._host_name,) if scheme == "https" and self._host_name else ()
         path = path or WELL_KNOWN
-        failed = LinkError(f"{self._service.name} has no address")
-        for address in (*name, *self._service.addresses[:_ADDRESSES]):
+
+        async def read_at(address: str) -> _ReadDescription:
             origin = http_origin(address, self._service.port, "https" if scheme == "https" else "http")
-            try:
-                return await self._read(origin + (path if path.startswith("/") else f"/{path}"))
-            except LinkError as exc:
-                failed = exc
-            except RefusedError as exc:
-                if self._must_describe or exc.code not in _NOT_THERE:
-                    raise
-                return None
-            except WireError:
-                if self._must_describe:
-                    raise
-                return None
-        raise failed
+            return await self._read(origin + (path if path.startswith("/") else f"/{path}"))
+
+        try:
+            return await first_answer(self._service.name, (*name, *self._service.addresses), read_at)
+        except RefusedError as exc:
+            if self._must_describe or exc.code not in _NOT_THERE:
+                raise
+        except WireError:
+            if self._must_describe:
+                raise
+        return None
 
     async def _read(self, url: str) -> _ReadDescription:
         async with HttpClient(login=self._login(parse_url(url)), max_bytes=MAX_ANNOUNCEMENT_BYTES) as client:

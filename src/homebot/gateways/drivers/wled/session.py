@@ -9,6 +9,7 @@ Source: WLED, https://kno.wled.ge/interfaces/websocket and /json-api.
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable
 from typing import Final
 
 import anyio
@@ -16,12 +17,14 @@ import anyio
 from homebot.conventions.payload import as_fields, parse_object
 from homebot.conventions.wled import Fields, WledStrip, effect_names
 from homebot.devices.gateway_messages import Command
-from homebot.errors import HomebotError, LinkError, RefusedError, WireError
+from homebot.errors import LinkError, RefusedError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import DriverHost, FoundService
+from homebot.gateways.drivers.first_answer import first_answer
 from homebot.gateways.http_address import http_origin
-from homebot.gateways.http_client import HttpClient, WebSocket
-from homebot.isolation import first_cause
+from homebot.gateways.http_client import HttpClient
+from homebot.gateways.http_websocket import WebSocket
+from homebot.isolation import ungrouped
 
 __all__ = ["WledSession"]
 
@@ -37,10 +40,6 @@ ANSWER_WITHIN: Final = 5.0
 ASK_AGAIN: Final = 300.0
 """The same as :data:`POLL` where state is pushed: a lamp that is left alone says nothing for days."""
 
-MOST_INVALID: Final = 20
-"""Invalid messages in a row after which the connection is closed."""
-
-_ADDRESSES = 4
 _TRIES = 3
 _PAUSE = 0.3
 """A controller that is busy with another request answers 503; it is free again soon."""
@@ -107,31 +106,16 @@ class WledSession:
             await self._poll(client, POLL)
 
     async def _live(self, client: HttpClient, socket: WebSocket) -> None:
-        try:
+        with ungrouped():
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(self._poll, client, ASK_AGAIN)
-                await self._receive(socket)
-        except BaseExceptionGroup as group:
-            if group.split(HomebotError)[1] is not None:
-                raise
-            raise first_cause(group) from None
+                await socket.receive_all(self._receive, self._host.reject)
 
-    async def _receive(self, socket: WebSocket) -> None:
-        invalid = 0
-        while True:
-            message = await socket.receive()
-            payload = message.encode(errors="replace") if isinstance(message, str) else message
-            await self._host.deliver_raw(payload)
-            try:
-                document = parse_object(payload, MAX_BYTES)
-                if "state" in document or "info" in document:  # else it answers with success or error
-                    await self._take(document)
-                invalid = 0
-            except WireError as exc:
-                self._host.reject(payload, str(exc))
-                invalid += 1
-                if invalid >= MOST_INVALID:
-                    raise WireError(f"{self._service.name} sent {invalid} invalid messages in a row") from exc
+    async def _receive(self, payload: bytes) -> None:
+        await self._host.deliver_raw(payload)
+        document = parse_object(payload, MAX_BYTES)
+        if "state" in document or "info" in document:  # else it answers with success or error
+            await self._take(document)
 
     async def _poll(self, client: HttpClient, interval: float) -> None:
         while True:
@@ -140,31 +124,19 @@ class WledSession:
 
     async def _probe(self, client: HttpClient) -> Fields:
         """Find the address that answers, and return the first document."""
-        failed = LinkError(f"{self._service.name} has no address")
-        for address in self._service.addresses[:_ADDRESSES]:
+
+        async def ask(address: str) -> Fields:
             self._origin = http_origin(address, self._service.port)
-            try:
-                return as_fields(await self._ask(client, "/json/si"))
-            except LinkError as exc:
-                failed = exc
-        raise failed
+            return as_fields(await self._ask(client, "/json/si"))
+
+        return await first_answer(self._service.name, self._service.addresses, ask)
 
     async def _ask(self, client: HttpClient, path: str) -> object:
-        for _ in range(_TRIES - 1):
-            try:
-                return await client.get_json(f"{self._origin}{path}")
-            except LinkError:
-                await anyio.sleep(_PAUSE)
-        return await client.get_json(f"{self._origin}{path}")
+        return await _patiently(lambda: client.get_json(f"{self._origin}{path}"))
 
     async def _send(self, client: HttpClient, state: Fields) -> object:
         """Send a state; it is absolute, so it can be sent again."""
-        for _ in range(_TRIES - 1):
-            try:
-                return await client.send_json("POST", f"{self._origin}/json/state", state)
-            except LinkError:
-                await anyio.sleep(_PAUSE)
-        return await client.send_json("POST", f"{self._origin}/json/state", state)
+        return await _patiently(lambda: client.send_json("POST", f"{self._origin}/json/state", state))
 
     async def _take(self, document: Fields) -> None:
         await self._publish(WledStrip(document, self._effects))
@@ -182,3 +154,13 @@ class WledSession:
         self._host.describe(device)
         for part, readings in strip.readings():
             await self._host.report(readings, part)
+
+
+async def _patiently(request: Callable[[], Awaitable[object]]) -> object:
+    """Return the answer to *request*, which is sent up to three times."""
+    for _ in range(_TRIES - 1):
+        try:
+            return await request()
+        except LinkError:
+            await anyio.sleep(_PAUSE)
+    return await request()

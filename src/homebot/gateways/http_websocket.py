@@ -1,0 +1,109 @@
+"""An open WebSocket; a helper of :mod:`homebot.gateways.http_client`.
+
+Source: RFC 6455.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from typing import Final, NoReturn
+
+import aiohttp
+import anyio
+import anyio.lowlevel
+
+from homebot.conventions.payload import clean_text
+from homebot.errors import LinkError, WireError
+from homebot.gateways.http_errors import translated_errors
+
+__all__ = ["WebSocket"]
+
+MOST_INVALID: Final = 20
+"""Invalid messages in a row after which nothing more is read."""
+
+
+class WebSocket:
+    """An open WebSocket. Any task may send; one at a time may receive.
+
+    Args:
+        opened: The connection of the library.
+        where: Its address, for errors.
+        time_limit: Seconds in which a message has to be sent.
+    """
+
+    def __init__(self, opened: aiohttp.ClientWebSocketResponse, where: str, time_limit: float) -> None:
+        self._opened = opened
+        self._where = where
+        self._time_limit = time_limit
+
+    @property
+    def protocol(self) -> str:
+        """The subprotocol that the server chose; empty for none."""
+        return self._opened.protocol or ""
+
+    async def send(self, message: str | bytes) -> None:
+        """Send a message: text, or binary where it is bytes.
+
+        Raises:
+            LinkError: The connection is lost, or so slow that the message could not be sent in time.
+        """
+        try:
+            with anyio.fail_after(self._time_limit), translated_errors("WebSocket", self._where):
+                if isinstance(message, str):
+                    await self._opened.send_str(message)
+                else:
+                    await self._opened.send_bytes(message)
+        except TimeoutError:
+            raise LinkError(f"{self._where} takes no message") from None
+
+    async def receive(self) -> str | bytes:
+        """Wait for a message, and return it.
+
+        Raises:
+            LinkError: The connection was closed or is lost.
+            WireError: A message breaks the rules, or is too long; no other can follow.
+        """
+        message = await self._next()
+        if message.type is aiohttp.WSMsgType.TEXT or message.type is aiohttp.WSMsgType.BINARY:
+            data: str | bytes = message.data
+            return data
+        if message.type is aiohttp.WSMsgType.ERROR and isinstance(message.data, aiohttp.WebSocketError):
+            raise WireError(f"{self._where} broke the rules of WebSockets: {clean_text(str(message.data), 80)}")
+        raise LinkError(f"{self._where} closed the connection")
+
+    async def receive_all(
+        self, take: Callable[[bytes], Awaitable[None]], reject: Callable[[bytes, str], None]
+    ) -> NoReturn:
+        """Give each message to *take*, as bytes, until the connection is lost.
+
+        Args:
+            take: Takes a message; it is invalid where that raises WireError.
+            reject: Told of each invalid message, and why.
+
+        Raises:
+            LinkError: The connection was closed or is lost.
+            WireError: 20 messages in a row were invalid; or as :meth:`receive`.
+        """
+        invalid = 0
+        while True:
+            message = await self.receive()
+            payload = message.encode(errors="replace") if isinstance(message, str) else message
+            try:
+                await take(payload)
+                invalid = 0
+            except WireError as exc:
+                reject(payload, str(exc))
+                invalid += 1
+                if invalid >= MOST_INVALID:
+                    raise WireError(f"{self._where} sent {invalid} invalid messages in a row") from exc
+
+    async def _next(self) -> aiohttp.WSMessage:
+        """Return the next message that is not a ping or a pong, answering pings."""
+        with translated_errors("WebSocket", self._where):
+            while True:
+                await anyio.lowlevel.checkpoint()  # receiving what came already lets no other task run
+                message = await self._opened.receive()
+                if message.type is aiohttp.WSMsgType.PING:
+                    await self._opened.pong(message.data)
+                elif message.type is not aiohttp.WSMsgType.PONG:
+                    return message
