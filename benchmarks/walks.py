@@ -13,6 +13,8 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from random import Random
 
+import anyio
+
 from calls import CallCount
 from homebot.clock import LoopClock
 from homebot.config import parse_config
@@ -167,14 +169,20 @@ class House:
         return await _counted(walk)
 
     async def turn_on(self) -> CallCount:
-        """The app turns it on."""
+        """The app turns it on with some brightness, until that is on the wire; then the lamp answers."""
         (lamp,) = await self._devices.find(Light, area=AREA)
+        levels = iter((60.0, 40.0))
+        async with anyio.create_task_group() as tasks:
 
-        async def walk() -> None:
-            await lamp.turn_on()
+            async def walk() -> None:
+                tasks.start_soon(lamp.set_level, next(levels))
 
-        count = await _second(walk)
-        self._wire.expect("zigbee2mqtt/lamp 0/set", b'{"state":"ON"}')
+            await walk()
+            await _settled()
+            self._report(153)
+            count = await _counted(walk)
+            self._wire.expect("zigbee2mqtt/lamp 0/set", b'{"state":"ON","brightness":102}')
+            self._report(102)
         return count
 
     def _report(self, level: int) -> None:

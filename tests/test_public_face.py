@@ -19,6 +19,7 @@ NAMES = f"""
 App run Runtime Config load_config parse_config configure_logging
 Device DeviceChange DevicePart Devices Follow RawMessage State StateChange Capability ExposedDevice Part
 {HANDLES} FollowHandles HandleChange
+AlreadySo Confirmed Contradicted Evidence Gone NoAnswer Outcome Refused Reverted Superseded
 ClosedError ConfigError HomebotError LinkError PeerError RefusedError ServiceError ServiceFailedError ServiceGoneError
 ServiceTimeoutError ServiceUnavailableError UsageError WrongCodeError
 Client DurabilityPolicy Graph HistoryPolicy LivelinessPolicy Message Node Publisher QoSProfile ReliabilityPolicy Service

@@ -40,6 +40,18 @@ if TYPE_CHECKING:
         WaterValve,
         WindowCovering,
     )
+    from homebot.devices.outcomes import (
+        AlreadySo,
+        Confirmed,
+        Contradicted,
+        Evidence,
+        Gone,
+        NoAnswer,
+        Outcome,
+        Refused,
+        Reverted,
+        Superseded,
+    )
     from homebot.devices.part import Capability, Part
     from homebot.errors import (
         ClosedError,
@@ -80,6 +92,7 @@ if TYPE_CHECKING:
 __all__ = [
     "AirConditioner",
     "AlarmPanel",
+    "AlreadySo",
     "App",
     "Capability",
     "Client",
@@ -87,7 +100,9 @@ __all__ = [
     "Closure",
     "Config",
     "ConfigError",
+    "Confirmed",
     "ContactSensor",
+    "Contradicted",
     "Device",
     "DeviceChange",
     "DevicePart",
@@ -95,10 +110,12 @@ __all__ = [
     "DoorLock",
     "DurabilityPolicy",
     "ElectricalMeter",
+    "Evidence",
     "ExposedDevice",
     "Fan",
     "Follow",
     "FollowHandles",
+    "Gone",
     "Graph",
     "Handle",
     "HandleChange",
@@ -111,8 +128,10 @@ __all__ = [
     "LinkError",
     "LivelinessPolicy",
     "Message",
+    "NoAnswer",
     "Node",
     "OccupancySensor",
+    "Outcome",
     "Part",
     "PeerError",
     "Plug",
@@ -120,8 +139,10 @@ __all__ = [
     "Publisher",
     "QoSProfile",
     "RawMessage",
+    "Refused",
     "RefusedError",
     "ReliabilityPolicy",
+    "Reverted",
     "RoboticVacuumCleaner",
     "Runtime",
     "Service",
@@ -136,6 +157,7 @@ __all__ = [
     "State",
     "StateChange",
     "Subscription",
+    "Superseded",
     "Switch",
     "TemperatureSensor",
     "Thermostat",
@@ -170,6 +192,9 @@ _NAMES = {
         SmokeAlarm Switch TemperatureSensor Thermostat WaterLeakDetector WaterValve WindowCovering
         """,
     "homebot.devices.exposure": "ExposedDevice",
+    "homebot.devices.outcomes": """
+        AlreadySo Confirmed Contradicted Evidence Gone NoAnswer Outcome Refused Reverted Superseded
+        """,
     "homebot.devices.part": "Capability Part",
     "homebot.errors": """
         ClosedError ConfigError HomebotError LinkError PeerError RefusedError ServiceError ServiceFailedError

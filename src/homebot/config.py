@@ -15,6 +15,8 @@
 
     [discovery]
 
+    [control]                        # how long commands wait for the answers of devices
+
     [thing_directory]                # the devices over HTTP, as W3C Thing Descriptions; not without this table
 
 What stands in the table of a gateway or an app is that plug-in's own business: :func:`parse_settings` checks it with
@@ -120,6 +122,7 @@ class Config(BaseModel):
         apps: The tables ``[apps.NAME]``, by name.
         door: The address at which rosbridge clients reach this homebot; empty for the default.
         discovery: The table ``[discovery]``: how long devices are kept.
+        control: The table ``[control]``: how commands are carried out.
         thing_directory: The table ``[thing_directory]``, which has the devices served over HTTP; None for none.
         source: The file, or another source of the values, for error messages.
         folder: The folder that relative paths start from: that of the file.
@@ -132,6 +135,7 @@ class Config(BaseModel):
     apps: dict[str, Table] = Field(default_factory=dict)
     door: Table = Field(default_factory=dict)
     discovery: Table = Field(default_factory=dict)
+    control: Table = Field(default_factory=dict)
     thing_directory: Table | None = None
     source: str = Field(default="configuration", exclude=True)
     folder: Path = Field(default=_HERE, exclude=True)
@@ -160,7 +164,7 @@ def load_tables(path: Path) -> dict[str, object]:
     for name in ("source", "folder"):
         if name in tables:
             raise ConfigError(
-                source, name, "unknown key; known are home, gateways, apps, door, discovery and thing_directory"
+                source, name, "unknown key; known are home, gateways, apps, door, discovery, control, thing_directory"
             )
     return tables
 

@@ -123,13 +123,34 @@ def world(tmp_path: Path) -> World:
     return load_world(tmp_path / "house.toml")
 
 
+def install(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make a module of the program that the guide shows with the app of that name."""
+    (program,) = [one for one in re.findall(r"```python\n(.*?)```", FILE.read_text(), re.DOTALL) if APPS[name] in one]
+    module = ModuleType(name)
+    exec(compile(program, name, "exec"), vars(module))  # noqa: S102  # what the guide shows
+    monkeypatch.setitem(sys.modules, name, module)
+
+
+APPS = {"movie_night": "class MovieNight(", "good_night": "class GoodNight("}
+
+
+@pytest.mark.virtual_time
+async def test_the_app_that_looks_at_outcomes_turns_lamps_off(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+    install("good_night", monkeypatch)
+    other = world.devices["other"].device
+    assert isinstance(other, SimulatedLamp)
+    async with virtual_house_of("good_night:GoodNight", world=world) as house:
+        await house.run_for("1m")
+        await house.press("other", "on")
+        await house.run_for("10s")
+        assert not other.is_on
+        assert house.crashed == ()
+
+
 @pytest.mark.virtual_time
 async def test_the_app_that_it_shows_works(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     """It starts before any device is known, closes the blinds, and dims whatever lamp of the room is on or goes on."""
-    program, _offering = re.findall(r"```python\n(.*?)```", FILE.read_text(), re.DOTALL)
-    module = ModuleType("movie_night")
-    exec(compile(program, "movie_night", "exec"), vars(module))  # noqa: S102  # what the guide shows
-    monkeypatch.setitem(sys.modules, "movie_night", module)
+    install("movie_night", monkeypatch)
     lamp, other, blind = (world.devices[name].device for name in ("lamp", "other", "blind"))
     assert isinstance(lamp, SimulatedLamp)
     assert isinstance(other, SimulatedLamp)

@@ -141,6 +141,7 @@ async def test_parts_start_in_order_and_stop_in_reverse() -> None:
         "/broker",
         "/gateway/mqtt",
         "/discovery",
+        "/control",
         "/first",
         "/second",
         "/rosbridge_websocket",

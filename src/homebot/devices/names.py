@@ -5,6 +5,8 @@ from __future__ import annotations
 from homebot.names import escape_token
 
 __all__ = [
+    "COMMAND_DEVICES",
+    "COMMAND_EVENTS",
     "DEVICE_CHANGES",
     "DEVICE_STATES",
     "DIRECTORY_NODE",
@@ -14,7 +16,9 @@ __all__ = [
     "GET_CHANGES",
     "GET_INDEX_DATA",
     "MERGE_DEVICES",
+    "PERFORM_COMMAND",
     "QUERY_DEVICES",
+    "RUNTIME_NODE",
     "SPLIT_DEVICE",
     "TEXT_SCHEME",
     "CommissioningNames",
@@ -36,9 +40,15 @@ GET_CHANGES = "/discovery/changes_since"
 DEVICE_CHANGES = "/discovery/changes"
 DEVICE_STATES = "/discovery/states"
 DISCOVERY_HEALTH = "/discovery/health"
+PERFORM_COMMAND = "/control/perform"
+COMMAND_DEVICES = "/devices/command"
+COMMAND_EVENTS = "/control/events"
 
 DIRECTORY_NODE = "/discovery"
 """The node of the directory, the only one that publishes changes of devices."""
+
+RUNTIME_NODE = "/homebot"
+"""The node of a runtime, whose commands all pass the control layer."""
 
 _GATEWAYS = "/gateway/"
 TEXT_SCHEME = "words:"

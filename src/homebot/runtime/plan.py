@@ -15,6 +15,7 @@ from homebot.apps import App
 from homebot.bridges.access_settings import AccessSettings
 from homebot.bridges.rosbridge import DoorSettings
 from homebot.config import Config, FilePath, Table, parse_settings, read_secret
+from homebot.control import ControlSettings
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.extras import check_extra
@@ -40,7 +41,7 @@ class DoorTable(DoorSettings):
 GATEWAYS = "homebot.gateways"
 APPS = "homebot.apps"
 
-OWN_NODES = frozenset({"homebot", "discovery", "rosapi", "rosbridge_websocket", "thing_directory"})
+OWN_NODES = frozenset({"homebot", "control", "discovery", "rosapi", "rosbridge_websocket", "thing_directory"})
 
 ComponentT = TypeVar("ComponentT", Gateway, App)
 
@@ -69,6 +70,7 @@ class Plan:
         gateways: The gateways, in the order of the file.
         apps: The apps, in the order of the file.
         discovery: The directory's settings.
+        control: The control layer's settings.
         door: The door's settings.
         thing_directory: The settings of the directory that is served over HTTP; None where none is.
     """
@@ -77,6 +79,7 @@ class Plan:
     gateways: tuple[PlannedComponent[Gateway], ...]
     apps: tuple[PlannedComponent[App], ...]
     discovery: DirectorySettings
+    control: ControlSettings
     door: DoorSettings
     thing_directory: DirectoryBridgeSettings | None = None
 
@@ -93,6 +96,7 @@ def make_plan(config: Config) -> Plan:
         gateways=tuple(_gateway(name, table, config) for name, table in config.gateways.items()),
         apps=tuple(_app(name, table, config) for name, table in config.apps.items()),
         discovery=_discovery(config),
+        control=_control(config),
         door=_door(config),
         thing_directory=_thing_directory(config),
     )
@@ -102,6 +106,7 @@ def plan_errors(config: Config) -> tuple[ConfigError, ...]:
     """Return all that keeps :func:`make_plan` from making a plan of *config*, table by table."""
     parts: list[Callable[[], object]] = [
         partial(_discovery, config),
+        partial(_control, config),
         partial(_door, config),
         partial(_thing_directory, config),
     ]
@@ -150,6 +155,10 @@ def _app(name: str, table: Table, config: Config) -> PlannedComponent[App]:
             config.source, f"apps.{name}", "is the name of one of homebot's own nodes; give the app another name"
         )
     return _component(base, APPS, name, table, config, f"apps.{name}")
+
+
+def _control(config: Config) -> ControlSettings:
+    return parse_settings(ControlSettings, config.control, config.source, "control", config.folder)
 
 
 def _discovery(config: Config) -> DirectorySettings:

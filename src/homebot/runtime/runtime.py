@@ -22,6 +22,7 @@ from homebot.apps import App
 from homebot.bridges.rosbridge import Door
 from homebot.clock import Clock, LoopClock
 from homebot.config import UNNAMED, Config
+from homebot.control import Control
 from homebot.devices.health import GetHealth
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.discovery import Directory
@@ -176,6 +177,7 @@ class Runtime:
         """Yield components in the order of their start: kind, name, work. Each is made when those before are ready."""
         yield from (("gateway", gateway.name, self._gateway(gateway)) for gateway in gateways)
         yield "", "discovery", self._directory
+        yield "", "control", self._control
         yield from (("app", app.name, self._app(app)) for app in self._plan.apps)
         if self._with_door:
             yield "", "door", self._open_door
@@ -243,6 +245,10 @@ class Runtime:
         async with Node(self.graph, "discovery") as node:
             directory = Directory(node, self._plan.discovery, self._index_file)
             await run_as(node.full_name, partial(directory.serve, task_status=task_status))
+
+    async def _control(self, *, task_status: TaskStatus[None]) -> None:
+        async with Node(self.graph, "control") as node:
+            await run_as(node.full_name, partial(Control(node, self._plan.control).serve, task_status=task_status))
 
     async def _rosapi(self, *, task_status: TaskStatus[None]) -> None:
         from homebot.bridges.rosapi import RosApi  # noqa: PLC0415 - see where it is started

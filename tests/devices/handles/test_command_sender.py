@@ -10,7 +10,6 @@ from homebot.devices import Route
 from homebot.devices.device import EVERYTHING
 from homebot.devices.gateway_messages import SendCommandResponse
 from homebot.devices.handles import Handle, Light
-from homebot.errors import LinkError, RefusedError
 
 if TYPE_CHECKING:
     from tests.devices.handles.conftest import House
@@ -40,11 +39,9 @@ async def test_a_command_goes_by_the_best_way_that_can_do_it(house: House) -> No
     ]
     house.answers["other"] = house.answers["native"].model_copy(update={"message": "no"})
     house.answers["third"] = house.answers["other"]
-    with pytest.raises(RefusedError, match="on_off of a was refused: no such word"):
-        await light.turn_on()
+    assert "on_off of a was refused: no such word" in (await light.turn_on()).text
     house.answers["third"] = SendCommandResponse(success=False, message="no link", problem="unreachable")
-    with pytest.raises(LinkError, match="on_off was not sent to a: no link"):
-        await light.turn_on()
+    assert "on_off was not sent to a: no link" in (await light.turn_on()).text
 
 
 async def test_a_device_that_one_gateway_cannot_reach_is_reached_by_another(house: House) -> None:
@@ -70,6 +67,5 @@ async def test_a_button_that_may_have_been_pressed_is_not_pressed_by_another_rou
     await button.command("push", True)
     assert [one[0] for one in house.told] == ["radio"]
     house.answers["radio"] = SendCommandResponse(success=False, message="it did not answer", problem="unreachable")
-    with pytest.raises(LinkError, match="it did not answer"):
-        await button.command("push", True)
+    assert "it did not answer" in (await button.command("push", True)).text
     assert [one[0] for one in house.told] == ["radio"]

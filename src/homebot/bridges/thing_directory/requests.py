@@ -29,8 +29,9 @@ from homebot.bridges.thing_directory.documents import (
 from homebot.bridges.thing_directory.listed_devices import ListedDevices, ListedProperty
 from homebot.conventions.payload import compact_json, parse_json
 from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
 from homebot.devices.value import PlainValue
-from homebot.errors import LinkError, PeerError, UsageError, WireError
+from homebot.errors import PeerError, UsageError, WireError
 
 __all__ = ["MAX_BODY_BYTES", "DirectoryRequest", "DirectoryRequests"]
 
@@ -153,11 +154,25 @@ class DirectoryRequests:
 
 async def _command(one: ListedProperty, value: PlainValue) -> None:
     try:
-        await one.handle.command(one.capability.name, value)
-    except LinkError as exc:
-        raise RequestError(HTTPStatus.SERVICE_UNAVAILABLE, str(exc)) from exc
+        outcome = await one.handle.command(one.capability.name, value)
     except (PeerError, UsageError) as exc:
         raise RequestError(HTTPStatus.BAD_REQUEST, str(exc)) from exc
+    if not outcome.succeeded:
+        raise RequestError(_status_of(outcome), outcome.text)
+
+
+def _status_of(outcome: Outcome) -> HTTPStatus:
+    match outcome:
+        case Refused():
+            return HTTPStatus.FORBIDDEN
+        case NoAnswer(reason=""):
+            return HTTPStatus.GATEWAY_TIMEOUT
+        case NoAnswer():
+            return HTTPStatus.SERVICE_UNAVAILABLE
+        case Gone():
+            return HTTPStatus.NOT_FOUND
+        case _:
+            return HTTPStatus.CONFLICT
 
 
 def _value(one: ListedProperty) -> PlainValue:

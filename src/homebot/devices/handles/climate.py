@@ -6,6 +6,7 @@ from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery
+from homebot.devices.outcomes import Outcome
 
 __all__ = ["AirConditioner", "Thermostat"]
 
@@ -64,7 +65,7 @@ class Thermostat(Handle):
         """The current activity: ``heating``, ``cooling``, ``idle``, …; None if unknown."""
         return self._text("thermostat_action")
 
-    async def heat_to(self, celsius: float) -> None:
+    async def heat_to(self, celsius: float) -> Outcome:
         """Set the target temperature for heating.
 
         Args:
@@ -72,11 +73,10 @@ class Thermostat(Handle):
 
         Raises:
             RefusedError: It does not heat, or the temperature is out of bounds.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("heating_setpoint", celsius)
+        return await self.command("heating_setpoint", celsius)
 
-    async def cool_to(self, celsius: float) -> None:
+    async def cool_to(self, celsius: float) -> Outcome:
         """Set the target temperature for cooling.
 
         Args:
@@ -84,11 +84,10 @@ class Thermostat(Handle):
 
         Raises:
             RefusedError: It does not cool, or the temperature is out of bounds.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("cooling_setpoint", celsius)
+        return await self.command("cooling_setpoint", celsius)
 
-    async def set_mode(self, mode: str) -> None:
+    async def set_mode(self, mode: str) -> Outcome:
         """Select the mode.
 
         Args:
@@ -96,9 +95,8 @@ class Thermostat(Handle):
 
         Raises:
             RefusedError: It has no such mode; the message lists those it has.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("thermostat_mode", mode)
+        return await self.command("thermostat_mode", mode)
 
 
 class AirConditioner(Thermostat):

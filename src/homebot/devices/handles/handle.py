@@ -8,13 +8,16 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Self, Unpack
 
 from homebot.devices.capabilities import CAPABILITIES, EVENTS
+from homebot.devices.command_messages import Setting
+from homebot.devices.commander import Commander
 from homebot.devices.device import Device, DevicePart, Freshness
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, Term
-from homebot.devices.handles.handles import CommandSender, TrackedDevice
+from homebot.devices.handles.handles import TrackedDevice
+from homebot.devices.outcomes import Gone, Outcome
 from homebot.devices.part import Capability
 from homebot.devices.query import CanDo, Not, StateIs
 from homebot.devices.query.folding import fold
-from homebot.devices.value import PlainValue
+from homebot.devices.value import PlainValue, Value
 from homebot.errors import RefusedError, UsageError
 from homebot.similar import did_you_mean
 
@@ -26,9 +29,8 @@ _NONE: Mapping[str, Any] = MappingProxyType({})
 class Handle:
     """One part of a device; the base class of all kinds. ``find(Handle)`` finds parts of every type.
 
-    Its properties are the latest values that the device reported, and ``None`` where nothing is known. A command does
-    not change them: after ``await lamp.turn_on()`` the lamp is on once it reports so. Two handles of the same part and
-    kind are equal.
+    Its properties are the latest values that the device reported, and ``None`` where nothing is known. A command
+    does not change them, the report of the device does. Two handles of the same part and kind are equal.
 
     Attributes:
         service_types: The device types of this kind; empty for any.
@@ -36,11 +38,11 @@ class Handle:
 
     service_types: ClassVar[frozenset[str]] = frozenset()
 
-    def __init__(self, tracked: TrackedDevice, part_id: str, sender: CommandSender) -> None:
+    def __init__(self, tracked: TrackedDevice, part_id: str, commander: Commander) -> None:
         """Take what :meth:`homebot.devices.Devices.find` gives; not for use by hand."""
         self._tracked = tracked
         self._part_id = part_id
-        self._sender = sender
+        self._commander = commander
 
     @classmethod
     def where(cls, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
@@ -91,7 +93,7 @@ class Handle:
 
     @property
     def is_gone(self) -> bool:
-        """True once the device was removed or no longer has this part; commands are refused then."""
+        """True once the device was removed or no longer has this part; commands end with `Gone` then."""
         return self._tracked.is_gone or self._tracked.part(self._part_id) is None
 
     @property
@@ -124,10 +126,12 @@ class Handle:
         self._check_name(capability)
         return self._tracked.value(self._part_id, capability)
 
-    async def command(self, capability: str, value: PlainValue, *, transition: float = 0.0, code: str = "") -> None:
+    async def command(self, capability: str, value: PlainValue, *, transition: float = 0.0, code: str = "") -> Outcome:
         """Set *capability* to *value*. Commands are absolute: sending one twice has the effect of sending it once.
 
-        It returns when the network has accepted the command. Whether the device obeyed shows in what it reports next.
+        It returns when the outcome is known: mostly when the device has reported the new value, at the latest when the
+        time is over in which it usually does. What a device or its network does is an outcome; an error is raised for a
+        command that makes no sense, and nothing is sent then.
 
         Args:
             capability: For example ``level``.
@@ -136,17 +140,34 @@ class Handle:
             code: The code of an alarm or a lock; never logged or shown in an error.
 
         Raises:
-            RefusedError: It does not support this, or not this value, or the code is wrong. The message says what it
-                accepts.
-            LinkError: None of its gateways is running and connected; it may work later.
+            RefusedError: It does not support this, or not this value. The message says what it accepts.
+        """
+        return await self.commands({capability: value}, transition=transition, code=code)
+
+    async def commands(self, settings: Mapping[str, PlainValue], *, transition: float = 0.0, code: str = "") -> Outcome:
+        """Set several capabilities in this order, as one command with one outcome; see :meth:`command`.
+
+        Args:
+            settings: The values by capability, at least one.
+            transition: Seconds that the change takes, where the device supports that; 0 or more.
+            code: The code of an alarm or a lock; never logged or shown in an error.
+
+        Raises:
+            RefusedError: It does not support one of these, or not this value; nothing was sent.
         """
         if not (0 <= transition < math.inf):
             raise RefusedError(f"a transition of {transition} s", "it must be a finite number of seconds, 0 or more")
-        plain = plain_value(value)
-        part = self._settable_part(capability, plain)
         if len(code) > _LONGEST_CODE:
             raise RefusedError(f"a code for {self.id}", f"it has more than {_LONGEST_CODE} characters")
-        await self._sender.send(self._tracked.device, part, capability, plain, transition, code)
+        part = None if self._tracked.is_gone else self._tracked.part(self._part_id)
+        if part is None:
+            return Gone()
+        wanted: list[Setting] = []
+        for capability, value in settings.items():
+            plain = plain_value(value)
+            self._check_settable(part, capability, plain)
+            wanted.append(Setting(capability=capability, value=Value.of(plain)))
+        return await self._commander.perform(self._tracked, part, tuple(wanted), transition, code)
 
     def _check_name(self, capability: str) -> None:
         if capability in EVENTS:
@@ -156,16 +177,12 @@ class Handle:
             hint = did_you_mean(capability, CAPABILITIES, f"{self.id} tells {known}", cutoff=0.7)
             raise UsageError(f"{capability!r} is not a capability; {hint}")
 
-    def _settable_part(self, capability: str, value: PlainValue) -> DevicePart:
-        """Return the part, if *capability* of it can be set to *value*."""
-        part = None if self._tracked.is_gone else self._tracked.part(self._part_id)
-        if part is None:
-            raise RefusedError(f"{capability} of {self.id}", "it was removed")
+    def _check_settable(self, part: DevicePart, capability: str, value: PlainValue) -> None:
         for one in part.part.capabilities:
             if one.name == capability and one.settable:
                 if not isinstance(value, bool):
                     self._check_value(one, value)
-                return part
+                return
         known = ", ".join(dict.fromkeys(one.name for one in part.part.capabilities if one.settable))
         raise RefusedError(f"{capability} of {self.id}", f"it takes {known}" if known else "it takes no commands")
 

@@ -1,4 +1,4 @@
-"""Factory of an application's handles: the devices that they track, and the sender of their commands."""
+"""Factory of an application's handles, and the devices that they track."""
 
 from __future__ import annotations
 
@@ -6,21 +6,19 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, TypeAlias, TypeVar, cast
 from weakref import WeakValueDictionary
 
-from homebot.devices.capabilities import MOMENTARY
-from homebot.devices.device import EVERYTHING, Device, DeviceChange, DevicePart, State, StateChange
-from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
-from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES, GatewayNames
+from homebot.devices.commander import Commander
+from homebot.devices.device import Device, DeviceChange, DevicePart, State, StateChange
+from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES
 from homebot.devices.query import query_terms
 from homebot.devices.services import FindDevices, FindDevicesRequest
-from homebot.devices.value import PlainValue, Reading, Value
-from homebot.errors import InvalidNameError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
-from homebot.graph import Client, Node
+from homebot.devices.value import PlainValue, Reading
+from homebot.graph import Node
 
 if TYPE_CHECKING:
     from homebot.devices.handles.handle import Handle
     from homebot.devices.handles.handle_query import HandleQuery
 
-__all__ = ["CommandSender", "Handles", "TrackedDevice", "Watcher"]
+__all__ = ["Handles", "TrackedDevice", "Watcher"]
 
 HandleT = TypeVar("HandleT", bound="Handle")
 Watcher: TypeAlias = Callable[[StateChange], None]
@@ -65,6 +63,12 @@ class TrackedDevice:
             if known is None or known[0] <= sequence:
                 values[place] = sequence, reading, change
 
+    def take_reported(self, state: State) -> None:
+        """Store a value that is known to be reported, until the directory publishes it, or a newer one."""
+        place = state.part, state.capability
+        known = self._values.get(place)
+        self._values[place] = (self._sequence if known is None else known[0], state, None)
+
     def part(self, part_id: str) -> DevicePart | None:
         """Return the part, or None where the device has none of that id, or no longer."""
         for part in self.device.parts:
@@ -103,79 +107,6 @@ def _state_of(told: State | Reading, change: StateChange | None) -> State:
     return change.state_of(told) if change is not None and isinstance(told, Reading) else cast("State", told)
 
 
-class CommandSender:
-    """Sends commands by the best route that accepts them.
-
-    Args:
-        node: The node that sends them.
-    """
-
-    def __init__(self, node: Node) -> None:
-        self._node = node
-        self._clients: dict[str, Client[Command, SendCommandResponse]] = {}
-
-    async def send(
-        self, device: Device, part: DevicePart, capability: str, value: PlainValue, transition: float, code: str = ""
-    ) -> None:
-        """Set *capability* to *value* within *transition* seconds; return when the network has accepted the command.
-
-        Where a route cannot do that, and sent nothing, or cannot reach the device, the next one is tried; what a
-        gateway refuses to do at all is not done by another route. A button is not pressed by a second route where the
-        first may have pressed it.
-
-        Raises:
-            RefusedError: The gateway or the part refuses, or the part is disputed.
-            LinkError: No gateway of the part is running and connected; it may work later.
-        """
-        if not part.routes:
-            why = "; ".join(device.conflicts) or "it has no route for commands"
-            raise RefusedError(f"a command to {device.id}", why)
-        takes = [route for route in part.routes if capability in route.takes or route.takes == EVERYTHING]
-        routes = takes or part.routes
-        problem, unable = f"its gateway {routes[0].gateway} is not running", ""
-        is_away, is_momentary = False, capability in MOMENTARY
-        sent = Value.of(value)
-        for route in routes:
-            response = await self._call(
-                route.gateway,
-                Command(
-                    key=route.key, part=route.part, capability=capability, value=sent, transition=transition, code=code
-                ),
-            )
-            if response is None:
-                is_away = True
-            elif response.success:
-                return
-            elif response.problem == "unreachable":
-                is_away, problem = True, response.message or problem
-                if is_momentary:
-                    break
-            elif not response.unable:
-                raise RefusedError(f"{capability} of {device.id}", response.message)
-            else:
-                unable = unable or response.message
-        if unable and not is_away:
-            raise RefusedError(f"{capability} of {device.id}", unable)
-        raise LinkError(f"{capability} was not sent to {device.id}: {problem}")
-
-    async def _call(self, gateway: str, command: Command) -> SendCommandResponse | None:
-        """Return the gateway's answer; None where it is not running, so that nothing was sent."""
-        client = self._clients.get(gateway)
-        try:
-            if client is None:
-                client = self._node.create_client(SendCommand, GatewayNames(gateway).send_command)
-                self._clients[gateway] = client
-            if client.service_is_ready():
-                return await client.call(command)
-        except InvalidNameError as exc:
-            return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=True)
-        except ServiceUnavailableError:
-            return None
-        except ServiceError as exc:
-            return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
-        return None
-
-
 class Handles:
     """Makes the handles of one node, and keeps them up to date for as long as somebody holds them.
 
@@ -184,7 +115,7 @@ class Handles:
     """
 
     def __init__(self, node: Node) -> None:
-        self._sender = CommandSender(node)
+        self._commander = Commander(node)
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._tracked: WeakValueDictionary[str, TrackedDevice] = WeakValueDictionary()
         self._watchers: list[Watcher] = []
@@ -206,7 +137,7 @@ class Handles:
 
     def of_parts(self, kind: type[HandleT], device: TrackedDevice, parts: list[str]) -> list[HandleT]:
         """Return the handles of *parts* of a device."""
-        return [kind(device, part, self._sender) for part in parts]
+        return [kind(device, part, self._commander) for part in parts]
 
     def track(self, device: Device, sequence: int, *, is_gone: bool = False) -> TrackedDevice:
         """Return the state that all handles of *device* share, updated with this description."""

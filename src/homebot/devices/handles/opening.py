@@ -6,6 +6,7 @@ from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery
+from homebot.devices.outcomes import Outcome
 from homebot.devices.query import StateIs
 
 __all__ = ["Closure", "WaterValve", "WindowCovering"]
@@ -35,47 +36,42 @@ class _Opening(Handle):
         """``open``, ``closed``, ``opening``, ``closing`` or ``stopped``; None if unknown."""
         return self._text(self.moves_by)
 
-    async def open(self) -> None:
+    async def open(self) -> Outcome:
         """Open it.
 
         Raises:
             RefusedError: It takes no such command.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self._move("open", 100.0)
+        return await self._move("open", 100.0)
 
-    async def close(self) -> None:
+    async def close(self) -> Outcome:
         """Close it.
 
         Raises:
             RefusedError: It takes no such command.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self._move("closed", 0.0)
+        return await self._move("closed", 0.0)
 
-    async def stop(self) -> None:
+    async def stop(self) -> Outcome:
         """Stop moving.
 
         Raises:
             RefusedError: It takes no such command.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command(self.moves_by, "stopped")
+        return await self.command(self.moves_by, "stopped")
 
-    async def set_position(self, position: float) -> None:
+    async def set_position(self, position: float) -> Outcome:
         """Move to *position* percent: 0 is closed, 100 is open.
 
         Raises:
             RefusedError: It can only open and close, or the position is out of range.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("position", position)
+        return await self.command("position", position)
 
-    async def _move(self, movement: str, position: float) -> None:
+    async def _move(self, movement: str, position: float) -> Outcome:
         if self.can(self.moves_by) or not self.can("position"):
-            await self.command(self.moves_by, movement)
-        else:
-            await self.command("position", position)
+            return await self.command(self.moves_by, movement)
+        return await self.command("position", position)
 
 
 class WindowCovering(_Opening):
@@ -88,14 +84,13 @@ class WindowCovering(_Opening):
         """The tilt of the slats in percent: 0 is closed, 100 is open. None if unknown."""
         return self._number("tilt")
 
-    async def set_tilt(self, tilt: float) -> None:
+    async def set_tilt(self, tilt: float) -> Outcome:
         """Tilt the slats to *tilt* percent: 0 is closed, 100 is open.
 
         Raises:
             RefusedError: Its slats cannot be tilted, or the value is out of range.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("tilt", tilt)
+        return await self.command("tilt", tilt)
 
 
 class Closure(_Opening):

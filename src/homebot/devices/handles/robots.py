@@ -6,6 +6,7 @@ from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery
+from homebot.devices.outcomes import Outcome
 
 __all__ = ["LawnMower", "RoboticVacuumCleaner"]
 
@@ -35,41 +36,37 @@ class RoboticVacuumCleaner(Handle):
         """The charge of the battery in percent, even if another part of the device reports it; None if unknown."""
         return self._number_of_device("battery")
 
-    async def start(self) -> None:
+    async def start(self) -> Outcome:
         """Start or resume cleaning.
 
         Raises:
             RefusedError: It takes no such command.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("vacuum", "cleaning")
+        return await self.command("vacuum", "cleaning")
 
-    async def pause(self) -> None:
+    async def pause(self) -> Outcome:
         """Pause where it is.
 
         Raises:
             RefusedError: It does not support this.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("vacuum", "paused")
+        return await self.command("vacuum", "paused")
 
-    async def stop(self) -> None:
+    async def stop(self) -> Outcome:
         """Stop the job.
 
         Raises:
             RefusedError: It does not support this.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("vacuum", "idle")
+        return await self.command("vacuum", "idle")
 
-    async def return_to_dock(self) -> None:
+    async def return_to_dock(self) -> Outcome:
         """Return to the dock.
 
         Raises:
             RefusedError: It does not support this.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("vacuum", "returning")
+        return await self.command("vacuum", "returning")
 
 
 class LawnMower(Handle):
@@ -92,29 +89,26 @@ class LawnMower(Handle):
         """``mowing``, ``paused``, ``docked``, ``returning`` or ``error``; None if unknown."""
         return self._text("mower")
 
-    async def start(self) -> None:
+    async def start(self) -> Outcome:
         """Start or resume mowing.
 
         Raises:
             RefusedError: It takes no such command.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("mower", "mowing")
+        return await self.command("mower", "mowing")
 
-    async def pause(self) -> None:
+    async def pause(self) -> Outcome:
         """Pause where it is.
 
         Raises:
             RefusedError: It does not support this.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("mower", "paused")
+        return await self.command("mower", "paused")
 
-    async def return_to_dock(self) -> None:
+    async def return_to_dock(self) -> Outcome:
         """Return to the dock.
 
         Raises:
             RefusedError: It does not support this.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("mower", "docked")
+        return await self.command("mower", "docked")

@@ -6,6 +6,7 @@ from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery
+from homebot.devices.outcomes import Outcome
 from homebot.devices.query import StateIs
 
 __all__ = ["AlarmPanel", "DoorLock"]
@@ -37,41 +38,38 @@ class DoorLock(Handle):
         """True if the bolt is out; None if unknown, jammed or moving."""
         return {"locked": True, "unlocked": False, "open": False, "opening": False}.get(self.state or "")
 
-    async def lock(self, *, code: str = "") -> None:
+    async def lock(self, *, code: str = "") -> Outcome:
         """Lock it.
 
         Args:
             code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It takes no such command, or the code is wrong or missing.
-            LinkError: None of its gateways is running and connected; it may work later.
+            RefusedError: It takes no such command.
         """
-        await self.command("lock", "locked", code=code)
+        return await self.command("lock", "locked", code=code)
 
-    async def unlock(self, *, code: str = "") -> None:
+    async def unlock(self, *, code: str = "") -> Outcome:
         """Unlock it; the latch still holds the door.
 
         Args:
             code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It takes no such command, or the code is wrong or missing.
-            LinkError: None of its gateways is running and connected; it may work later.
+            RefusedError: It takes no such command.
         """
-        await self.command("lock", "unlocked", code=code)
+        return await self.command("lock", "unlocked", code=code)
 
-    async def open(self, *, code: str = "") -> None:
+    async def open(self, *, code: str = "") -> Outcome:
         """Unlock it and draw the latch, so that the door can be pushed open.
 
         Args:
             code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It does not support this, or the code is wrong or missing.
-            LinkError: None of its gateways is running and connected; it may work later.
+            RefusedError: It does not support this.
         """
-        await self.command("lock", "open", code=code)
+        return await self.command("lock", "open", code=code)
 
 
 class AlarmPanel(Handle):
@@ -100,86 +98,79 @@ class AlarmPanel(Handle):
         state = self.state or ""
         return True if state.startswith("armed_") or state == "triggered" else False if state == "disarmed" else None
 
-    async def disarm(self, *, code: str = "") -> None:
+    async def disarm(self, *, code: str = "") -> Outcome:
         """Disarm it.
 
         Args:
             code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It does not support this, or the code is wrong or missing.
-            LinkError: None of its gateways is running and connected; it may work later.
+            RefusedError: It does not support this.
         """
-        await self.command("alarm", "disarmed", code=code)
+        return await self.command("alarm", "disarmed", code=code)
 
-    async def arm_home(self, *, code: str = "") -> None:
+    async def arm_home(self, *, code: str = "") -> Outcome:
         """Arm it with somebody at home.
 
         Args:
             code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It does not support this, or the code is wrong or missing.
-            LinkError: None of its gateways is running and connected; it may work later.
+            RefusedError: It does not support this.
         """
-        await self.command("alarm", "armed_home", code=code)
+        return await self.command("alarm", "armed_home", code=code)
 
-    async def arm_away(self, *, code: str = "") -> None:
+    async def arm_away(self, *, code: str = "") -> Outcome:
         """Arm it with nobody at home.
 
         Args:
             code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It does not support this, or the code is wrong or missing.
-            LinkError: None of its gateways is running and connected; it may work later.
+            RefusedError: It does not support this.
         """
-        await self.command("alarm", "armed_away", code=code)
+        return await self.command("alarm", "armed_away", code=code)
 
-    async def arm_night(self, *, code: str = "") -> None:
+    async def arm_night(self, *, code: str = "") -> Outcome:
         """Arm it for the night.
 
         Args:
             code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It does not support this, or the code is wrong or missing.
-            LinkError: None of its gateways is running and connected; it may work later.
+            RefusedError: It does not support this.
         """
-        await self.command("alarm", "armed_night", code=code)
+        return await self.command("alarm", "armed_night", code=code)
 
-    async def arm_vacation(self, *, code: str = "") -> None:
+    async def arm_vacation(self, *, code: str = "") -> Outcome:
         """Arm it for a vacation.
 
         Args:
             code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It does not support this, or the code is wrong or missing.
-            LinkError: None of its gateways is running and connected; it may work later.
+            RefusedError: It does not support this.
         """
-        await self.command("alarm", "armed_vacation", code=code)
+        return await self.command("alarm", "armed_vacation", code=code)
 
-    async def arm_custom_bypass(self, *, code: str = "") -> None:
+    async def arm_custom_bypass(self, *, code: str = "") -> Outcome:
         """Arm it without the sensors that were bypassed at the panel.
 
         Args:
             code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It does not support this, or the code is wrong or missing.
-            LinkError: None of its gateways is running and connected; it may work later.
+            RefusedError: It does not support this.
         """
-        await self.command("alarm", "armed_custom_bypass", code=code)
+        return await self.command("alarm", "armed_custom_bypass", code=code)
 
-    async def trigger(self, *, code: str = "") -> None:
+    async def trigger(self, *, code: str = "") -> Outcome:
         """Trigger the alarm.
 
         Args:
             code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It does not support this, or the code is wrong or missing.
-            LinkError: None of its gateways is running and connected; it may work later.
+            RefusedError: It does not support this.
         """
-        await self.command("alarm", "triggered", code=code)
+        return await self.command("alarm", "triggered", code=code)

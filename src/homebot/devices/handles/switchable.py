@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import ClassVar, Self, Unpack
 
-from homebot.devices.handles.handle import Handle, plain_value
+from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery
+from homebot.devices.outcomes import Outcome
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
@@ -81,7 +82,7 @@ class Light(Handle):
         color: tuple[float, float] | None = None,
         effect: str | None = None,
         transition: float = 0.0,
-    ) -> None:
+    ) -> Outcome:
         """Turn it on. Settings that are not given stay as they are.
 
         Args:
@@ -92,9 +93,7 @@ class Light(Handle):
             transition: Seconds that the change takes, where the lamp supports that; 0 or more.
 
         Raises:
-            RefusedError: It does not support one of these or a value is out of range, and nothing was sent; or its
-                gateway refused.
-            LinkError: None of its gateways is running and connected; it may work later.
+            RefusedError: It does not support one of these, or a value is out of range; nothing was sent.
         """
         if level is not None and not 0 < level <= 100:
             raise RefusedError(f"{level:g} as level of {self.id}", "it takes a level above 0 and up to 100 %")
@@ -102,32 +101,25 @@ class Light(Handle):
         settings["color"] = None if color is None else self._checked_color(color)
         settings["effect"] = effect
         settings = {name: value for name, value in settings.items() if value is not None} or {"on_off": True}
-        if len(settings) > 1:  # all of them, or nothing is sent
-            for name, value in settings.items():
-                self._settable_part(name, plain_value(value))
-        for name, value in settings.items():
-            await self.command(name, value, transition=transition)
+        return await self.commands(settings, transition=transition)
 
-    async def turn_off(self, *, transition: float = 0.0) -> None:
+    async def turn_off(self, *, transition: float = 0.0) -> Outcome:
         """Turn it off.
 
         Raises:
             RefusedError: It takes no such command.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("on_off", False, transition=transition)  # noqa: FBT003  # the value
+        return await self.command("on_off", False, transition=transition)  # noqa: FBT003  # the value
 
-    async def set_level(self, level: float, *, transition: float = 0.0) -> None:
+    async def set_level(self, level: float, *, transition: float = 0.0) -> Outcome:
         """Set the brightness to *level* percent; 0 turns it off.
 
         Raises:
             RefusedError: It cannot be dimmed, or the level is not in 0 to 100.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
         if level == 0:
-            await self.turn_off(transition=transition)
-        else:
-            await self.command("level", level, transition=transition)
+            return await self.turn_off(transition=transition)
+        return await self.command("level", level, transition=transition)
 
     def _checked_color(self, color: tuple[float, float]) -> tuple[float, float]:
         hue, saturation = float(color[0]), float(color[1])
@@ -152,23 +144,21 @@ class _Switchable(Handle):
         """True if it is on; None if unknown."""
         return self._flag("on_off")
 
-    async def turn_on(self) -> None:
+    async def turn_on(self) -> Outcome:
         """Turn it on.
 
         Raises:
             RefusedError: It takes no such command.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("on_off", True)  # noqa: FBT003  # the value
+        return await self.command("on_off", True)  # noqa: FBT003  # the value
 
-    async def turn_off(self) -> None:
+    async def turn_off(self) -> Outcome:
         """Turn it off.
 
         Raises:
             RefusedError: It takes no such command.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("on_off", False)  # noqa: FBT003  # the value
+        return await self.command("on_off", False)  # noqa: FBT003  # the value
 
 
 class Plug(_Switchable):
@@ -228,45 +218,41 @@ class Fan(Handle):
         """The selected preset, one of the options of its ``fan_mode``; None if unknown."""
         return self._text("fan_mode")
 
-    async def turn_on(self, *, speed: float | None = None) -> None:
+    async def turn_on(self, *, speed: float | None = None) -> Outcome:
         """Turn it on.
 
         Args:
             speed: The speed in percent, 0 to 100; by default it stays as it is.
 
         Raises:
-            RefusedError: It does not support this, and nothing was sent; or its gateway refused.
-            LinkError: None of its gateways is running and connected; it may work later.
+            RefusedError: It does not support this; nothing was sent.
         """
-        if speed is not None:
-            self._settable_part("fan_speed", float(speed))
+        settings: dict[str, PlainValue] = {}
         if speed is None or self.can("on_off"):
-            await self.command("on_off", True)  # noqa: FBT003  # the value
+            settings["on_off"] = True
         if speed is not None:
-            await self.command("fan_speed", speed)
+            settings["fan_speed"] = speed
+        return await self.commands(settings)
 
-    async def turn_off(self) -> None:
+    async def turn_off(self) -> Outcome:
         """Turn it off, by its speed or preset if it has no switch.
 
         Raises:
             RefusedError: It takes no such command.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
         if not self.can("on_off") and (mode := self._mode_off()) is not None:
-            await self.command("fan_mode", mode)
-        elif not self.can("on_off") and self.can("fan_speed"):
-            await self.command("fan_speed", 0.0)
-        else:
-            await self.command("on_off", False)  # noqa: FBT003  # the value
+            return await self.command("fan_mode", mode)
+        if not self.can("on_off") and self.can("fan_speed"):
+            return await self.command("fan_speed", 0.0)
+        return await self.command("on_off", False)  # noqa: FBT003  # the value
 
-    async def set_speed(self, speed: float) -> None:
+    async def set_speed(self, speed: float) -> Outcome:
         """Set the speed to *speed* percent, 0 to 100.
 
         Raises:
             RefusedError: Its speed cannot be set, or the value is out of range.
-            LinkError: None of its gateways is running and connected; it may work later.
         """
-        await self.command("fan_speed", speed)
+        return await self.command("fan_speed", speed)
 
     def _mode_off(self) -> str | None:
         """Return the one of its own speeds that is off; None where there is none."""

@@ -1,0 +1,43 @@
+"""A command on its way through the control layer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from homebot.devices import Device, DevicePart
+from homebot.devices.value import PlainValue
+
+__all__ = ["IssuedCommand"]
+
+
+@dataclass(frozen=True, slots=True)
+class IssuedCommand:
+    """Command to one part of a device, with all that is known of it before it is sent.
+
+    Attributes:
+        id: The id of the command, unique in the home.
+        device: The device, as the directory knew it when the command was given.
+        part: The part.
+        settings: The wanted values by capability, in the order in which they are sent.
+        issuer: Who gave it: the name of a node, or ``client:NAME`` for a client of the door.
+        cause: The id of what led to it; empty for a person's wish.
+        issued_at: Seconds since the Unix epoch.
+        transition: Seconds that the change takes.
+        code: The code of an alarm or a lock.
+    """
+
+    id: str
+    device: Device
+    part: DevicePart
+    settings: Mapping[str, PlainValue]
+    issuer: str
+    cause: str = ""
+    issued_at: float = 0.0
+    transition: float = 0.0
+    code: str = field(default="", repr=False)
+
+    @property
+    def target(self) -> str:
+        """The id of the device, with ``#`` and the id of the part where it has one."""
+        return f"{self.device.id}#{self.part.id}" if self.part.id else self.device.id

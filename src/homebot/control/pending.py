@@ -1,0 +1,147 @@
+"""A command whose outcome is not known yet, and the reports about it. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import final
+
+from homebot.control.command import IssuedCommand
+from homebot.control.tolerance import fits, is_intermediate
+from homebot.devices.command_messages import Setting
+from homebot.devices.outcomes import (
+    AlreadySo,
+    Confirmed,
+    Contradicted,
+    Evidence,
+    NoAnswer,
+    Outcome,
+    Superseded,
+)
+from homebot.devices.value import PlainValue, Value
+
+__all__ = ["PendingCommand"]
+
+
+@final
+class PendingCommand:
+    """State of one command: what is wanted, and what was reported.
+
+    Args:
+        command: The command.
+        before: The values that it is about, as the device had reported them live; those unknown are missing.
+        readable: The capabilities among its settings that the part reports.
+        began: Seconds of the monotonic clock.
+        wake: Called when something changed.
+
+    Attributes:
+        command: The command.
+        moved_at: When the device was last seen on its way; None where it was not.
+        superseded_by: The id of the newer command that took its place; empty where there is none.
+    """
+
+    def __init__(
+        self,
+        command: IssuedCommand,
+        before: dict[str, PlainValue],
+        readable: Iterable[str],
+        began: float,
+        wake: Callable[[], None],
+    ) -> None:
+        self.command = command
+        self.moved_at: float | None = None
+        self.superseded_by = ""
+        self._before = before
+        self._wanted = {name: value for name, value in command.settings.items() if name in set(readable)}
+        self._began = began
+        self._wake = wake
+        self._seen: dict[str, PlainValue] = {}
+        self._fitting: dict[str, float] = {}
+
+    @property
+    def is_over(self) -> bool:
+        """True if nothing can come any more that would change the outcome for the better."""
+        return bool(self.superseded_by) or self.is_met
+
+    @property
+    def is_met(self) -> bool:
+        """True if the device reported all that can be reported; at once where it reports nothing of it."""
+        return len(self._fitting) == len(self._wanted)
+
+    @property
+    def is_verified(self) -> bool:
+        """True if the device reports any of what was commanded, so that it shows whether it obeyed."""
+        return bool(self._wanted)
+
+    @property
+    def was_so(self) -> bool:
+        """True if the device had reported before that all of it is so."""
+        return all(name in self._before and fits(name, value, self._before[name]) for name, value in self._items())
+
+    def take(self, capability: str, value: PlainValue, now: float) -> None:
+        """Take in a live report of the part at *now*."""
+        if capability not in self._wanted:
+            return
+        self._seen[capability] = value
+        wanted = self._wanted[capability]
+        if fits(capability, wanted, value):
+            self._fitting.setdefault(capability, now)
+        else:
+            self._fitting.pop(capability, None)
+            if is_intermediate(capability, wanted, value):
+                self.moved_at = now
+        self._wake()
+
+    def supersede(self, by: str) -> None:
+        """Note that the command *by* took its place."""
+        self.superseded_by = self.superseded_by or by
+        self._wake()
+
+    def departs(self, capability: str, value: PlainValue) -> bool:
+        """Return whether a later report of *value* shows that the device went back."""
+        if capability not in self._wanted:
+            return False
+        wanted = self._wanted[capability]
+        return not fits(capability, wanted, value) and not is_intermediate(capability, wanted, value)
+
+    @property
+    def reported(self) -> tuple[Setting, ...]:
+        """The values that the device reported and that fit."""
+        return tuple(Setting(capability=one, value=Value.of(self._seen[one])) for one in self._fitting)
+
+    def response_times(self) -> Iterable[tuple[str, float]]:
+        """Yield the capabilities that were reported as wanted, each with the seconds that it took."""
+        for capability, at in self._fitting.items():
+            yield capability, at - self._began
+
+    def outcome(self, now: float) -> Outcome:
+        """Return the outcome as it is at *now*."""
+        name = self.command.id
+        if self.superseded_by:
+            return Superseded(self.superseded_by, command_id=name)
+        if self.is_met:
+            if not self._wanted:
+                return Confirmed(now - self._began, Evidence.ACKNOWLEDGED, command_id=name)
+            return Confirmed(max(self._fitting.values()) - self._began, Evidence.REPORTED, command_id=name)
+        others = [(one, seen) for one, seen in self._seen.items() if one not in self._fitting]
+        if others:
+            saw = ", ".join(f"{capability} is {_text(value)}" for capability, value in others)
+            return Contradicted(saw, command_id=name)
+        if self.was_so:
+            return AlreadySo(command_id=name)
+        return NoAnswer(now - self._began, command_id=name)
+
+    def _items(self) -> Iterable[tuple[str, PlainValue]]:
+        return self._wanted.items() if self._wanted else self.command.settings.items()
+
+
+def _text(value: PlainValue) -> str:
+    match value:
+        case bool():
+            return "on" if value else "off"
+        case float():
+            return f"{value:g}"
+        case tuple():
+            return ", ".join(f"{one:g}" for one in value)
+        case None:
+            return "unknown"
+    return value[:40]

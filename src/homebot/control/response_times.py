@@ -1,0 +1,46 @@
+"""Response times of devices: how long each usually takes, which bounds the wait for its answer. Pure."""
+
+from __future__ import annotations
+
+from collections import OrderedDict, deque
+from typing import Final, final
+
+__all__ = ["ResponseTimes"]
+
+_KEPT: Final = 16
+_ENOUGH: Final = 3
+_FACTOR: Final = 3.0
+_SPARE: Final = 1.0  # seconds
+_SHORTEST: Final = 2.0
+_LONGEST: Final = 120.0
+_MOST: Final = 10_000
+
+
+@final
+class ResponseTimes:
+    """The last response times of each target: at most 16 each, of at most 10,000; the longest unused are forgotten.
+
+    Args:
+        first: Seconds to wait for a target of which too few are known.
+    """
+
+    def __init__(self, first: float) -> None:
+        self._first = first
+        self._known: OrderedDict[tuple[str, str], deque[float]] = OrderedDict()
+
+    def note(self, target: str, capability: str, seconds: float) -> None:
+        """Note how long an answer took; also one that came after the limit."""
+        times = self._known.setdefault((target, capability), deque(maxlen=_KEPT))
+        times.append(seconds)
+        self._known.move_to_end((target, capability))
+        if len(self._known) > _MOST:
+            self._known.popitem(last=False)
+
+    def limit(self, target: str, capability: str) -> float:
+        """Return for how many seconds to wait: three times the longest known and one more, 2 s to 120 s."""
+        times = self._known.get((target, capability), ())
+        longest = max(times, default=0.0)
+        usual = _FACTOR * longest + _SPARE
+        if len(times) < _ENOUGH:
+            usual = max(usual, self._first)
+        return min(max(usual, _SHORTEST), _LONGEST)

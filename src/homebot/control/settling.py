@@ -1,0 +1,109 @@
+"""Confirmed commands whose devices may still go back: a while after, that is reported."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeAlias, final
+
+import anyio
+from anyio.abc import TaskStatus
+
+from homebot.control.pending import PendingCommand
+from homebot.control.report_watch import ReportWatch
+from homebot.devices.command_messages import CommandEvent, result_of
+from homebot.devices.names import COMMAND_EVENTS
+from homebot.devices.outcomes import Reverted
+from homebot.devices.value import PlainValue
+from homebot.graph import Node
+from homebot.timer_queue import TimerQueue
+
+__all__ = ["Settling"]
+
+_Place: TypeAlias = tuple[str, str, str]
+
+REVERTED = "control.reverted"
+
+
+@dataclass(slots=True, eq=False)
+class _Settled:
+    pending: PendingCommand
+    confirmed_at: float
+    stop: Callable[[], None]
+
+
+@final
+class Settling:
+    """Watches the devices of confirmed commands for some seconds, one command for each part and capability.
+
+    Args:
+        node: The node that publishes what went back.
+        seconds: How long.
+    """
+
+    def __init__(self, node: Node, seconds: float) -> None:
+        self._node = node
+        self._clock = node.graph.clock
+        self._seconds = seconds
+        self._events = node.create_publisher(CommandEvent, COMMAND_EVENTS, 1000)
+        self._watched: dict[_Place, _Settled] = {}
+        self._deadlines: TimerQueue[_Place, None] = TimerQueue()
+        self._earlier = anyio.Event()
+
+    def add(self, pending: PendingCommand, watch: ReportWatch) -> None:
+        """Watch the device of *pending*, which was confirmed now."""
+        command, now = pending.command, self._clock.monotonic()
+        if not self._seconds or not pending.is_verified:
+            return
+        settled = _Settled(pending, now, lambda: None)
+        settled.stop = watch.watch(command.part.routes, partial(self._take, settled))
+        for place in _places(pending):
+            self._end(place)
+            self._watched[place] = settled
+            self._deadlines.set(place, now + self._seconds, None)
+        self._earlier.set()
+
+    def supersede(self, places: Iterable[_Place]) -> None:
+        """Watch no more what a newer command is about."""
+        for place in places:
+            self._end(place)
+
+    async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """End each watch in its time, until cancelled."""
+        task_status.started()
+        while True:
+            while (due := self._deadlines.pop(self._clock.monotonic())) is not None:
+                self._end(due[0])
+            following = self._deadlines.next()
+            self._earlier = anyio.Event()
+            with anyio.move_on_after(None if following is None else max(0.0, following - self._clock.monotonic())):
+                await self._earlier.wait()
+
+    def _take(self, settled: _Settled, capability: str, value: PlainValue) -> None:
+        pending = settled.pending
+        if not pending.departs(capability, value):
+            return
+        for place in _places(pending):
+            self._end(place)
+        command = pending.command
+        outcome = Reverted(self._clock.monotonic() - settled.confirmed_at, command_id=command.id)
+        self._events.publish(
+            CommandEvent(
+                device=command.device.id, part=command.part.id, issuer=command.issuer, result=result_of(outcome)
+            )
+        )
+        self._node.log.warning(
+            REVERTED, message=f"{command.target}: {outcome.text}", device=command.device.id, command=command.id
+        )
+
+    def _end(self, place: _Place) -> None:
+        settled = self._watched.pop(place, None)
+        self._deadlines.discard(place)
+        if settled is not None and all(self._watched.get(one) is not settled for one in _places(settled.pending)):
+            settled.stop()
+
+
+def _places(pending: PendingCommand) -> list[_Place]:
+    command = pending.command
+    return [(command.device.id, command.part.id, one) for one in command.settings]

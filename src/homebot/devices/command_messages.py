@@ -1,0 +1,162 @@
+"""Services and messages of the control layer: commands, and what became of them."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal, TypeAlias
+
+from pydantic import ConfigDict, Field
+
+from homebot.devices import outcomes
+from homebot.devices.outcomes import Evidence, Outcome
+from homebot.devices.value import Value
+from homebot.messages.message import Message, ServiceType, UInt8
+
+__all__ = [
+    "CommandEvent",
+    "CommandRequest",
+    "CommandResult",
+    "OutcomeKind",
+    "PerformCommand",
+    "Setting",
+    "outcome_of",
+    "result_of",
+]
+
+OutcomeKind: TypeAlias = Literal[
+    "confirmed", "already_so", "contradicted", "reverted", "no_answer", "superseded", "refused", "gone"
+]
+
+_MOST_SETTINGS = 20
+
+
+class Setting(Message):
+    """One capability and the value that it is to have.
+
+    Attributes:
+        capability: For example ``level``.
+        value: The value, in the unit of the vocabulary.
+    """
+
+    capability: str
+    value: Value
+
+
+class CommandRequest(Message):
+    """A command to one part of a device: one or more settings, which are sent in their order.
+
+    Attributes:
+        device: The id of the device.
+        part: The id of the part.
+        settings: What to set, each capability once.
+        transition: Seconds that the change takes, where the device supports that.
+        code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
+        issuer: Who gives the command: the name of the node, or ``client:NAME`` for a client of the door.
+        cause: The id of what led to it, such as a report; empty for a person's wish.
+    """
+
+    model_config = ConfigDict(hide_input_in_errors=True)
+
+    device: str
+    part: str
+    settings: Annotated[tuple[Setting, ...], Field(min_length=1, max_length=_MOST_SETTINGS)]
+    transition: float = 0.0
+    code: Annotated[str, Field(repr=False, max_length=255)] = ""
+    issuer: str
+    cause: str = ""
+
+
+class CommandResult(Message):
+    """Result of a command; :func:`outcome_of` makes an `Outcome` of it.
+
+    Attributes:
+        command_id: The id of the command.
+        outcome: Which it is; the fields below that do not belong to it are empty.
+        text: The same for people.
+        latency: ``confirmed``: seconds from sending to the evidence; ``reverted``: seconds after it had obeyed;
+            ``no_answer``: seconds that were waited.
+        evidence: ``confirmed``: 1 sent, 2 acknowledged, 3 reported, 4 witnessed.
+        saw: ``contradicted``: what was reported.
+        by: ``superseded``: the id of the newer command.
+        policy: ``refused``: the policy, or ``gateway`` or ``device``.
+        reason: ``refused``, and ``no_answer`` where it was not sent: the reason.
+        reported: ``confirmed``: the values that the device reported.
+    """
+
+    command_id: str
+    outcome: OutcomeKind
+    text: str
+    latency: float = 0.0
+    evidence: Annotated[UInt8, Field(le=4)] = 0
+    saw: str = ""
+    by: str = ""
+    policy: str = ""
+    reason: str = ""
+    reported: tuple[Setting, ...] = ()
+
+
+class CommandEvent(Message):
+    """Something that became known of a command after its outcome: the device went back.
+
+    Attributes:
+        device: The id of the device.
+        part: The id of the part.
+        issuer: Who had given the command.
+        result: The outcome that takes the place of the first one.
+    """
+
+    key_field: ClassVar[str | None] = "result.command_id"
+
+    device: str
+    part: str
+    issuer: str
+    result: CommandResult
+
+
+PerformCommand = ServiceType("homebot/srv/PerformCommand", CommandRequest, CommandResult)
+
+
+def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandResult:
+    """Return the message that carries *outcome*, and what the device reported."""
+    fields: dict[str, object] = {}
+    match outcome:
+        case outcomes.Confirmed():
+            kind, fields = "confirmed", {"latency": outcome.latency, "evidence": int(outcome.evidence)}
+        case outcomes.AlreadySo():
+            kind = "already_so"
+        case outcomes.Contradicted():
+            kind, fields = "contradicted", {"saw": outcome.saw}
+        case outcomes.Reverted():
+            kind, fields = "reverted", {"latency": outcome.after}
+        case outcomes.NoAnswer():
+            kind, fields = "no_answer", {"latency": outcome.waited, "reason": outcome.reason}
+        case outcomes.Superseded():
+            kind, fields = "superseded", {"by": outcome.by}
+        case outcomes.Refused():
+            kind, fields = "refused", {"policy": outcome.policy, "reason": outcome.reason}
+        case _:
+            kind = "gone"
+    return CommandResult.model_validate(
+        {"command_id": outcome.command_id, "outcome": kind, "text": outcome.text, "reported": reported, **fields}
+    )
+
+
+def outcome_of(result: CommandResult) -> Outcome:
+    """Return the outcome that *result* carries."""
+    name = result.command_id
+    match result.outcome:
+        case "confirmed":
+            return outcomes.Confirmed(result.latency, Evidence(result.evidence), command_id=name)
+        case "already_so":
+            return outcomes.AlreadySo(command_id=name)
+        case "contradicted":
+            return outcomes.Contradicted(result.saw, command_id=name)
+        case "reverted":
+            return outcomes.Reverted(result.latency, command_id=name)
+        case "no_answer":
+            return outcomes.NoAnswer(result.latency, result.reason, command_id=name)
+        case "superseded":
+            return outcomes.Superseded(result.by, command_id=name)
+        case "refused":
+            return outcomes.Refused(result.policy, result.reason, command_id=name)
+        case "gone":
+            return outcomes.Gone(command_id=name)

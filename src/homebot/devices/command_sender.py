@@ -1,0 +1,86 @@
+"""Sender of commands: the best route to a part that accepts them."""
+
+from __future__ import annotations
+
+from homebot.devices.capabilities import MOMENTARY
+from homebot.devices.device import EVERYTHING, Device, DevicePart
+from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
+from homebot.devices.names import GatewayNames
+from homebot.devices.value import PlainValue, Value
+from homebot.errors import InvalidNameError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
+from homebot.graph import Client, Node
+
+__all__ = ["CommandSender"]
+
+
+class CommandSender:
+    """Sends commands by the best route that accepts them.
+
+    Args:
+        node: The node that sends them.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._clients: dict[str, Client[Command, SendCommandResponse]] = {}
+
+    async def send(
+        self, device: Device, part: DevicePart, capability: str, value: PlainValue, transition: float, code: str = ""
+    ) -> None:
+        """Set *capability* to *value* within *transition* seconds; return when the network has accepted the command.
+
+        Where a route cannot do that, and sent nothing, or cannot reach the device, the next one is tried; what a
+        gateway refuses to do at all is not done by another route. A button is not pressed by a second route where the
+        first may have pressed it.
+
+        Raises:
+            RefusedError: The gateway or the part refuses, or the part is disputed.
+            LinkError: No gateway of the part is running and connected; it may work later.
+        """
+        if not part.routes:
+            why = "; ".join(device.conflicts) or "it has no route for commands"
+            raise RefusedError(f"a command to {device.id}", why)
+        takes = [route for route in part.routes if capability in route.takes or route.takes == EVERYTHING]
+        routes = takes or part.routes
+        problem, unable = f"its gateway {routes[0].gateway} is not running", ""
+        is_away, is_momentary = False, capability in MOMENTARY
+        sent = Value.of(value)
+        for route in routes:
+            response = await self._call(
+                route.gateway,
+                Command(
+                    key=route.key, part=route.part, capability=capability, value=sent, transition=transition, code=code
+                ),
+            )
+            if response is None:
+                is_away = True
+            elif response.success:
+                return
+            elif response.problem == "unreachable":
+                is_away, problem = True, response.message or problem
+                if is_momentary:
+                    break
+            elif not response.unable:
+                raise RefusedError(f"{capability} of {device.id}", response.message)
+            else:
+                unable = unable or response.message
+        if unable and not is_away:
+            raise RefusedError(f"{capability} of {device.id}", unable)
+        raise LinkError(f"{capability} was not sent to {device.id}: {problem}")
+
+    async def _call(self, gateway: str, command: Command) -> SendCommandResponse | None:
+        """Return the gateway's answer; None where it is not running, so that nothing was sent."""
+        client = self._clients.get(gateway)
+        try:
+            if client is None:
+                client = self._node.create_client(SendCommand, GatewayNames(gateway).send_command)
+                self._clients[gateway] = client
+            if client.service_is_ready():
+                return await client.call(command)
+        except InvalidNameError as exc:
+            return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=True)
+        except ServiceUnavailableError:
+            return None
+        except ServiceError as exc:
+            return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
+        return None

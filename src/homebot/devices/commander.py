@@ -1,0 +1,99 @@
+"""Commands of a node: through the control layer, which proves them; where there is none, straight to the gateway."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from homebot.devices.command_messages import CommandRequest, CommandResult, PerformCommand, Setting, outcome_of
+from homebot.devices.command_sender import CommandSender
+from homebot.devices.device import Device, DevicePart, State
+from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE
+from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome, Refused
+from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
+from homebot.graph import Node
+from homebot.messages import Time
+
+if TYPE_CHECKING:
+    from homebot.devices.handles.handles import TrackedDevice
+
+__all__ = ["Commander"]
+
+NO_CONTROL = "the control layer is not running; it is restarted by itself, see `homebot doctor`"
+
+_LONGEST: Final = 900.0
+"""Seconds after which the control layer has answered: it bounds its waiting itself."""
+
+
+class Commander:
+    """Gives commands in the name of a node.
+
+    A graph that was built by hand may have no control layer. Then a command goes to the gateway, whose acknowledgement
+    is all that is known. Beside a runtime that never happens: while its control layer is away nothing is sent.
+
+    Args:
+        node: The node, which is the issuer.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._clock = node.graph.clock
+        self._control = node.create_client(PerformCommand, PERFORM_COMMAND)
+        self._sender = CommandSender(node)
+
+    async def perform(
+        self,
+        tracked: TrackedDevice,
+        part: DevicePart,
+        settings: tuple[Setting, ...],
+        transition: float = 0.0,
+        code: str = "",
+    ) -> Outcome:
+        """Give a command, and return what became of it; never raises for what a device or its network does.
+
+        Args:
+            tracked: The device; it has what it reported as soon as that is known.
+            part: The part.
+            settings: What to set, in this order.
+            transition: Seconds that the change takes, where the device supports that.
+            code: The code that an alarm or a lock requires.
+        """
+        if not self._control.service_is_ready():
+            if self._node.graph.get_node(RUNTIME_NODE) is not None:
+                return NoAnswer(0.0, NO_CONTROL)
+            return await self._send(tracked.device, part, settings, transition, code)
+        request = CommandRequest(
+            device=tracked.device.id,
+            part=part.id,
+            settings=settings,
+            transition=transition,
+            code=code,
+            issuer=self._node.full_name,
+        )
+        try:
+            result = await self._control.call(request, timeout=_LONGEST)
+        except ServiceUnavailableError:
+            return NoAnswer(0.0, NO_CONTROL)
+        except ServiceError as exc:
+            return NoAnswer(0.0, str(exc))
+        self._note_reported(tracked, part.id, result)
+        return outcome_of(result)
+
+    def _note_reported(self, tracked: TrackedDevice, part: str, result: CommandResult) -> None:
+        stamp = Time.from_seconds(self._clock.now())
+        for one in result.reported:
+            tracked.take_reported(
+                State(part=part, capability=one.capability, value=one.value, since=stamp, told_at=stamp, live=True)
+            )
+
+    async def _send(
+        self, device: Device, part: DevicePart, settings: tuple[Setting, ...], transition: float, code: str
+    ) -> Outcome:
+        began = self._clock.monotonic()
+        try:
+            for setting in settings:
+                await self._sender.send(device, part, setting.capability, setting.value.plain(), transition, code)
+        except LinkError as exc:
+            return NoAnswer(0.0, str(exc))
+        except RefusedError as exc:
+            return Refused("gateway", str(exc))
+        return Confirmed(self._clock.monotonic() - began, Evidence.ACKNOWLEDGED)

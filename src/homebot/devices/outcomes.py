@@ -1,0 +1,207 @@
+"""Outcomes of commands: the result of a command, and how well it is known."""
+
+from __future__ import annotations
+
+from dataclasses import KW_ONLY, dataclass
+from enum import IntEnum
+from typing import ClassVar
+
+__all__ = [
+    "AlreadySo",
+    "Confirmed",
+    "Contradicted",
+    "Evidence",
+    "Gone",
+    "NoAnswer",
+    "Outcome",
+    "Refused",
+    "Reverted",
+    "Superseded",
+    "worst",
+]
+
+
+class Evidence(IntEnum):
+    """Grade of the knowledge that a device obeyed; the higher the better.
+
+    ``SENT``: the gateway sent the command. ``ACKNOWLEDGED``: the network or a bridge accepted it; the report of a
+    bridge that does not wait for the device is no better. ``REPORTED``: the device reported the new value.
+    ``WITNESSED``: a second, independent device measured the effect.
+    """
+
+    SENT = 1
+    ACKNOWLEDGED = 2
+    REPORTED = 3
+    WITNESSED = 4
+
+    @property
+    def text(self) -> str:
+        """The grade as one word, for example ``reported``."""
+        return self.name.lower()
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """Result of a command; exactly one of the classes below.
+
+    Attributes:
+        succeeded: Whether the device is as it was told to be: true of `Confirmed` and `AlreadySo` alone.
+        command_id: The id of the command, under which the journal has its story.
+    """
+
+    succeeded: ClassVar[bool] = False
+
+    _: KW_ONLY
+    command_id: str = ""
+
+    @property
+    def text(self) -> str:
+        """The outcome as a clause for people, without the device."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, slots=True)
+class Confirmed(Outcome):
+    """The device obeyed.
+
+    Attributes:
+        latency: Seconds from sending to the evidence.
+        evidence: How well it is known.
+    """
+
+    succeeded: ClassVar[bool] = True
+    latency: float
+    evidence: Evidence
+
+    @property
+    def text(self) -> str:
+        """As for :class:`Outcome`."""
+        return f"confirmed after {self.latency:.2g} s ({self.evidence.text})"
+
+
+@dataclass(frozen=True, slots=True)
+class AlreadySo(Outcome):
+    """The device had reported that it is so, and nothing contradicted it."""
+
+    succeeded: ClassVar[bool] = True
+
+    @property
+    def text(self) -> str:
+        """As for :class:`Outcome`."""
+        return "it was so already"
+
+
+@dataclass(frozen=True, slots=True)
+class Contradicted(Outcome):
+    """The device, or a witness, reports something else.
+
+    Attributes:
+        saw: What was reported, as text, for example ``on_off: on``.
+    """
+
+    saw: str
+
+    @property
+    def text(self) -> str:
+        """As for :class:`Outcome`."""
+        return f"contradicted: {self.saw}"
+
+
+@dataclass(frozen=True, slots=True)
+class Reverted(Outcome):
+    """The device obeyed, and went back soon after, without another command.
+
+    Attributes:
+        after: Seconds after it had obeyed.
+    """
+
+    after: float
+
+    @property
+    def text(self) -> str:
+        """As for :class:`Outcome`."""
+        return f"it obeyed and went back after {self.after:.2g} s"
+
+
+@dataclass(frozen=True, slots=True)
+class NoAnswer(Outcome):
+    """Nothing was heard that tells whether the device obeyed.
+
+    Attributes:
+        waited: Seconds.
+        reason: Why it could not be sent, as text; empty where it was sent.
+    """
+
+    waited: float
+    reason: str = ""
+
+    @property
+    def text(self) -> str:
+        """As for :class:`Outcome`."""
+        return f"not sent: {self.reason}" if self.reason else f"no answer within {self.waited:.2g} s"
+
+
+@dataclass(frozen=True, slots=True)
+class Superseded(Outcome):
+    """A newer command to the same part took its place.
+
+    Attributes:
+        by: The id of the newer command.
+    """
+
+    by: str
+
+    @property
+    def text(self) -> str:
+        """As for :class:`Outcome`."""
+        return f"superseded by command {self.by}"
+
+
+@dataclass(frozen=True, slots=True)
+class Refused(Outcome):
+    """It was not sent, or the gateway or the device said no.
+
+    Attributes:
+        policy: The name of the policy that refused, or ``gateway`` or ``device``.
+        reason: The reason, as text.
+    """
+
+    policy: str
+    reason: str
+
+    @property
+    def text(self) -> str:
+        """As for :class:`Outcome`."""
+        return f"refused ({self.policy}): {self.reason}"
+
+
+@dataclass(frozen=True, slots=True)
+class Gone(Outcome):
+    """The device was removed, or no longer has this part."""
+
+    @property
+    def text(self) -> str:
+        """As for :class:`Outcome`."""
+        return "the device was removed"
+
+
+_BEST_FIRST: tuple[type[Outcome], ...] = (
+    AlreadySo,
+    Confirmed,
+    Superseded,
+    Reverted,
+    Contradicted,
+    NoAnswer,
+    Refused,
+    Gone,
+)
+
+
+def worst(outcomes: tuple[Outcome, ...]) -> Outcome:
+    """Return the worst of *outcomes*, at least one; of two confirmed ones the one that is known less well."""
+    return max(outcomes, key=_badness)
+
+
+def _badness(outcome: Outcome) -> tuple[int, int]:
+    evidence = outcome.evidence if isinstance(outcome, Confirmed) else 0
+    return _BEST_FIRST.index(type(outcome)), -evidence

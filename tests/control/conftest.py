@@ -1,0 +1,157 @@
+"""A home whose devices do with a command whatever a test says; in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from typing import ParamSpec, Protocol, TypeVar
+
+import anyio
+import pytest
+from anyio.abc import TaskGroup
+
+from homebot.control import Control, ControlSettings
+from homebot.devices import Devices
+from homebot.devices.command_messages import CommandEvent
+from homebot.devices.gateway_messages import Command
+from homebot.devices.handles import Handle
+from homebot.devices.handles.handle_query import HandleType
+from homebot.devices.names import COMMAND_EVENTS
+from homebot.devices.value import PlainValue
+from homebot.discovery import Directory, DirectorySettings
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+from homebot.gateways.memory import MemoryGateway
+from homebot.graph import Graph, Node
+
+P = ParamSpec("P")
+HandleT = TypeVar("HandleT", bound=Handle)
+Behaviour = Callable[["Home", Command], Awaitable[None]]
+
+
+async def obey(home: Home, command: Command) -> None:
+    """Do what is commanded, and report it."""
+    await home.report(command.key, command.capability, command.value.plain())
+
+
+async def ignore(home: Home, command: Command) -> None:
+    """Do nothing."""
+
+
+def obey_after(seconds: float) -> Behaviour:
+    """Do what is commanded after so many seconds."""
+
+    async def behaviour(home: Home, command: Command) -> None:
+        home.later(seconds, command.key, command.capability, command.value.plain())
+
+    return behaviour
+
+
+def report(*values: tuple[float, PlainValue]) -> Behaviour:
+    """Report each value so many seconds after the command, whatever it was."""
+
+    async def behaviour(home: Home, command: Command) -> None:
+        for seconds, value in values:
+            home.later(seconds, command.key, command.capability, value)
+
+    return behaviour
+
+
+class Home:
+    """A home with one gateway.
+
+    Attributes:
+        behaviours: What a device does with a command, by its key; it obeys by default.
+        commands: The commands that the gateway carried out, oldest first.
+        events: What became known of commands after their outcome.
+        devices: The access of an app to the devices.
+        control: The control layer.
+    """
+
+    def __init__(self, app: Node, gateway: RecordingGateway, control: Control, tasks: TaskGroup, graph: Graph) -> None:
+        self.behaviours: dict[str, Behaviour] = {}
+        self.commands: list[Command] = []
+        self.events: list[CommandEvent] = []
+        self.devices = Devices(app)
+        self.control = control
+        self.gateway = gateway
+        self.graph = graph
+        self.app = app
+        self.tasks = tasks
+        gateway.house = self
+        app.create_subscription(CommandEvent, COMMAND_EVENTS, self.events.append, 100)
+
+    def put(
+        self,
+        key: str,
+        service_type: str,
+        *settable: str,
+        readable: tuple[str, ...] = (),
+        area: str = "",
+        is_silent: bool = False,
+    ) -> None:
+        """Let there be a device; a silent one reports nothing of what can be set."""
+        part = simple_part(service_type, settable=settable, readable=readable)
+        if is_silent:
+            silent = [one.model_copy(update={"readable": not one.settable}) for one in part.capabilities]
+            part = part.model_copy(update={"capabilities": tuple(silent)})
+        self.gateway.devices.put(GatewayDevice(key, key.title(), (part,), area=area), "the test says so")
+
+    async def report(self, key: str, capability: str, value: PlainValue) -> None:
+        """Let a device report a value."""
+        await self.gateway.devices.report(key, {capability: value})
+
+    def later(self, seconds: float, key: str, capability: str, value: PlainValue) -> None:
+        """Let a device report a value in so many seconds."""
+
+        async def tell() -> None:
+            await anyio.sleep(seconds)
+            await self.report(key, capability, value)
+
+        self.tasks.start_soon(tell)
+
+    async def handle(self, kind: HandleType[P, HandleT], key: str = "") -> HandleT:
+        """Return the only handle of *kind*, or that of the device *key*."""
+        await anyio.sleep(0.01)  # of virtual time, in which the directory takes everything in
+        found = await self.devices.find(Handle)
+        (handle,) = [one for one in found if not key or one.name == key.title()]
+        return self.devices.handles(handle.device, kind)[0]
+
+
+class RecordingGateway(MemoryGateway):
+    """A gateway whose devices behave as the test says."""
+
+    house: Home
+
+    async def _perform(self, command: Command) -> None:
+        self._check_link()
+        self.house.commands.append(command)
+        await self.house.behaviours.get(command.key, obey)(self.house, command)
+
+
+class OpenHome(Protocol):
+    def __call__(self, **settings: object) -> AbstractAsyncContextManager[Home]: ...
+
+
+@pytest.fixture
+def open_home() -> OpenHome:
+    """Give what opens a home; its arguments are those of `ControlSettings`."""
+
+    @asynccontextmanager
+    async def opened(**settings: object) -> AsyncIterator[Home]:
+        graph = Graph()
+        async with (
+            Node(graph, "memory", namespace="/gateway") as gateway_node,
+            Node(graph, "discovery") as directory_node,
+            Node(graph, "control") as control_node,
+            Node(graph, "app") as app,
+            anyio.create_task_group() as tasks,
+        ):
+            gateway = RecordingGateway(gateway_node)
+            control = Control(control_node, ControlSettings.model_validate(settings))
+            await tasks.start(gateway.serve)
+            await tasks.start(Directory(directory_node, DirectorySettings()).serve)
+            await tasks.start(control.serve)
+            yield Home(app, gateway, control, tasks, graph)
+            tasks.cancel_scope.cancel()
+
+    return opened

@@ -1,0 +1,213 @@
+"""What a command returns, for everything that a device may do with it; in virtual time."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from tests.control.conftest import OpenHome, ignore, obey_after, report
+
+from homebot.devices.handles import DoorLock, Light, Switch, WindowCovering
+from homebot.devices.outcomes import (
+    AlreadySo,
+    Confirmed,
+    Contradicted,
+    Evidence,
+    Gone,
+    NoAnswer,
+    Outcome,
+    Refused,
+    Superseded,
+)
+
+pytestmark = pytest.mark.virtual_time
+
+
+async def test_a_lamp_that_reports_is_confirmed_with_its_latency(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = obey_after(0.12)
+        outcome = await (await home.handle(Light)).turn_on()
+        assert isinstance(outcome, Confirmed)
+        assert (round(outcome.latency, 2), outcome.evidence, outcome.succeeded) == (0.12, Evidence.REPORTED, True)
+        assert outcome.command_id
+
+
+async def test_a_slow_but_honest_lamp_is_no_false_alarm(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = obey_after(7.5)
+        outcome = await (await home.handle(Light)).turn_on()
+        assert isinstance(outcome, Confirmed)
+        assert len(home.commands) == 3  # sent again meanwhile, which does no harm
+
+
+async def test_a_deaf_lamp_gives_no_answer_and_is_told_three_times(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = ignore
+        outcome = await (await home.handle(Light)).turn_on()
+        assert outcome == NoAnswer(10.0, command_id=outcome.command_id)
+        assert len(home.commands) == 3
+
+
+async def test_a_lamp_that_is_known_is_waited_for_as_long_as_it_usually_takes(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = obey_after(0.5)
+        lamp = await home.handle(Light)
+        for _ in range(3):
+            await lamp.turn_on()
+            await lamp.turn_off()
+        home.behaviours["lamp"] = ignore
+        outcome = await lamp.turn_on()
+        assert outcome == NoAnswer(2.5, command_id=outcome.command_id)
+
+
+async def test_a_stuck_lamp_that_answers_with_the_old_state_is_contradicted(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = report((2.0, False))
+        outcome = await (await home.handle(Light)).turn_on()
+        assert isinstance(outcome, Contradicted)
+        assert outcome.saw == "on_off is off"
+
+
+async def test_what_is_so_already_is_not_sent(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        await home.report("lamp", "on_off", True)
+        lamp = await home.handle(Light)
+        assert isinstance(await lamp.turn_on(), AlreadySo)
+        assert home.commands == []
+
+
+async def test_what_was_so_long_ago_is_sent_and_silence_does_not_contradict_it(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        await home.report("lamp", "on_off", True)
+        lamp = await home.handle(Light)
+        await anyio.sleep(300)
+        home.behaviours["lamp"] = ignore
+        assert isinstance(await lamp.turn_on(), AlreadySo)
+        assert home.commands
+
+
+async def test_a_lamp_that_reports_nothing_is_acknowledged_at_most(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("plug", "switch", "on_off", is_silent=True)
+        outcome = await (await home.handle(Switch)).turn_on()
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.ACKNOWLEDGED
+
+
+async def test_a_blind_on_its_way_is_waited_for(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("blind", "window_covering", "movement")
+        home.behaviours["blind"] = report((1.0, "opening"), (45.0, "open"))
+        outcome = await (await home.handle(WindowCovering)).open()
+        assert isinstance(outcome, Confirmed)
+        assert round(outcome.latency) == 45
+        assert len(home.commands) == 1
+
+
+async def test_a_lock_that_jams_on_its_way_is_contradicted(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lock", "door_lock", "lock")
+        home.behaviours["lock"] = report((1.0, "locking"), (4.0, "jammed"))
+        outcome = await (await home.handle(DoorLock)).lock()
+        assert isinstance(outcome, Contradicted)
+        assert outcome.saw == "lock is jammed"
+
+
+async def test_a_newer_command_takes_the_place_of_the_older_one(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = obey_after(3.0)
+        lamp = await home.handle(Light)
+        outcomes: list[Outcome] = []
+
+        async def turn_on() -> None:
+            outcomes.append(await lamp.turn_on())
+
+        home.tasks.start_soon(turn_on)
+        await anyio.sleep(1)
+        last = await lamp.turn_off()
+        assert isinstance(last, Confirmed)
+        (first,) = outcomes
+        assert first == Superseded(last.command_id, command_id=first.command_id)
+
+
+async def test_a_dimmer_may_round(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        home.behaviours["lamp"] = report((0.2, 39.6))
+        assert (await (await home.handle(Light)).set_level(40)).succeeded
+
+
+async def test_several_settings_are_one_command(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level", "color_temperature")
+        outcome = await (await home.handle(Light)).turn_on(level=40, kelvin=2700)
+        assert isinstance(outcome, Confirmed)
+        assert [one.capability for one in home.commands] == ["level", "color_temperature"]
+
+
+async def test_a_gateway_that_only_observes_refuses(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.gateway.acts = False
+        outcome = await (await home.handle(Light)).turn_on()
+        assert isinstance(outcome, Refused)
+        assert outcome.policy == "gateway"
+        assert "only observes" in outcome.reason
+
+
+async def test_a_network_that_is_away_is_told(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        lamp = await home.handle(Light)
+        home.gateway.set_unavailable("the cable is out")
+        outcome = await lamp.turn_on()
+        assert isinstance(outcome, NoAnswer)
+        assert "the cable is out" in outcome.text
+
+
+async def test_a_device_that_was_removed_is_gone(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        lamp = await home.handle(Light)
+        home.gateway.devices.remove("lamp", "sold")
+        await anyio.sleep(1)
+        assert isinstance(await lamp.turn_on(), Gone)
+
+
+async def test_a_lamp_that_goes_back_is_told_as_an_event(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = report((0.1, True), (3.1, False))
+        outcome = await (await home.handle(Light)).turn_on()
+        assert isinstance(outcome, Confirmed)
+        await anyio.sleep(5)
+        (event,) = home.events
+        assert (event.result.outcome, round(event.result.latency), event.issuer) == ("reverted", 3, "/app")
+        assert event.result.command_id == outcome.command_id
+
+
+async def test_a_whole_floor_is_confirmed_at_once(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        for number in range(200):
+            home.put(f"lamp{number}", "light", "on_off")
+            home.behaviours[f"lamp{number}"] = obey_after(1.0)
+        outcomes: list[Outcome] = []
+
+        async def turn_on(lamp: Light) -> None:
+            outcomes.append(await lamp.turn_on())
+
+        began = anyio.current_time()
+        async with anyio.create_task_group() as tasks:
+            await home.handle(Light, "lamp0")
+            for lamp in await home.devices.find(Light):
+                tasks.start_soon(turn_on, lamp)
+        assert anyio.current_time() - began < 1.5
+        assert len(outcomes) == 200
+        assert all(isinstance(one, Confirmed) for one in outcomes)
