@@ -1,0 +1,43 @@
+"""Each gateway and each driver can be read in an afternoon; decision 28 says what is counted."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import pytest
+from tests.source_trees import SOURCE
+
+MOST_LINES = 1500
+OWN_LIMITS = {"homebot.gateways.mqtt": 2600}
+"""Decision 28 has the reason."""
+
+PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
+
+
+def plugin_packages() -> list[str]:
+    """Return the package of each gateway and driver that homebot's distribution names."""
+    with PYPROJECT.open("rb") as file:
+        groups = tomllib.load(file)["project"]["entry-points"]
+    return sorted(
+        value.partition(":")[0] for group in ("homebot.gateways", "homebot.drivers") for value in groups[group].values()
+    )
+
+
+def size_of(package: str) -> int:
+    """Return the number of lines of all files of *package*, docstrings and empty ones included."""
+    folder = SOURCE.parent / package.replace(".", "/")
+    files = list(folder.rglob("*.py"))
+    assert files, f"{package} has no file"
+    return sum(len(file.read_text(encoding="utf-8").splitlines()) for file in files)
+
+
+@pytest.mark.parametrize("package", plugin_packages())
+def test_each_gateway_and_each_driver_is_smaller_than_its_limit(package: str) -> None:
+    assert size_of(package) < OWN_LIMITS.get(package, MOST_LINES)
+
+
+def test_no_package_is_counted_with_another() -> None:
+    packages = plugin_packages()
+    assert len(set(packages)) == len(packages) >= 11
+    assert not [one for one in packages for other in packages if one.startswith(f"{other}.")]
