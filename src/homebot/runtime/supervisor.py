@@ -83,11 +83,14 @@ class Supervisor:
         self._clock = clock
         self._titles: dict[str, str] = {}
         self._shown: dict[str, _Place] = {}  # where the component of each traceback shown last crashed
-        self._hurries = anyio.Event()
+        self._awaited: set[_Start] = set()
+        self._is_hurried = False
 
     def hurry(self) -> None:
         """Wait for no component to become ready any more."""
-        self._hurries.set()
+        self._is_hurried = True
+        for start in self._awaited:
+            start.stop_waiting()
 
     @asynccontextmanager
     async def running(self, name: str, work: Work, kind: str = "") -> AsyncIterator[None]:
@@ -115,17 +118,16 @@ class Supervisor:
             raise start.mistake
 
     async def _wait_for(self, name: str, start: _Start) -> None:
-        async def hurry() -> None:
-            await self._hurries.wait()
-            limit.cancel()
-
-        with anyio.move_on_after(READY_WITHIN) as limit:
-            async with anyio.create_task_group() as tasks:
-                tasks.start_soon(hurry)
-                await start.over.wait()
-                tasks.cancel_scope.cancel()
+        if self._is_hurried:
+            return
+        self._awaited.add(start)
+        try:
+            with anyio.move_on_after(READY_WITHIN):
+                await start.wait()
+        finally:
+            self._awaited.discard(start)
         title = self._titles[name]
-        if not start.over.is_set() and not self._hurries.is_set():
+        if not start.is_over and not self._is_hurried:
             _log.warning(
                 NOT_READY,
                 message=f"{title} is not ready after {READY_WITHIN:g} s; homebot continues without waiting for it",
@@ -142,7 +144,7 @@ class Supervisor:
                 start.started()
                 return
             cause = first_cause(crash)
-            if isinstance(cause, UsageError) and not start.over.is_set():
+            if isinstance(cause, UsageError) and not start.is_over:
                 start.mistake = cause
                 start.started()
                 return
@@ -222,8 +224,18 @@ class _Start(TaskStatus[None]):
     """The outcome of a component's first start; a restarted one reports "ready" again, which changes nothing."""
 
     def __init__(self) -> None:
-        self.over = anyio.Event()
+        self.is_over = False
         self.mistake: UsageError | None = None
+        self._is_decided = anyio.Event()
 
     def started(self, value: None = None) -> None:  # noqa: ARG002  # anyio's signature
-        self.over.set()
+        self.is_over = True
+        self._is_decided.set()
+
+    def stop_waiting(self) -> None:
+        """Let who waits go on, although nothing is over."""
+        self._is_decided.set()
+
+    async def wait(self) -> None:
+        """Wait until it is over, or somebody calls :meth:`stop_waiting`."""
+        await self._is_decided.wait()
