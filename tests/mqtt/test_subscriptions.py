@@ -10,7 +10,7 @@ def test_plain_topics_are_asked_for_together_and_the_others_alone() -> None:
         MqttSubscription("e", qos=1),
         MqttSubscription("f"),
     ]
-    assert [[one.filter for one in batch] for batch in batches(wanted)] == [
+    assert [[one.filter for one in batch] for batch in batches(wanted, is_paced=True)] == [
         ["a", "b"],
         ["c/+"],
         ["d"],
@@ -20,10 +20,16 @@ def test_plain_topics_are_asked_for_together_and_the_others_alone() -> None:
     ]
 
 
-@given(st.lists(st.integers(1, 20_000), max_size=300))
-def test_every_subscription_is_in_one_batch_of_bounded_size(lengths: list[int]) -> None:
+def test_all_are_asked_for_together_where_the_broker_drops_nothing() -> None:
+    wanted = [MqttSubscription("a/+"), MqttSubscription("b", qos=1), MqttSubscription("#")]
+
+    assert batches(wanted, is_paced=False) == [tuple(wanted)]
+
+
+@given(st.lists(st.integers(1, 20_000), max_size=300), st.booleans())
+def test_every_subscription_is_in_one_batch_of_bounded_size(lengths: list[int], is_paced: bool) -> None:  # noqa: FBT001
     wanted = [MqttSubscription("x" * length) for length in lengths]
-    made = list(batches(wanted))
+    made = list(batches(wanted, is_paced=is_paced))
     assert [one for batch in made for one in batch] == wanted
     for batch in made:
         assert len(batch) <= MOST

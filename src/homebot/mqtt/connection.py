@@ -91,6 +91,9 @@ class MqttConnection:
         random: Source of the back-off's jitter.
         link_backoff: Delays while the broker cannot be reached.
         refused_backoff: Delays while it refuses.
+        is_paced: Whether the messages that the broker keeps are asked for bit by bit: one filter with a wildcard at a
+            time, the next when they have come. Some brokers drop what a client does not take in time; the embedded
+            one sends what it keeps as it is taken.
     """
 
     def __init__(
@@ -103,6 +106,7 @@ class MqttConnection:
         random: Random | None = None,
         link_backoff: Backoff = LINK_BACKOFF,
         refused_backoff: Backoff = REFUSED_BACKOFF,
+        is_paced: bool = True,
     ) -> None:
         if status_topic == "":
             status_topic = f"homebot/{options.client_id.replace('+', '_').replace('#', '_')}/status"
@@ -115,7 +119,7 @@ class MqttConnection:
         self._random = Random() if random is None else random  # noqa: S311 - jitter is no secret
         self._link_backoff = link_backoff
         self._refused_backoff = refused_backoff
-        self._standing = SubscriptionSet(self._client)
+        self._standing = SubscriptionSet(self._client, is_paced=is_paced)
         self._state = ConnectionState(LinkPhase.CLOSED)
         self._changed = anyio.Event()
         self._tasks: TaskGroup | None = None

@@ -27,10 +27,12 @@ class SubscriptionSet:
 
     Args:
         client: Makes them.
+        is_paced: Whether the messages that the broker keeps are asked for a filter at a time; see `MqttConnection`.
     """
 
-    def __init__(self, client: MqttClient) -> None:
+    def __init__(self, client: MqttClient, *, is_paced: bool = True) -> None:
         self._client = client
+        self._is_paced = is_paced
         self._wanted: dict[str, MqttSubscription] = {}
         self._renewed: set[str] = set()
         self._made: set[str] = set()
@@ -87,7 +89,7 @@ class SubscriptionSet:
     async def make(self, names: Iterable[str]) -> dict[str, RefusedError]:
         """Subscribe to those of *names* that are wanted, and return what was refused; see also `batches`."""
         refused: dict[str, RefusedError] = {}
-        for batch in batches(filter(None, map(self._wanted.get, names))):
+        for batch in batches(filter(None, map(self._wanted.get, names)), is_paced=self._is_paced):
             try:
                 await self._subscribe(*batch)
             except RefusedError as error:
@@ -121,7 +123,7 @@ class SubscriptionSet:
             await self._client.subscribe(*batch)
         except LinkError:
             await self._client.subscribe(*batch)  # raises at once where the link is gone
-        if batch[0].qos == 0:
+        if self._is_paced and batch[0].qos == 0:
             await self._wait_for_quiet(counters, before)
 
     async def _wait_for_quiet(self, counters: MqttCounters, before: int) -> None:
@@ -135,17 +137,17 @@ class SubscriptionSet:
         self._bursts_end = False
 
 
-def batches(subscriptions: Iterable[MqttSubscription]) -> list[tuple[MqttSubscription, ...]]:
-    """Return *subscriptions* in their order, those together that one request may make.
+def batches(subscriptions: Iterable[MqttSubscription], *, is_paced: bool) -> list[tuple[MqttSubscription, ...]]:
+    """Return *subscriptions* in their order, those together that one request may make, at most 100.
 
-    A filter with a wildcard stands alone, because a broker sends all the messages that it keeps for it at once, and
-    so does one of QoS 1 or 2. Of the others, with at most one kept message each, up to 100 are one batch.
+    Where it is paced, a filter with a wildcard stands alone, because a broker sends all the messages that it keeps for
+    it at once, and so does one of QoS 1 or 2. The others have at most one kept message each.
     """
     found: list[tuple[MqttSubscription, ...]] = []
     batch: list[MqttSubscription] = []
     size = 0
     for one in subscriptions:
-        is_single = one.qos > 0 or "+" in one.filter or "#" in one.filter
+        is_single = is_paced and (one.qos > 0 or "+" in one.filter or "#" in one.filter)
         size += len(one.filter)
         if batch and (is_single or len(batch) >= MOST or size > MOST_CHARACTERS):
             found.append(tuple(batch))

@@ -85,7 +85,12 @@ class MqttGateway(Gateway):
         # A name that lasts, unlike the client id, or each run would leave one more topic at the broker for ever.
         status_topic = f"homebot/{_topic_level(computer)}/{node.name}/status"
         self._connection = MqttConnection(
-            settings.options(), make_client, status_topic=status_topic, clock=node.graph.clock, random=random
+            settings.options(),
+            make_client,
+            status_topic=status_topic,
+            clock=node.graph.clock,
+            random=random,
+            is_paced=hosted is None or settings.url != hosted.url,
         )
         self._lease = ActingLease(self, self._connection, settings.root, f"{node.name} on {computer}", random)
         self._described = AnnouncedDevices(
