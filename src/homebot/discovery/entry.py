@@ -19,7 +19,6 @@ from homebot.devices import (
 )
 from homebot.devices.device_types import wanted_types
 from homebot.devices.value import PlainValue
-from homebot.discovery.echoes import Echoes
 from homebot.discovery.endpoints import Addresses, addresses, endpoint_reach, endpoints, last_seen, sorted_routes
 from homebot.discovery.liveness import ReportInterval
 from homebot.discovery.merging.parts import NO_IDS, MergedParts, PartIds, lost_ids, main_part, merge_parts
@@ -30,6 +29,7 @@ from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
 
 if TYPE_CHECKING:
+    from homebot.discovery.echoes import Echoes
     from homebot.discovery.merging.agreement import Agreement
 
 __all__ = ["MAX_FACTS", "Entry"]
@@ -192,6 +192,8 @@ class Entry:
     def is_new_event(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
         """Return whether an event was not reported by another route already; see :meth:`Echoes.is_new`."""
         if self.echoes is None:
+            from homebot.discovery.echoes import Echoes  # noqa: PLC0415 - few devices report events
+
             self.echoes = Echoes()
         return self.echoes.is_new(place, capability, value, route, now)
 

@@ -45,8 +45,6 @@ from homebot.devices.services import (
 from homebot.discovery.changes import ChangeLog
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.persistence import IndexPersistence
-from homebot.discovery.search.rank import rank, reasons
-from homebot.discovery.search.unknown_words import unknown_word
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
 
@@ -122,6 +120,9 @@ class DirectoryServices:
         return FindDevicesResponse(devices=tuple(devices), sequence=self._index.sequence)
 
     async def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
+        from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - for people who search
+        from homebot.discovery.search.unknown_words import unknown_word  # noqa: PLC0415 - as above
+
         await self._catch_up()
         try:
             query = read_terms(request.query)
