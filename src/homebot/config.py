@@ -17,6 +17,9 @@
 
     [control]                        # how long commands wait for the answers of devices
 
+    [places.rooms.Hall]              # rooms, and devices in them
+    floor = "Downstairs"
+
     [thing_directory]                # the devices over HTTP, as W3C Thing Descriptions; not without this table
 
 What stands in the table of a gateway or an app is that plug-in's own business: :func:`parse_settings` checks it with
@@ -28,7 +31,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, TypeAlias, TypeVar
+from typing import Annotated, TypeAlias, TypeVar, get_args, get_origin
 
 from pydantic import (
     AfterValidator,
@@ -123,6 +126,7 @@ class Config(BaseModel):
         door: The address at which rosbridge clients reach this homebot; empty for the default.
         discovery: The table ``[discovery]``: how long devices are kept.
         control: The table ``[control]``: how commands are carried out.
+        places: The table ``[places]``: rooms, and what the owner states of devices.
         thing_directory: The table ``[thing_directory]``, which has the devices served over HTTP; None for none.
         source: The file, or another source of the values, for error messages.
         folder: The folder that relative paths start from: that of the file.
@@ -136,6 +140,7 @@ class Config(BaseModel):
     door: Table = Field(default_factory=dict)
     discovery: Table = Field(default_factory=dict)
     control: Table = Field(default_factory=dict)
+    places: Table = Field(default_factory=dict)
     thing_directory: Table | None = None
     source: str = Field(default="configuration", exclude=True)
     folder: Path = Field(default=_HERE, exclude=True)
@@ -164,7 +169,9 @@ def load_tables(path: Path) -> dict[str, object]:
     for name in ("source", "folder"):
         if name in tables:
             raise ConfigError(
-                source, name, "unknown key; known are home, gateways, apps, door, discovery, control, thing_directory"
+                source,
+                name,
+                "unknown key; known are home, gateways, apps, door, discovery, control, places, thing_directory",
             )
     return tables
 
@@ -299,11 +306,16 @@ def _config_error(model: type[BaseModel], error: ErrorDetails, source: str, key:
 
 def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseModel]:
     """Return the model of the table at *path*, as far as tables are models."""
+    kind: object = model
     for part in path:
-        field = model.model_fields.get(str(part))
-        if field is None or not isinstance(field.annotation, type) or not issubclass(field.annotation, BaseModel):
+        if get_origin(kind) is dict:
+            kind = get_args(kind)[1]
+        elif kind is model and (field := model.model_fields.get(str(part))) is not None:
+            kind = field.annotation
+        else:
             break
-        model = field.annotation
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            model = kind
     return model
 
 

@@ -37,7 +37,7 @@ KINDS = sorted(
 
 
 HANDLES = (
-    "| kind | device type | conditions, besides `area`, `name`, `reachable`, `fresh`, `category` "
+    "| kind | device type | conditions, besides `area`, `name`, `tag`, `reachable`, `fresh`, `category` "
     "| properties | commands |"
 )
 
@@ -100,7 +100,7 @@ def test_the_table_of_handles_is_what_they_can_do(kind: type[Handle]) -> None:
     assert set(found_by) == kind.service_types
     assert rest[0] == asked
     assert [set(cell) for cell in rest[1:]] == [properties, commands]
-    assert list(CommonFilters.__annotations__) == ["area", "name", "reachable", "fresh", "category"]
+    assert list(CommonFilters.__annotations__) == ["area", "name", "tag", "reachable", "fresh", "category"]
 
 
 def test_every_kind_has_a_row() -> None:

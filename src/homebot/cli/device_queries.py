@@ -11,9 +11,9 @@ from homebot.cli.table import printable
 from homebot.cli.terminal import progress
 from homebot.cli.time_format import to_seconds
 from homebot.devices.names import FIND_DEVICES, QUERY_DEVICES
-from homebot.devices.query.folding import fold
 from homebot.devices.query.tokens import quoted
 from homebot.errors import PeerError, UsageError
+from homebot.folding import fold
 from homebot.similar import did_you_mean
 
 __all__ = ["all_devices", "find_devices", "house_time", "named_device", "reasons_for"]

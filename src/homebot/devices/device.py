@@ -12,6 +12,7 @@ from homebot.messages.message import Message
 
 __all__ = [
     "EVERYTHING",
+    "OWNER",
     "ChangeKind",
     "Device",
     "DeviceChange",
@@ -30,6 +31,9 @@ Freshness: TypeAlias = Literal["fresh", "unconfirmed", "stale"]
 ChangeKind: TypeAlias = Literal[
     "appeared", "changed", "stale", "returned", "removed", "merged", "unmerged", "conflict", "resolved"
 ]
+
+OWNER = "owner"
+"""The convention of facts that the owner states."""
 
 EVERYTHING: tuple[str, ...] = ("*",)
 """The capabilities of a :class:`Route` that accepts every command of the part."""
@@ -112,10 +116,10 @@ class Fact(Message):
     Attributes:
         name: What it is about: ``name``, ``area``, or a name of the metadata such as ``model``.
         value: The value.
-        gateway: The gateway of the announcement.
-        convention: The convention of the announcement.
-        key: In which announcement.
-        said_at: The time at which this was first announced there.
+        gateway: The gateway of the announcement; empty for a fact that the owner states.
+        convention: The convention of the announcement; :data:`OWNER` for a fact that the owner states.
+        key: In which announcement; for a fact that the owner states ``configuration``, ``command`` or ``import``.
+        said_at: The time at which this was first announced there, or stated.
     """
 
     name: str
@@ -177,11 +181,15 @@ class Device(Message):
         freshness: ``fresh``: the device itself reported; ``unconfirmed``: it is known only from a retained message or
             from the index file; ``stale``: it has not reported for too long.
         service_types: The types of all its parts: device types of the vocabulary, then the types that it advertised.
-        area: The room that it is in; empty where none is known.
+        area: The room that it is in: the one that the owner states, else the one that it announces; empty where none is
+            known.
+        outer_areas: The areas that the room is in: its floor, where one is stated, and the home.
+        tags: The words that the owner tagged it with.
         names: Every name it has, :attr:`name` first.
         identifiers: Its identifiers, such as hardware addresses; see :func:`homebot.devices.identity.identifiers`.
         parts: Its parts, each once.
         facts: Facts about it, each with its source and time; of several with one name, the one in use comes first.
+            Those that the owner states are ``area``, ``name`` for an alias, and ``tag``.
         reachable: Whether it can be reached, as its parts together report.
         offline_parts: The ids of parts that report that they cannot be reached.
         states: The latest value of each capability of its parts.
@@ -212,6 +220,8 @@ class Device(Message):
     offline_parts: tuple[str, ...] = ()
     evidence: tuple[str, ...] = ()
     conflicts: tuple[str, ...] = ()
+    outer_areas: tuple[str, ...] = ()
+    tags: tuple[str, ...] = ()
 
 
 class DeviceChange(Message):

@@ -5,21 +5,27 @@ from __future__ import annotations
 from homebot.names import escape_token
 
 __all__ = [
+    "ALIAS_DEVICE",
     "COMMAND_DEVICES",
     "COMMAND_EVENTS",
     "DEVICE_CHANGES",
     "DEVICE_STATES",
     "DIRECTORY_NODE",
     "DISCOVERY_HEALTH",
+    "EXPORT_PLACES",
     "FIND_DEVICES",
     "FORGET_DEVICE",
     "GET_CHANGES",
     "GET_INDEX_DATA",
+    "GET_PLACES",
+    "IMPORT_PLACES",
     "MERGE_DEVICES",
     "PERFORM_COMMAND",
+    "PLACE_DEVICE",
     "QUERY_DEVICES",
     "RUNTIME_NODE",
     "SPLIT_DEVICE",
+    "TAG_DEVICE",
     "TEXT_SCHEME",
     "CommissioningNames",
     "GatewayNames",
@@ -36,6 +42,12 @@ QUERY_DEVICES = "/discovery/query"
 FORGET_DEVICE = "/discovery/forget"
 SPLIT_DEVICE = "/discovery/split"
 MERGE_DEVICES = "/discovery/merge"
+PLACE_DEVICE = "/discovery/place"
+ALIAS_DEVICE = "/discovery/alias"
+TAG_DEVICE = "/discovery/tag"
+GET_PLACES = "/discovery/places"
+EXPORT_PLACES = "/discovery/export_places"
+IMPORT_PLACES = "/discovery/import_places"
 GET_CHANGES = "/discovery/changes_since"
 DEVICE_CHANGES = "/discovery/changes"
 DEVICE_STATES = "/discovery/states"

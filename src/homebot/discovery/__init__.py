@@ -2,5 +2,6 @@
 
 from homebot.discovery.directory import Directory, DirectorySettings
 from homebot.discovery.index import DeviceIndex
+from homebot.discovery.owner_facts import OwnerFacts
 
-__all__ = ["DeviceIndex", "Directory", "DirectorySettings"]
+__all__ = ["DeviceIndex", "Directory", "DirectorySettings", "OwnerFacts"]

@@ -10,6 +10,7 @@ from homebot.devices.device import ChangeKind
 from homebot.discovery.changes import ChangeQueue
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstones
+from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.search.postings import Postings
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.topics.ownership import TopicOwnership
@@ -41,8 +42,10 @@ class DeviceTable:
 
     Args:
         first_sequence: Number of the first change.
+        owner: What the owner states of devices.
 
     Attributes:
+        owner: What the owner states of devices.
         sources: Announcements by gateway and key.
         owners: The device of each announcement.
         entries: Devices by id.
@@ -62,6 +65,7 @@ class DeviceTable:
         "counters",
         "entries",
         "outdated",
+        "owner",
         "owners",
         "postings",
         "sources",
@@ -70,7 +74,8 @@ class DeviceTable:
         "unsaved",
     )
 
-    def __init__(self, first_sequence: int) -> None:
+    def __init__(self, first_sequence: int, owner: OwnerFacts) -> None:
+        self.owner = owner
         self.sources: dict[SourceKey, SourceRecord] = {}
         self.owners: dict[SourceKey, Entry] = {}
         self.entries: dict[str, Entry] = {}

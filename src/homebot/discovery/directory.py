@@ -29,6 +29,7 @@ from homebot.devices import (
 )
 from homebot.devices.gateway_messages import Report
 from homebot.discovery.index import MAX_DEVICES, DeviceIndex
+from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.services import DirectoryServices
 from homebot.errors import TypeMismatchError
@@ -94,12 +95,15 @@ class Directory:
         node: The node that it is on the graph.
         settings: How long it remembers.
         file: Where it keeps the index over a restart; None for nowhere.
+        owner: What the owner states of devices in the configuration; by default nothing.
 
     Attributes:
         index: What it knows.
     """
 
-    def __init__(self, node: Node, settings: DirectorySettings, file: Path | None = None) -> None:
+    def __init__(
+        self, node: Node, settings: DirectorySettings, file: Path | None = None, owner: OwnerFacts | None = None
+    ) -> None:
         self._node = node
         clock = node.graph.clock
         # Microseconds: a directory that was restarted goes on above the numbers of the one before.
@@ -107,6 +111,7 @@ class Directory:
             forget_after=settings.forget_after,
             first_sequence=round(node.graph.steady_now() * 1e6) + 1,
             max_devices=settings.max_devices,
+            owner=owner,
         )
         self._clock = clock
         self._changes = node.create_publisher(DeviceChange, DEVICE_CHANGES, 10)

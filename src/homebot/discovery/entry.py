@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from homebot.devices import (
@@ -17,16 +17,19 @@ from homebot.devices import (
     Reachability,
     State,
 )
+from homebot.devices.device import OWNER
 from homebot.devices.device_types import wanted_types
 from homebot.devices.value import PlainValue
 from homebot.discovery.endpoints import Addresses, addresses, endpoint_reach, endpoints, last_seen, sorted_routes
 from homebot.discovery.liveness import ReportInterval
 from homebot.discovery.merging.parts import NO_IDS, MergedParts, PartIds, lost_ids, main_part, merge_parts
 from homebot.discovery.merging.trust import NOBODY_TRUSTED, EndpointKey
+from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.reachability import offline_parts, reachability
 from homebot.discovery.source_record import SourceKey, SourceRecord, StoredValue, preference
 from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
+from homebot.places import NO_AREAS, HousePlan, OwnerFact
 
 if TYPE_CHECKING:
     from homebot.discovery.echoes import Echoes
@@ -63,6 +66,7 @@ class Entry:
         claimed: The endpoints that may not; see :mod:`homebot.discovery.merging.trust`.
         agreement: What the two reported lately; None where all are trusted.
         echoes: What happened lately, and by how many routes that was reported; None where nothing happens.
+        owner: What the owner states of devices; None before it is in the index.
     """
 
     id: str
@@ -85,6 +89,7 @@ class Entry:
     claimed: frozenset[EndpointKey] = NOBODY_TRUSTED
     agreement: Agreement | None = None
     echoes: Echoes | None = None
+    owner: OwnerFacts | None = None
     _description: _Description | None = None
     _device: Device | None = None
 
@@ -153,6 +158,8 @@ class Entry:
                 freshness=self.freshness,
                 service_types=described.service_types,
                 area=described.area,
+                outer_areas=described.outer_areas,
+                tags=described.tags,
                 names=described.names,
                 identifiers=described.identifiers,
                 parts=parts,
@@ -228,7 +235,10 @@ class Entry:
 
     def _described(self, topics: TopicOwnership) -> _Description:
         if self._description is None:
-            self._description = _describe(tuple(self.sources.values()), topics, self.known_ids)
+            sources = tuple(self.sources.values())
+            self._description = _describe(sources, topics, self.known_ids, self.owner)
+            if self.owner is not None and (stated := self.owner.of(self.id, sources)):
+                self._description = _with_stated(self._description, stated, self.owner.plan)
             if self.known_ids:
                 self.known_ids = lost_ids(self.known_ids, self._description.merged.places)
         return self._description
@@ -258,7 +268,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class _Description:
-    """The part of a record that follows from the announcements alone."""
+    """The part of a record that follows from the announcements, and from what the owner states."""
 
     name: str
     names: tuple[str, ...]
@@ -270,26 +280,61 @@ class _Description:
     facts: tuple[Fact, ...]
     addresses: tuple[Addresses, ...]
     merged: MergedParts
+    outer_areas: tuple[str, ...]
+    tags: tuple[str, ...] = ()
 
 
-def _describe(sources: tuple[SourceRecord, ...], topics: TopicOwnership, known_ids: PartIds) -> _Description:
+def _describe(
+    sources: tuple[SourceRecord, ...], topics: TopicOwnership, known_ids: PartIds, owner: OwnerFacts | None
+) -> _Description:
     ordered = sorted(sources, key=preference) if len(sources) > 1 else sources
     merged = merge_parts(ordered, topics, known_ids)
     main = main_part(merged.believed)
     first = ordered[0].sighting
     is_single = len(ordered) == 1
     believed = ordered if is_single else [source for source in ordered if not source.is_claimed] or ordered
+    area, outer_areas = first.area if first.area or is_single else _area(believed), NO_AREAS
+    if area and owner is not None:
+        area, outer_areas = owner.plan.locate(area)
     return _Description(
         name=first.name,
         names=(first.name,) if is_single else tuple(dict.fromkeys(source.sighting.name for source in believed)),
         service_type=first.service_type if main is None or first.is_plain_text else main.part.service_type,
         service_types=_service_types(believed, merged.believed),
-        area=first.area if first.area or is_single else _area(believed),
+        area=area,
+        outer_areas=outer_areas,
         identifiers=tuple(dict.fromkeys(first.identifiers)) if is_single else _identifiers(ordered),
         metadata=first.metadata if is_single else _metadata(ordered),
         facts=_facts(ordered),
         addresses=addresses(ordered, main),
         merged=merged,
+    )
+
+
+def _with_stated(described: _Description, stated: tuple[OwnerFact, ...], plan: HousePlan) -> _Description:
+    """Return what is announced of a device with what the owner states of it, which outranks that."""
+    values = {name: tuple(fact.value for fact in stated if fact.name == name) for name in ("area", "name", "tag")}
+    names = tuple(dict.fromkeys((*values["name"], described.name, *described.names)))
+    facts = tuple(
+        Fact.of_checked(
+            name=fact.name,
+            value=fact.value,
+            gateway="",
+            convention=OWNER,
+            key=fact.source,
+            said_at=Time.from_seconds(fact.said_at),
+        )
+        for fact in stated
+    )
+    area, outer_areas = plan.locate(values["area"][0]) if values["area"] else (described.area, described.outer_areas)
+    return replace(
+        described,
+        name=names[0],
+        names=names,
+        area=area,
+        outer_areas=outer_areas,
+        tags=values["tag"],
+        facts=(*facts, *described.facts)[:MAX_FACTS],
     )
 
 

@@ -10,8 +10,8 @@ from hashlib import blake2b
 from typing import final
 
 from homebot.devices import Sighting
-from homebot.devices.query.folding import fold
 from homebot.discovery.source_record import SourceKey
+from homebot.folding import fold
 
 __all__ = ["MAX_TOMBSTONES", "Tombstone", "Tombstones", "new_id"]
 

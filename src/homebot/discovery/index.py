@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict
-from typing import final
+from typing import TYPE_CHECKING, final
 
 from homebot.devices import Device, Sighting, StateChange
 from homebot.devices.gateway_messages import Report
@@ -20,11 +20,16 @@ from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.decisions import MergeDecisions
 from homebot.discovery.merging.intake import SightingIntake
 from homebot.discovery.merging.merger import DeviceMerger
+from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.search.postings import PostedValue, Postings
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.states import StateRecorder
 from homebot.errors import RefusedError
+
+if TYPE_CHECKING:
+    from homebot.discovery.places_editor import PlacesEditor
+    from homebot.discovery.places_exchange import PlacesExchange
 
 __all__ = ["MAX_DEVICES", "DeviceIndex", "IndexCounters"]
 
@@ -39,9 +44,11 @@ class DeviceIndex:
         forget_after: Seconds for which a stale device stays in the index before it is removed.
         first_sequence: Number of the first change; a new index that follows an old one starts above it.
         max_devices: How many it takes in.
+        owner: What the owner states of devices; by default nothing.
 
     Attributes:
         counters: What was not taken in.
+        owner: What the owner states of devices.
         take_changes: Returns what happened, at most so many changes or all, oldest first, and forgets it; what became
             of one device meanwhile is in its change.
         next_deadline: Returns when :meth:`expire` has something to do, in seconds of its clock; None for never.
@@ -49,11 +56,19 @@ class DeviceIndex:
         tombstones: Devices that went.
     """
 
-    def __init__(self, *, forget_after: float, first_sequence: int = 1, max_devices: int = MAX_DEVICES) -> None:
-        table = DeviceTable(first_sequence)
+    def __init__(
+        self,
+        *,
+        forget_after: float,
+        first_sequence: int = 1,
+        max_devices: int = MAX_DEVICES,
+        owner: OwnerFacts | None = None,
+    ) -> None:
+        table = DeviceTable(first_sequence, owner or OwnerFacts())
         self.counters = table.counters
         self.tombstones = table.tombstones
         self.take_changes = table.changes.take
+        self.owner = table.owner
         self._table = table
         self._sources = table.sources
         self._pending = PendingReports()
@@ -244,6 +259,20 @@ class DeviceIndex:
     def decisions(self) -> MergeDecisions:
         """Decisions of the owner on which announcements are one device, for the index file."""
         return self._merger.decisions
+
+    @property
+    def places(self) -> PlacesEditor:
+        """Editor of the rooms, aliases and tags that the owner states."""
+        from homebot.discovery.places_editor import PlacesEditor  # noqa: PLC0415 - with the first statement
+
+        return PlacesEditor(self._table)
+
+    @property
+    def places_exchange(self) -> PlacesExchange:
+        """Export and import of what the owner states."""
+        from homebot.discovery.places_exchange import PlacesExchange  # noqa: PLC0415 - with the first file
+
+        return PlacesExchange(self._table, self.places)
 
     def split(self, device_id: str, key: SourceKey | None, now: float) -> tuple[str, ...]:
         """Make several devices of one, because the owner says so; return their ids, that of the one first.

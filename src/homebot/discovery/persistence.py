@@ -5,11 +5,11 @@ All of SQLite happens in a worker thread. Without a file it does nothing.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import anyio
 from anyio import to_thread
@@ -42,12 +42,35 @@ RETRY_AFTER = 5.0
 """Seconds until a file that could not be written is tried again."""
 
 DECISIONS = "merging"
-"""The name of the record of what the owner decided on merging."""
+PLACES = "places"
+"""The records of the owner: which announcements are one device, and what is stated of devices."""
 
 _BATCH = 200
 """Devices written in one transaction."""
 
 _LAST_CHANCE = 5.0
+
+
+class OwnerRecord(Protocol):
+    """A record in the index file of what the owner decided.
+
+    Attributes:
+        is_unsaved: Whether it is not in the index file as it is.
+    """
+
+    is_unsaved: bool
+
+    def record(self) -> str:
+        """Return it as text."""
+        ...
+
+    def restore(self, record: str) -> None:
+        """Take over what :meth:`record` returned.
+
+        Raises:
+            WireError: It is no such text.
+        """
+        ...
 
 
 class IndexPersistence:
@@ -75,6 +98,7 @@ class IndexPersistence:
         self.damaged = 0
         self.file = str(path or "")
         self.state = "off" if path is None else "ok"
+        self._owner: Mapping[str, OwnerRecord] = {DECISIONS: index.decisions, PLACES: index.owner}
         index.is_saved = path is not None
 
     async def load(self) -> None:
@@ -88,7 +112,7 @@ class IndexPersistence:
             return
         for tombstone in known.tombstones:
             self._index.tombstones.put(tombstone)
-        rejected = known.rejected + self._restore_decisions(known.owner)
+        rejected = known.rejected + self._restore_owner(known.owner)
         now, wall = self._clock.monotonic(), self._clock.now()
         work = TimeSlice(self._clock)
         for entry in known.entries:
@@ -103,14 +127,22 @@ class IndexPersistence:
                 LOADED, message=f"{len(known.entries)} devices are known from the last run", file=self.file
             )
 
-    def _restore_decisions(self, owner: Mapping[str, str]) -> int:
+    def _restore_owner(self, records: Mapping[str, str]) -> int:
         """Take over what the owner decided; return how many records could not be read."""
-        try:
-            if (record := owner.get(DECISIONS)) is not None:
-                self._index.decisions.restore(record)
-        except WireError:
-            return 1
-        return 0
+        rejected = 0
+        for name, owner in self._owner.items():
+            try:
+                if (record := records.get(name)) is not None:
+                    owner.restore(record)
+            except WireError as exc:
+                rejected += 1
+                self._node.log.warning(BAD_RECORD, message=f"the record {name!r} in {self.file}: {exc}")
+        return rejected
+
+    def _save_owner(self) -> None:
+        """Note that nothing that the owner decided is in the index file."""
+        for owner in self._owner.values():
+            owner.is_unsaved = True
 
     async def run(self) -> None:
         """Write what changes until cancelled, then once more."""
@@ -139,29 +171,31 @@ class IndexPersistence:
         if damaged is not None:
             self._log_damage(damaged)
             self._index.save_all()
-            self._index.decisions.is_unsaved = True
+            self._save_owner()
         return True
 
     async def _save(self, file: IndexFile) -> None:
-        while self._index.unsaved or self._index.decisions.is_unsaved:
+        while self._index.unsaved or any(owner.is_unsaved for owner in self._owner.values()):
             batch = tuple(islice(self._index.unsaved, _BATCH))
             for device_id in batch:
                 del self._index.unsaved[device_id]
-            decisions, self._index.decisions.is_unsaved = self._index.decisions.is_unsaved, False
+            unsaved = [name for name, owner in self._owner.items() if owner.is_unsaved]
+            for name in unsaved:
+                self._owner[name].is_unsaved = False
             is_written = False
             try:
-                is_written = await self._write(file, batch, with_decisions=decisions)
+                is_written = await self._write(file, batch, unsaved)
             finally:
                 if not is_written:
                     self._index.unsaved.update(dict.fromkeys(batch))
-                    self._index.decisions.is_unsaved |= decisions
+                    for name in unsaved:
+                        self._owner[name].is_unsaved = True
             if not is_written:
                 return
 
-    async def _write(self, file: IndexFile, batch: tuple[str, ...], *, with_decisions: bool) -> bool:
+    async def _write(self, file: IndexFile, batch: tuple[str, ...], owner: Iterable[str]) -> bool:
         records = await self._records(batch)
-        if with_decisions:
-            records = replace(records, owner=((DECISIONS, self._index.decisions.record()),))
+        records = replace(records, owner=tuple((name, self._owner[name].record()) for name in owner))
         if self.state != "ok" and not await self._open(file):
             return False
         try:
@@ -210,7 +244,7 @@ class IndexPersistence:
             self._log_failure(LinkError(f"{self.file} cannot be set aside: {exc}"))
             return
         self._index.save_all()
-        self._index.decisions.is_unsaved = True
+        self._save_owner()
         if await self._open(file):
             self.state = "ok"
 

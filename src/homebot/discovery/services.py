@@ -45,6 +45,7 @@ from homebot.devices.services import (
 from homebot.discovery.changes import ChangeLog
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.persistence import IndexPersistence
+from homebot.discovery.places_services import PlacesServices
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
 
@@ -89,6 +90,7 @@ class DirectoryServices:
         node.create_service(SplitDevice, SPLIT_DEVICE, self._split)
         node.create_service(MergeDevices, MERGE_DEVICES, self._merge)
         node.create_service(GetHealth, DISCOVERY_HEALTH, self._get_health)
+        PlacesServices(self._clock, self._index, self._publish_all).register(node)
 
     def remember(self, change: DeviceChange) -> None:
         """Keep a change that was published, for those who ask later."""

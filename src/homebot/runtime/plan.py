@@ -20,6 +20,7 @@ from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.extras import check_extra
 from homebot.gateways import Gateway
+from homebot.places import NO_PLACES, Places
 from homebot.plugins import load_plugin
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ class Plan:
         control: The control layer's settings.
         door: The door's settings.
         thing_directory: The settings of the directory that is served over HTTP; None where none is.
+        places: The rooms, and what the owner states of devices.
     """
 
     home: str
@@ -82,6 +84,7 @@ class Plan:
     control: ControlSettings
     door: DoorSettings
     thing_directory: DirectoryBridgeSettings | None = None
+    places: Places = NO_PLACES
 
 
 def make_plan(config: Config) -> Plan:
@@ -99,6 +102,7 @@ def make_plan(config: Config) -> Plan:
         control=_control(config),
         door=_door(config),
         thing_directory=_thing_directory(config),
+        places=_places(config),
     )
 
 
@@ -109,6 +113,7 @@ def plan_errors(config: Config) -> tuple[ConfigError, ...]:
         partial(_control, config),
         partial(_door, config),
         partial(_thing_directory, config),
+        partial(_places, config),
     ]
     parts += [partial(_gateway, name, table, config) for name, table in config.gateways.items()]
     parts += [partial(_app, name, table, config) for name, table in config.apps.items()]
@@ -186,6 +191,14 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
         raise ConfigError(config.source, key, str(exc)) from exc
     values = _access(given, given.token_file, config.source, key, "HOMEBOT_THINGS_TOKEN")
     return DirectoryBridgeSettings(**values)
+
+
+def _places(config: Config) -> Places:
+    if not config.places:
+        return NO_PLACES
+    from homebot.places import read_places  # noqa: PLC0415 - for those who have the table
+
+    return read_places(config.places, config.home.name, config.source, "configuration")
 
 
 def _access(table: AccessSettings, token_file: Path | None, source: str, key: str, variable: str) -> dict[str, Any]:

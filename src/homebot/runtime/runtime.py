@@ -25,7 +25,7 @@ from homebot.config import UNNAMED, Config
 from homebot.control import Control
 from homebot.devices.health import GetHealth
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
-from homebot.discovery import Directory
+from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import ConfigError, UsageError
 from homebot.gateways import Gateway, GatewayContext, HostService
 from homebot.graph import Graph, Node, RosoutFeed
@@ -243,7 +243,8 @@ class Runtime:
 
     async def _directory(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "discovery") as node:
-            directory = Directory(node, self._plan.discovery, self._index_file)
+            owner = OwnerFacts(self._plan.home, self._plan.places, self._clock.now())
+            directory = Directory(node, self._plan.discovery, self._index_file, owner)
             await run_as(node.full_name, partial(directory.serve, task_status=task_status))
 
     async def _control(self, *, task_status: TaskStatus[None]) -> None:

@@ -108,7 +108,7 @@ REFUSED = {
     "freshness=dead": "one of fresh, unconfirmed, stale",
     "press=single": "press is an event, which no device has as a state; ask for `with press`",
     "?!": "contains no search term",
-    "foo=bar": "'foo' at character 1 is unknown; known are area, brand",
+    "xyzzy=bar": "'xyzzy' at character 1 is unknown; known are alias, area, brand",
     "lamp manufactuer=ikea": "'manufactuer' at character 6 is unknown; did you mean manufacturer",
     "lamps near kitchen": "'near' at character 7 is not understood in a query; write it in quotation marks",
     "lamps in kitchen near window": "'near' at character 18 is not understood",

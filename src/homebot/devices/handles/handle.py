@@ -16,9 +16,9 @@ from homebot.devices.handles.handles import TrackedDevice
 from homebot.devices.outcomes import Gone, Outcome
 from homebot.devices.part import Capability
 from homebot.devices.query import CanDo, Not, StateIs
-from homebot.devices.query.folding import fold
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import RefusedError, UsageError
+from homebot.folding import fold
 from homebot.similar import did_you_mean
 
 __all__ = ["Handle", "plain_value"]

@@ -24,7 +24,7 @@ from homebot.devices.query import (
     TypeIs,
     fits,
 )
-from homebot.devices.query.folding import fold
+from homebot.folding import fold
 from homebot.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -46,8 +46,10 @@ class CommonFilters(TypedDict, total=False):
     """Filters that apply to every kind.
 
     Attributes:
-        area: The room of the device, whatever the case and accents.
+        area: The room of the device, or the floor or home that this is in, whatever the case and accents; empty for a
+            device without a room.
         name: A name of the device or part, likewise.
+        tag: A tag of the device, likewise.
         reachable: Whether it reports that it can be reached.
         fresh: Whether it reported lately.
         category: ``"config"`` for settings and ``"diagnostic"`` for self-observations instead of what devices are there
@@ -56,12 +58,16 @@ class CommonFilters(TypedDict, total=False):
 
     area: str
     name: str
+    tag: str
     reachable: bool
     fresh: bool
     category: Category
 
 
-_FILTER_TYPES: Mapping[str, type] = {"area": str, "name": str, "reachable": bool, "fresh": bool, "category": str}
+_FILTER_TYPES: Mapping[str, type] = {
+    **dict.fromkeys(("area", "name", "tag", "category"), str),
+    **dict.fromkeys(("reachable", "fresh"), bool),
+}
 
 
 class HandleQuery(Generic[HandleT]):
@@ -94,9 +100,10 @@ class HandleQuery(Generic[HandleT]):
             part_terms.append(TypeIs("", kind.service_types, by_word=False))
         found += [FactIs("category", self._category)] if self._category else part_terms  # such parts give no type
         if "area" in filters:
-            area = AreaIs(fold(filters["area"]))
-            device_terms.append(area)
-            found += [area] if area.area else []
+            device_terms.append(AreaIs(fold(filters["area"])))
+        if "tag" in filters:
+            device_terms.append(FactIs("tag", fold(filters["tag"])))
+        found += device_terms
         if "fresh" in filters:
             fresh = FreshnessIs("fresh")
             device_terms.append(fresh if filters["fresh"] else Not(fresh))

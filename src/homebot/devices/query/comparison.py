@@ -7,7 +7,6 @@ from typing import get_args
 
 from homebot.devices.capabilities import CAPABILITIES, CapabilityType
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
-from homebot.devices.query.folding import fold, words_of
 from homebot.devices.query.terms import (
     And,
     CanDo,
@@ -27,6 +26,7 @@ from homebot.devices.query.tokens import Token
 from homebot.devices.query.vocabulary import CAPABILITY_WORDS, CONDITIONS, FACTS, FIELDS, TYPE_WORDS
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
+from homebot.folding import fold, words_of
 from homebot.similar import did_you_mean, similar_to
 
 __all__ = ["UNITS", "comparison"]
@@ -130,6 +130,8 @@ def _field(field: str, name: Token, value: Token) -> Query:
         case "category":
             if word not in _CATEGORIES:
                 raise UsageError(f"{name.text} is {' or '.join(_CATEGORIES)}, not {value.text!r}")
+            return FactIs(field, word)
+        case "tag":
             return FactIs(field, word)
         case "id" | "convention":
             return FactIs(field, value.text.casefold())

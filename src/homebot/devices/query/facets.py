@@ -9,8 +9,8 @@ from functools import lru_cache
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.part import Part
-from homebot.devices.query.folding import fold, words_of
 from homebot.devices.value import PlainValue
+from homebot.folding import fold, words_of
 
 __all__ = ["Facets", "facets_of"]
 
@@ -32,8 +32,9 @@ class Facets:
         possible_types: The types that the word of a device without parts may mean; empty for a device with parts.
         capabilities: Capabilities of its parts.
         settable: Those that can be set.
-        area: Folded.
-        words: The words of its id, names, area and model, folded.
+        areas: Its room and the areas that this is in, folded.
+        tags: Its tags, folded.
+        words: The words of its id, names, room, floor, tags and model, folded.
         freshness: See :class:`Device`.
         reachable: See :class:`Device`.
         gateways: Its gateways.
@@ -53,7 +54,8 @@ class Facets:
     possible_types: frozenset[str]
     capabilities: frozenset[str]
     settable: frozenset[str]
-    area: str
+    areas: tuple[str, ...]
+    tags: frozenset[str]
     words: frozenset[str]
     freshness: str
     reachable: str
@@ -112,7 +114,8 @@ def facets_of(device: Device) -> Facets:
         possible_types=shared[1],
         capabilities=shared[2],
         settable=shared[3],
-        area=fold(device.area),
+        areas=_areas(device.area, device.outer_areas) if device.area else _NOWHERE,
+        tags=frozenset(map(fold, device.tags)) if device.tags else _NO_TAGS,
         words=_words(device, facts),
         freshness=device.freshness,
         reachable=device.reachable.state,
@@ -143,6 +146,15 @@ def _one_of(found: frozenset[str]) -> frozenset[str]:
 @lru_cache(maxsize=1024)
 def _one_of_kinds(found: frozenset[tuple[str, str]]) -> frozenset[tuple[str, str]]:
     return found
+
+
+_NOWHERE: tuple[str, ...] = ()
+_NO_TAGS: frozenset[str] = frozenset()
+
+
+@lru_cache(maxsize=1024)
+def _areas(area: str, outer_areas: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(map(fold, (area, *outer_areas))))
 
 
 def _kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozenset[tuple[str, str]], frozenset[str]]:
@@ -179,7 +191,7 @@ def _folded_facts(device: Device) -> dict[str, tuple[str, ...]]:
 
 
 def _words(device: Device, facts: Mapping[str, tuple[str, ...]]) -> frozenset[str]:
-    texts = [device.id, *device.names, device.name, device.area]
+    texts = [device.id, *device.names, device.name, device.area, *device.outer_areas[:-1], *device.tags]
     for name, values in facts.items():
         if name in _TEXTS:
             texts += values

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.query.facets import Facets, facets_of
-from homebot.devices.query.folding import fold, is_typo
 from homebot.devices.query.terms import (
     And,
     AreaIs,
@@ -26,6 +25,7 @@ from homebot.devices.query.terms import (
     TypeIs,
 )
 from homebot.devices.value import PlainValue
+from homebot.folding import fold, is_typo
 
 __all__ = ["PartFacets", "compares", "fits"]
 
@@ -96,9 +96,15 @@ class PartFacets:
         ]
 
     @property
-    def area(self) -> str:
-        """The area of its device, folded."""
-        return fold(self._device.area)
+    def areas(self) -> tuple[str, ...]:
+        """The room of its device and the areas that this is in, folded; empty where no room is known."""
+        device = self._device
+        return tuple([fold(area) for area in (device.area, *device.outer_areas)]) if device.area else ()
+
+    @property
+    def tags(self) -> frozenset[str]:
+        """The tags of its device, folded."""
+        return frozenset(map(fold, self._device.tags))
 
     @property
     def words(self) -> frozenset[str]:
@@ -169,7 +175,7 @@ def fits(query: Query, device: Facets | PartFacets) -> bool:
                 for service_type, capability, value in device.values
             )
         case AreaIs(area):
-            return device.area == area
+            return area in device.areas if area else not device.areas
         case HasText(word):
             return any(one.startswith(word) or is_typo(word, one) for one in device.words)
         case _:
@@ -186,7 +192,7 @@ def _fits_whole(
         case NameIs(name):
             return name in device.names
         case InArea(area):
-            return bool(device.area) and _begins(device.area, area)
+            return any(_begins(one, area) for one in device.areas)
         case FreshnessIs(freshness):
             return device.freshness == freshness
         case ReachableIs(state):
@@ -203,6 +209,8 @@ def _fits_fact(name: str, value: str, device: Facets | PartFacets) -> bool:
             return device.id.casefold() == value
         case "name" if _begins(device.name, value):
             return True
+        case "tag":
+            return value in device.tags
         case "convention":
             return value in device.conventions
         case "category":

@@ -4,7 +4,7 @@ Grammar, the loosest binding first::
 
     query      = all {"or" all}
     all        = one {["and" | "but" | ","] one}
-    one        = ("not" | "without") one | "(" query ")" | "in" AREA | "with" CAPABILITY | comparison | word
+    one        = "not" one | "(" query ")" | "in" AREA | ("with" | "without") (CAPABILITY | "area") | comparison | word
     comparison = NAME ("=" | "!=" | "<" | "<=" | ">" | ">=") VALUE
     word       = a type, a capability, an adjective such as ``on`` or ``stale``, or free text
 
@@ -24,8 +24,7 @@ from functools import lru_cache
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.query.comparison import UNITS, comparison
-from homebot.devices.query.folding import MAX_WORD, fold, words_of
-from homebot.devices.query.terms import And, CanDo, HasText, InArea, Not, Or, Query, StateIs, TypeIs, type_is
+from homebot.devices.query.terms import And, AreaIs, CanDo, HasText, InArea, Not, Or, Query, StateIs, TypeIs, type_is
 from homebot.devices.query.tokens import Token, tokens_of
 from homebot.devices.query.vocabulary import (
     ABILITIES,
@@ -37,10 +36,15 @@ from homebot.devices.query.vocabulary import (
     NOT_UNDERSTOOD,
 )
 from homebot.errors import UsageError
+from homebot.folding import MAX_WORD, fold, words_of
 from homebot.similar import did_you_mean
 
 __all__ = ["parse_query"]
 
+_NOWHERE = AreaIs("")
+"""A device of which no room is known."""
+
+_AREA_WORDS = ("area", "room", "areas", "rooms")
 _MAX_DEPTH = 20
 _LONGEST_PHRASE = 4
 
@@ -107,7 +111,7 @@ class _Parser:
                     return InArea(self._area(token))
                 case "with":
                     self._place += 1
-                    return self._ability(token)
+                    return Not(_NOWHERE) if self._takes_area() else self._ability(token)
             return comparison(*self._compared()) if self._is_compared() else self._phrase()
         if token.kind == "text":
             if self._is_compared():
@@ -124,6 +128,8 @@ class _Parser:
         if following is None or following.kind == ")":
             raise _missing(token)
         with_capability = fold(token.text) == "without"
+        if with_capability and self._takes_area():
+            return _NOWHERE
         self._enter(token)
         term = self._ability(token) if with_capability else self._one()
         self._depth -= 1
@@ -218,6 +224,9 @@ class _Parser:
             return False
         self._place += 1
         return True
+
+    def _takes_area(self) -> bool:
+        return any(self._takes(word) for word in _AREA_WORDS)
 
     def _peek(self) -> Token | None:
         return self._tokens[self._place] if self._place < len(self._tokens) else None

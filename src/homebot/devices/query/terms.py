@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
-from homebot.devices.query.folding import fold
 from homebot.devices.value import UNKNOWN, PlainValue, Value
 from homebot.errors import UsageError
+from homebot.folding import fold
 from homebot.messages.message import Message, UInt32
 
 __all__ = [
@@ -85,14 +85,14 @@ class CanDo:
 
 @dataclass(frozen=True, slots=True)
 class InArea:
-    """A device in this room, folded; a room whose name begins with it counts as well."""
+    """A device in this room, or in a room of this floor or home, folded; a name that begins with it counts as well."""
 
     area: str
 
 
 @dataclass(frozen=True, slots=True)
 class AreaIs:
-    """A device in this very room, folded."""
+    """A device in this very room, or in a room of this floor or home, folded; empty for a device without a room."""
 
     area: str
 
@@ -153,7 +153,8 @@ class GatewayIs:
 class FactIs:
     """A device with this fact, or one that begins with it, folded.
 
-    ``id``, ``name``, ``convention`` and the ``category`` of its parts count as facts.
+    ``id``, ``name``, ``convention``, ``tag`` and the ``category`` of its parts count as facts. A tag, convention or
+    category must be the whole value.
     """
 
     name: str

@@ -7,8 +7,8 @@ from types import MappingProxyType
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.query.folding import fold
 from homebot.devices.query.terms import CanDo, FreshnessIs, IsDisputed, Or, Query, ReachableIs, StateIs
+from homebot.folding import fold
 
 __all__ = [
     "ABILITIES",
@@ -34,6 +34,7 @@ FIELDS: Mapping[str, str] = MappingProxyType(
         "gateway": "gateway",
         "area": "area",
         "room": "area",
+        "floor": "area",
         "type": "type",
         "freshness": "freshness",
         "reachable": "reachable",
@@ -41,6 +42,8 @@ FIELDS: Mapping[str, str] = MappingProxyType(
         "has": "has",
         "id": "id",
         "name": "name",
+        "alias": "name",
+        "tag": "tag",
         "convention": "convention",
         "category": "category",
         "manufacturer": "manufacturer",

@@ -81,7 +81,7 @@ class SightingIntake:
         if is_alone:
             merger.appear({key: source}, why)
         elif sibling is not None:
-            merger.join(table.owners[sibling], source)
+            merger.join(table.owners[sibling], source, sibling)
         else:
             merger.regroup(affected, why)
         if sighting.confirmed and not is_alone:

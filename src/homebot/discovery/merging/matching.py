@@ -21,7 +21,7 @@ from itertools import chain
 from typing import TypeAlias
 
 from homebot.devices.part import Capability, Part
-from homebot.devices.query.folding import fold
+from homebot.folding import fold
 
 __all__ = ["SETTING", "Candidate", "candidates", "match"]
 

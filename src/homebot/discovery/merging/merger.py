@@ -70,6 +70,7 @@ class DeviceMerger:
         entry = Entry(device_id, _first_seen(sources), "unconfirmed", sources, known_ids=NO_IDS)
         if tombstone is not None and is_back:
             entry.trusted = frozenset(tombstone.trusted)
+        table.owner.adopt(device_id, sources.values())
         table.entries[device_id] = entry
         for key, source in sources.items():
             table.owners[key] = entry
@@ -83,13 +84,14 @@ class DeviceMerger:
         table.note("appeared", entry, f"it returned: {why}" if is_back else why)
         return entry
 
-    def join(self, entry: Entry, source: SourceRecord) -> None:
-        """Add *source*, which says the same of who the device is as another of its announcements.
+    def join(self, entry: Entry, source: SourceRecord, sibling: SourceKey) -> None:
+        """Add *source*, which says the same of who the device is as *sibling*, another of its announcements.
 
         It is the usual case of a device that is announced in many messages, and needs no look at all others.
         """
         entry.sources[source.key] = source
         self._table.owners[source.key] = entry
+        self._table.owner.inherit(sibling, source.key)
         self.describe(entry, source)
         if entry.freshness == "unconfirmed":
             self._liveness.extend(entry, source, self._liveness.now)
@@ -108,6 +110,7 @@ class DeviceMerger:
             self.identities.put(key, source.sighting)
         entry.freshness = "unconfirmed"
         self._table.entries[entry.id] = entry
+        self._table.owner.adopt(entry.id, entry.sources.values())
         self.describe(entry)
         self._liveness.restart(entry, now, wall)
         self._table.note("appeared", entry, "it was known before the last start")
@@ -236,6 +239,7 @@ class DeviceMerger:
     def describe(self, entry: Entry, new: SourceRecord | None = None) -> None:
         """Bring up to date what follows from the announcements of *entry*: all changed, or *new* was added."""
         table = self._table
+        entry.owner = table.owner
         entry.invalidate_description()
         if self._judge(entry, new):
             new = None

@@ -27,11 +27,11 @@ from homebot.devices.query import (
     StateIs,
     TypeIs,
 )
-from homebot.devices.query.folding import fold, is_typo, may_be_typo
 from homebot.devices.query.matching import compares
 from homebot.devices.value import PlainValue
 from homebot.discovery.search.columns import Column
 from homebot.discovery.source_record import StoredValue
+from homebot.folding import fold, is_typo, may_be_typo
 
 __all__ = ["Found", "PostedValue", "Postings"]
 
@@ -43,6 +43,7 @@ _Key: TypeAlias = tuple[object, ...]
 
 _NONE: frozenset[str] = frozenset()
 _DISPUTED = ("disputed", True)
+_NOWHERE = ("nowhere", True)
 _FEW = 200
 """Devices that are sooner looked at one by one than by going through all values of a capability."""
 
@@ -129,7 +130,7 @@ class Postings:
         return None
 
     def values_of(self, name: str) -> frozenset[str]:
-        """Return the values of ``area``, ``gateway``, ``convention`` or ``advertised``, a type as it was announced."""
+        """Return the values of ``area``, ``tag``, ``gateway``, ``convention``, or the type as ``advertised``."""
         return frozenset(str(one[0]) for one in self._values_of.get(name, ()))
 
     def find(self, query: Query) -> Found:
@@ -159,7 +160,7 @@ class Postings:
             case CanDo(name, settable):
                 return self._sets.get(("set" if settable else "can", name), _NONE)
             case AreaIs(area):
-                return self._sets.get(("area", area), _NONE)
+                return self._sets.get(("area", area) if area else _NOWHERE, _NONE)
             case NameIs(name):
                 named = self._sets.get(("fact name", name), _NONE)
                 return named | {device_id for device_id in self._posted if fold(device_id) == name}
@@ -177,7 +178,7 @@ class Postings:
     def _by_fact(self, name: str, value: str) -> Found:
         if name == "id":
             return {device_id for device_id in self._posted if device_id.casefold() == value}
-        if name in {"convention", "category"}:
+        if name in {"convention", "category", "tag"}:
             return self._sets.get((name, value), _NONE)
         return self._begins(f"fact {name}", value)
 
@@ -263,8 +264,11 @@ def _keys(facets: Facets) -> list[_Key]:
     keys: list[_Key] = [("freshness", facets.freshness), ("reachable", facets.reachable)]
     if facets.name not in facets.facts.get("name", ()):
         keys.append(("fact name", facets.name))
-    if facets.area:
-        keys.append(("area", facets.area))
+    if facets.areas:
+        keys += zip(repeat("area"), facets.areas)
+    else:
+        keys.append(_NOWHERE)
+    keys += zip(repeat("tag"), facets.tags)
     if facets.possible_types:
         keys.append(("sense", facets.possible_types))
     for service_type, tag in facets.kinds:

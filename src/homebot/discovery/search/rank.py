@@ -7,9 +7,9 @@ from functools import lru_cache
 from typing import TypeAlias
 
 from homebot.devices.query import And, CanDo, Facets, FactIs, HasText, InArea, Not, Or, Query, StateIs, TypeIs, fits
-from homebot.devices.query.folding import is_typo, words_of
 from homebot.devices.value import PlainValue
 from homebot.discovery.search.postings import Postings
+from homebot.folding import is_typo, words_of
 
 __all__ = ["Ranked", "rank", "reasons"]
 
@@ -84,7 +84,7 @@ def _weigh(term: Query, facets: Facets) -> tuple[float, str]:
         case HasText(word):
             return _weigh_text(word, facets)
         case InArea(area) if fits(term, facets):
-            return (2.0, f"it is in {facets.area}") if facets.area == area else (1.0, f"its room is {facets.area}")
+            return (2.0, f"it is in {area}") if area in facets.areas else (1.0, f"its room is {facets.areas[0]}")
         case CanDo(name) if fits(term, facets):
             return 1.0, f"it has {name}"
         case FactIs(name, value) if fits(term, facets):

@@ -9,9 +9,9 @@ from collections.abc import Iterable, Iterator
 
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query import And, FactIs, GatewayIs, HasText, InArea, Not, Or, Query, TypeIs
-from homebot.devices.query.folding import is_typo
 from homebot.devices.query.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, TYPE_WORDS
 from homebot.discovery.search.postings import Postings
+from homebot.folding import is_typo
 from homebot.similar import did_you_mean
 
 __all__ = ["unknown_word"]
@@ -42,6 +42,8 @@ def _problem(term: Query, postings: Postings) -> str:
             )
         case InArea(area):
             return _typo(f"no device is in {area!r}", area, postings.values_of("area"))
+        case FactIs("tag", tag):
+            return _typo(f"no device has the tag {tag!r}", tag, postings.values_of("tag"))
         case GatewayIs(gateway):
             return _typo(f"no device is reached through {gateway!r}", gateway, postings.values_of("gateway"))
         case FactIs("convention", convention):

@@ -10,9 +10,9 @@ from urllib.parse import urlsplit
 from homebot.conventions.nfc.pointer import Pointer
 from homebot.devices import FIND_DEVICES, Device, FindDevices
 from homebot.devices.identity import identifiers
-from homebot.devices.query.folding import fold
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
+from homebot.folding import fold
 from homebot.graph import Node
 from homebot.wot import identifiers_of, read_thing
 

@@ -1,0 +1,171 @@
+"""The services by which the owner states where devices are and what they are called."""
+
+from __future__ import annotations
+
+from homebot.messages.message import Message, ServiceType
+
+__all__ = ["AliasDevice", "ExportPlaces", "GetPlaces", "ImportPlaces", "PlaceDevice", "RoomInfo", "TagDevice"]
+
+
+class PlaceDeviceRequest(Message):
+    """State the room that a device is in; the directory remembers that over a restart.
+
+    Attributes:
+        device: The id of the device.
+        room: The room, or a floor; empty to take back what was stated by this service or an import.
+        is_new: Whether it may be a room whose name is one typo away from that of another.
+    """
+
+    device: str
+    room: str = ""
+    is_new: bool = False
+
+
+class PlaceDeviceResponse(Message):
+    """The result of placing a device.
+
+    Attributes:
+        success: Whether it is stated, or was taken back.
+        message: Why not.
+        room: The room that the device is in now; empty for none.
+    """
+
+    success: bool
+    message: str = ""
+    room: str = ""
+
+
+class AliasDeviceRequest(Message):
+    """Give a device a further name, which is shown from now on; the directory remembers that over a restart.
+
+    Attributes:
+        device: The id of the device.
+        alias: The name.
+        remove: Whether to take it back instead.
+    """
+
+    device: str
+    alias: str
+    remove: bool = False
+
+
+class AliasDeviceResponse(Message):
+    """The result of naming a device.
+
+    Attributes:
+        success: Whether it has the name, or no longer has it.
+        message: Why not.
+        aliases: All names that the owner gave it, the one that is shown first.
+    """
+
+    success: bool
+    message: str = ""
+    aliases: tuple[str, ...] = ()
+
+
+class TagDeviceRequest(Message):
+    """Tag a device with a word by which it is found; the directory remembers that over a restart.
+
+    Attributes:
+        device: The id of the device.
+        tag: The word or words.
+        remove: Whether to take it back instead.
+    """
+
+    device: str
+    tag: str
+    remove: bool = False
+
+
+class TagDeviceResponse(Message):
+    """The result of tagging a device.
+
+    Attributes:
+        success: Whether it has the tag, or no longer has it.
+        message: Why not.
+        tags: All tags that it has.
+    """
+
+    success: bool
+    message: str = ""
+    tags: tuple[str, ...] = ()
+
+
+class GetPlacesRequest(Message):
+    """A question for the rooms of the house."""
+
+
+class RoomInfo(Message):
+    """A room.
+
+    Attributes:
+        name: Its name.
+        floor: The floor that it is on; empty where none is stated.
+        doors: The rooms that a door joins it to.
+    """
+
+    name: str
+    floor: str = ""
+    doors: tuple[str, ...] = ()
+
+
+class GetPlacesResponse(Message):
+    """The rooms of the house, as the owner states them.
+
+    Attributes:
+        home: The name of the home, in which all rooms are.
+        rooms: The rooms.
+    """
+
+    home: str
+    rooms: tuple[RoomInfo, ...] = ()
+
+
+class ExportPlacesRequest(Message):
+    """A request for all rooms and all that the owner states of devices, as the text of a places file."""
+
+
+class ExportPlacesResponse(Message):
+    """A places file.
+
+    Attributes:
+        text: Its text: a table ``[places]`` in TOML.
+    """
+
+    text: str
+
+
+class ImportPlacesRequest(Message):
+    """Take over a places file: all of it or, with a mistake in it, nothing. What it does not state stays.
+
+    Attributes:
+        text: Its text.
+        replaces: Whether its room of a device wins over one that was stated here before.
+    """
+
+    text: str
+    replaces: bool = False
+
+
+class ImportPlacesResponse(Message):
+    """The result of an import.
+
+    Attributes:
+        success: Whether the file was taken over.
+        message: Why not: the key and the value of the first mistake.
+        added: Rooms, and devices of which something is new, as text.
+        kept: Rooms of devices that stayed although the file has others, as text.
+    """
+
+    success: bool
+    message: str = ""
+    added: tuple[str, ...] = ()
+    kept: tuple[str, ...] = ()
+
+
+PlaceDevice = ServiceType("homebot/srv/PlaceDevice", PlaceDeviceRequest, PlaceDeviceResponse)
+AliasDevice = ServiceType("homebot/srv/AliasDevice", AliasDeviceRequest, AliasDeviceResponse)
+TagDevice = ServiceType("homebot/srv/TagDevice", TagDeviceRequest, TagDeviceResponse)
+GetPlaces = ServiceType("homebot/srv/GetPlaces", GetPlacesRequest, GetPlacesResponse)
+ExportPlaces = ServiceType("homebot/srv/ExportPlaces", ExportPlacesRequest, ExportPlacesResponse)
+ImportPlaces = ServiceType("homebot/srv/ImportPlaces", ImportPlacesRequest, ImportPlacesResponse)

@@ -1,0 +1,148 @@
+"""Editor of what the owner states of devices at run time: a room, aliases and tags. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import final
+
+from homebot.discovery.device_table import DeviceTable
+from homebot.discovery.entry import Entry
+from homebot.errors import RefusedError, UsageError
+from homebot.folding import fold, is_typo
+from homebot.places import FactName, OwnerFact, check_name
+
+__all__ = ["PlacesEditor"]
+
+_MOST = 50
+"""Aliases, and tags, of a device."""
+
+_WORDS: Mapping[FactName, str] = {"area": "room", "name": "alias", "tag": "tag"}
+
+
+@final
+class PlacesEditor:
+    """Takes what the owner states, and makes the devices what is stated of them.
+
+    Args:
+        table: The devices.
+    """
+
+    __slots__ = ("_table",)
+
+    def __init__(self, table: DeviceTable) -> None:
+        self._table = table
+
+    def place(self, device_id: str, room: str, now: float, *, is_new: bool = False) -> str:
+        """Set the room of a device; return it as the plan spells it.
+
+        Args:
+            device_id: The device.
+            room: The room, or a floor.
+            now: Seconds since the Unix epoch.
+            is_new: Whether it may be a room whose name is one typo away from that of another.
+
+        Raises:
+            RefusedError: There is no such device, or there are too many statements.
+            UsageError: The name cannot be one, or is probably a typo.
+        """
+        entry = self._entry(device_id)
+        name, _ = self._table.owner.plan.locate(check_name(room))
+        if not is_new:
+            self._check_typo(name)
+        facts = [fact for fact in self.stated(entry) if fact.name != "area"]
+        self.state(entry, [OwnerFact("area", name, "command", now), *facts], f"the owner placed it in {name}")
+        return name
+
+    def unplace(self, device_id: str) -> str:
+        """Take back the room that a command or an import stated; return the room that it is in now, empty for none.
+
+        Raises:
+            RefusedError: There is no such device, or no command and no import stated a room.
+        """
+        entry = self._entry(device_id)
+        stated = self.stated(entry)
+        facts = [fact for fact in stated if fact.name != "area"]
+        if len(facts) == len(stated):
+            where = self._where_configured("area", entry)
+            raise RefusedError("to take back the room", where or f"no command stated the room of {device_id}")
+        self.state(entry, facts, "the owner took back its room")
+        return entry.to_device(self._table.topics).area
+
+    def add(self, device_id: str, name: FactName, value: str, now: float) -> tuple[str, ...]:
+        """Add an alias or a tag of a device; return all that it has.
+
+        Raises:
+            RefusedError: There is no such device, or there are too many statements.
+            UsageError: *value* cannot be a name.
+        """
+        entry = self._entry(device_id)
+        added = check_name(value)
+        others = [fact for fact in self.stated(entry) if (fact.name, fold(fact.value)) != (name, fold(added))]
+        if sum(fact.name == name for fact in others) >= _MOST:
+            raise RefusedError(f"the {_WORDS[name]} {added!r}", f"{device_id} has {_MOST} already")
+        fact = OwnerFact(name, added, "command", now)
+        self.state(entry, [fact, *others], f"the owner gave it the {_WORDS[name]} {added}")
+        return self._values(entry, name)
+
+    def take_back(self, device_id: str, name: FactName, value: str) -> tuple[str, ...]:
+        """Take back an alias or a tag that a command or an import stated; return those that it still has.
+
+        Raises:
+            RefusedError: There is no such device, or no command and no import stated it.
+        """
+        entry = self._entry(device_id)
+        stated = self.stated(entry)
+        facts = [fact for fact in stated if (fact.name, fold(fact.value)) != (name, fold(value))]
+        if len(facts) == len(stated):
+            where = self._where_configured(name, entry, value)
+            has = ", ".join(self._values(entry, name)) or "none"
+            why = where or f"no command gave it to {device_id}, which has {has}"
+            raise RefusedError(f"to take back the {_WORDS[name]} {value!r}", why)
+        self.state(entry, facts, f"the owner took back its {_WORDS[name]} {value}")
+        return self._values(entry, name)
+
+    def stated(self, entry: Entry) -> tuple[OwnerFact, ...]:
+        """Return the facts that commands and imports state of a device."""
+        return self._table.owner.stated(entry.id, entry.sources.values())
+
+    def state(self, entry: Entry, facts: Iterable[OwnerFact], why: str) -> None:
+        """Make *facts* what commands and imports state of a device, and *why* the reason of the change.
+
+        Raises:
+            RefusedError: There are too many statements.
+        """
+        self._table.owner.put(entry.id, entry.sources.values(), facts)
+        self.restate((entry,), why)
+
+    def restate(self, entries: Iterable[Entry], why: str) -> None:
+        """Describe *entries* anew, because of what the owner states: *why*."""
+        for entry in entries:
+            entry.invalidate_description()
+            self._table.note("changed", entry, why)
+
+    def _values(self, entry: Entry, name: FactName) -> tuple[str, ...]:
+        facts = self._table.owner.of(entry.id, entry.sources.values())
+        return tuple(fact.value for fact in facts if fact.name == name)
+
+    def _where_configured(self, name: FactName, entry: Entry, value: str = "") -> str:
+        """Return that the configuration states such a fact, in words; empty where it does not."""
+        for fact in self._table.owner.of(entry.id, entry.sources.values()):
+            if fact.name == name and fact.source == "configuration" and fold(value) in {"", fold(fact.value)}:
+                return f"{fact.value!r} is stated in the configuration; change [places] there"
+        return ""
+
+    def _check_typo(self, room: str) -> None:
+        plan, table = self._table.owner.plan, self._table
+        known = [*(one.name for one in plan.rooms), *plan.floors]
+        known += {area for entry in table.entries.values() if (area := entry.to_device(table.topics).area)}
+        spelled = fold(room)
+        if all(fold(one) != spelled for one in known):
+            meant = sorted({one for one in known if is_typo(spelled, fold(one))})
+            if meant:
+                raise UsageError(f"there is no room {room!r}; did you mean {' or '.join(meant)}?")
+
+    def _entry(self, device_id: str) -> Entry:
+        entry = self._table.entries.get(device_id)
+        if entry is None:
+            raise RefusedError(f"a statement on {device_id!r}", "there is no device of that id")
+        return entry

@@ -1,0 +1,111 @@
+"""Services by which the owner states where devices are and what they are called."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from homebot.clock import Clock
+from homebot.devices.names import ALIAS_DEVICE, EXPORT_PLACES, GET_PLACES, IMPORT_PLACES, PLACE_DEVICE, TAG_DEVICE
+from homebot.devices.places import (
+    AliasDevice,
+    AliasDeviceRequest,
+    AliasDeviceResponse,
+    ExportPlaces,
+    ExportPlacesRequest,
+    ExportPlacesResponse,
+    GetPlaces,
+    GetPlacesRequest,
+    GetPlacesResponse,
+    ImportPlaces,
+    ImportPlacesRequest,
+    ImportPlacesResponse,
+    PlaceDevice,
+    PlaceDeviceRequest,
+    PlaceDeviceResponse,
+    RoomInfo,
+    TagDevice,
+    TagDeviceRequest,
+    TagDeviceResponse,
+)
+from homebot.discovery.index import DeviceIndex
+from homebot.errors import RefusedError, UsageError
+from homebot.graph import Node
+
+__all__ = ["PlacesServices"]
+
+
+class PlacesServices:
+    """The services of the directory on what the owner states.
+
+    Args:
+        clock: Gives the time of each statement.
+        index: What the directory knows.
+        publish_all: Publishes the changes that wait, so that who gets an answer finds what was stated.
+    """
+
+    def __init__(self, clock: Clock, index: DeviceIndex, publish_all: Callable[[], None]) -> None:
+        self._clock = clock
+        self._index = index
+        self._publish_all = publish_all
+
+    def register(self, node: Node) -> None:
+        """Begin to answer, as *node*."""
+        node.create_service(PlaceDevice, PLACE_DEVICE, self._place)
+        node.create_service(AliasDevice, ALIAS_DEVICE, self._add_alias)
+        node.create_service(TagDevice, TAG_DEVICE, self._add_tag)
+        node.create_service(GetPlaces, GET_PLACES, self._get_places)
+        node.create_service(ExportPlaces, EXPORT_PLACES, self._export)
+        node.create_service(ImportPlaces, IMPORT_PLACES, self._import)
+
+    def _place(self, request: PlaceDeviceRequest) -> PlaceDeviceResponse:
+        places = self._index.places
+        try:
+            if request.room:
+                room = places.place(request.device, request.room, self._clock.now(), is_new=request.is_new)
+            else:
+                room = places.unplace(request.device)
+        except (RefusedError, UsageError) as exc:
+            return PlaceDeviceResponse(success=False, message=str(exc))
+        self._publish_all()
+        return PlaceDeviceResponse(success=True, room=room)
+
+    def _add_alias(self, request: AliasDeviceRequest) -> AliasDeviceResponse:
+        places = self._index.places
+        try:
+            if request.remove:
+                aliases = places.take_back(request.device, "name", request.alias)
+            else:
+                aliases = places.add(request.device, "name", request.alias, self._clock.now())
+        except (RefusedError, UsageError) as exc:
+            return AliasDeviceResponse(success=False, message=str(exc))
+        self._publish_all()
+        return AliasDeviceResponse(success=True, aliases=aliases)
+
+    def _add_tag(self, request: TagDeviceRequest) -> TagDeviceResponse:
+        places = self._index.places
+        try:
+            if request.remove:
+                tags = places.take_back(request.device, "tag", request.tag)
+            else:
+                tags = places.add(request.device, "tag", request.tag, self._clock.now())
+        except (RefusedError, UsageError) as exc:
+            return TagDeviceResponse(success=False, message=str(exc))
+        self._publish_all()
+        return TagDeviceResponse(success=True, tags=tags)
+
+    def _get_places(self, _: GetPlacesRequest) -> GetPlacesResponse:
+        plan = self._index.owner.plan
+        rooms = tuple(RoomInfo(name=room.name, floor=room.floor, doors=room.doors) for room in plan.rooms)
+        return GetPlacesResponse(home=plan.home, rooms=rooms)
+
+    def _export(self, _: ExportPlacesRequest) -> ExportPlacesResponse:
+        return ExportPlacesResponse(text=self._index.places_exchange.export_text())
+
+    def _import(self, request: ImportPlacesRequest) -> ImportPlacesResponse:
+        exchange = self._index.places_exchange
+        try:
+            imported = exchange.import_text(request.text, self._clock.now(), replaces=request.replaces)
+        except (RefusedError, UsageError) as exc:
+            return ImportPlacesResponse(success=False, message=str(exc))
+        self._publish_all()
+        return ImportPlacesResponse(success=True, added=imported.added, kept=imported.kept)

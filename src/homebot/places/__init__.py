@@ -1,0 +1,34 @@
+"""Places in the house: its rooms and floors, the doors between them, and what the owner says of devices. Pure."""
+
+from homebot.lazy_names import lazy_names
+from homebot.places.facts import NO_PLACES, FactName, OwnerFact, Places
+from homebot.places.plan import NO_AREAS, OUTSIDE, HousePlan, HouseRoom
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from homebot.places.settings import PlacesSettings, check_name, read_places
+    from homebot.places.text import places_text
+
+__all__ = [
+    "NO_AREAS",
+    "NO_PLACES",
+    "OUTSIDE",
+    "FactName",
+    "HousePlan",
+    "HouseRoom",
+    "OwnerFact",
+    "Places",
+    "PlacesSettings",
+    "check_name",
+    "places_text",
+    "read_places",
+]
+
+if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+    __getattr__ = lazy_names(
+        __name__,
+        {
+            "homebot.places.settings": "PlacesSettings check_name read_places",
+            "homebot.places.text": "places_text",
+        },
+    )

@@ -1,0 +1,46 @@
+"""Facts about devices that the owner states. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+from homebot.places.plan import HouseRoom
+
+__all__ = ["NO_PLACES", "FactName", "OwnerFact", "Places"]
+
+FactName: TypeAlias = Literal["area", "name", "tag"]
+
+
+@dataclass(frozen=True, slots=True)
+class OwnerFact:
+    """A fact about a device that the owner states; it outranks what the device announces.
+
+    Attributes:
+        name: ``area`` for the room, ``name`` for an alias, or ``tag``.
+        value: The value.
+        source: How it was stated: ``configuration``, ``command`` or ``import``.
+        said_at: When, in seconds since the Unix epoch.
+    """
+
+    name: FactName
+    value: str
+    source: str
+    said_at: float
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """A table ``[places]``, checked.
+
+    Attributes:
+        rooms: The rooms.
+        devices: The facts of each device, by the ids and hardware addresses that it is known by.
+    """
+
+    rooms: tuple[HouseRoom, ...] = ()
+    devices: Mapping[tuple[str, ...], tuple[OwnerFact, ...]] = field(default_factory=dict)
+
+
+NO_PLACES = Places()

@@ -1,0 +1,394 @@
+"""The owner states rooms, aliases and tags of devices: that outranks what they announce, and stays theirs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from itertools import permutations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.devices import Device, Sighting
+from homebot.devices.part import Capability, Part
+from homebot.devices.query import parse_query
+from homebot.discovery import DeviceIndex, OwnerFacts, owner_facts
+from homebot.errors import RefusedError, UsageError, WireError
+from homebot.messages import Time
+from homebot.places import read_places
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+
+MAC = "mac:aabbccddeeff"
+SERIAL = "id:SN-4711-0815"
+ROOMS = {"Hall": {"floor": "Downstairs", "doors": ["Kitchen"]}, "Kitchen": {"floor": "Downstairs"}, "Attic": {}}
+
+
+def index_of(devices: Mapping[str, object] | None = None) -> DeviceIndex:
+    """An index with a table ``[places]``."""
+    places = read_places({"rooms": ROOMS, "devices": devices or {}}, "Home", "homebot.toml", "configuration")
+    return DeviceIndex(forget_after=1000.0, owner=OwnerFacts("Home", places, 5.0))
+
+
+def got(index: DeviceIndex, device_id: str) -> Device:
+    device = index.get(device_id)
+    assert device is not None
+    return device
+
+
+def areas(index: DeviceIndex) -> dict[str, str]:
+    return {device.id: device.area for device in index.devices()}
+
+
+@pytest.fixture
+def lamp(announce: Announce, part: MakePart) -> Sighting:
+    return announce("l", part("light", "on_off", id="l"), ids=(MAC,), name="Lamp", area="Study", at=1.0)
+
+
+@pytest.fixture
+def announced(announce: Announce, part: MakePart) -> tuple[Sighting, ...]:
+    """One lamp over three gateways: two name its hardware address, two its serial number."""
+    light = part("light", "on_off", id="l")
+    return (
+        announce("a", light, ids=(MAC,), gateway="radio", name="Radio"),
+        announce("b", light, ids=(MAC, SERIAL), gateway="cable", name="Cable"),
+        announce("c", light, ids=(SERIAL,), gateway="web", name="Web"),
+    )
+
+
+def test_a_stated_room_outranks_the_announced_one_and_is_told_with_its_source(lamp: Sighting) -> None:
+    index = index_of()
+    index.observe(lamp, 0.0)
+    index.take_changes()
+    assert index.places.place("lamp", "kitchen", 7.0) == "Kitchen"
+    device = got(index, "lamp")
+    assert (device.area, device.outer_areas) == ("Kitchen", ("Downstairs", "Home"))
+    assert [(one.value, one.convention, one.key, one.gateway) for one in device.facts if one.name == "area"] == [
+        ("Kitchen", "owner", "command", ""),
+        ("Study", "homeassistant", "homeassistant:l", "mqtt"),
+    ]
+    assert device.facts[0].said_at == Time.from_seconds(7.0)
+    (change,) = index.take_changes()
+    assert (change.kind, change.why, change.device) == ("changed", "the owner placed it in Kitchen", device)
+    assert index.places.unplace("lamp") == "Study"
+    assert got(index, "lamp").outer_areas == ("Home",)
+
+
+def test_aliases_and_tags_add_up_and_are_taken_back(lamp: Sighting) -> None:
+    index = index_of()
+    index.observe(lamp, 0.0)
+    index.places.add("lamp", "name", "Reading lamp", 1.0)
+    assert index.places.add("lamp", "name", "Corner lamp", 2.0) == ("Corner lamp", "Reading lamp")
+    assert index.places.add("lamp", "tag", "night", 3.0) == ("night",)
+    assert index.places.add("lamp", "tag", "Night", 4.0) == ("Night",)
+    device = got(index, "lamp")
+    assert (device.name, device.names, device.tags) == (
+        "Corner lamp",
+        ("Corner lamp", "Reading lamp", "Lamp"),
+        ("Night",),
+    )
+    assert index.places.take_back("lamp", "name", "CORNER LAMP") == ("Reading lamp",)
+    assert index.places.take_back("lamp", "tag", "night") == ()
+    assert got(index, "lamp").name == "Reading lamp"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "in downstairs",
+        "in Hall",
+        "in home",
+        "light downstairs",
+        "floor=downstairs",
+        "tag=night-light",
+        "night",
+        "alias='Corner lamp'",
+        "corner",
+        "with area",
+        "light without area or tag='night light'",
+        "convention=owner",
+    ],
+)
+def test_every_query_knows_rooms_floors_aliases_and_tags(announce: Announce, part: MakePart, text: str) -> None:
+    index = index_of()
+    for key in ("a", "b"):
+        index.observe(announce(key, part("light", "on_off", id="l"), ids=(f"mac:0000000000{key}{key}",), name=key), 0.0)
+    index.places.place("a", "Hall", 1.0)
+    index.places.add("a", "name", "Corner lamp", 1.0)
+    index.places.add("a", "tag", "Night light", 1.0)
+    found = index.find(parse_query(text))
+    assert found == ({"a", "b"} if "without" in text else {"a"})
+
+
+def test_a_device_without_a_room_is_found_so(announce: Announce, lamp: Sighting) -> None:
+    index = index_of()
+    index.observe(lamp, 0.0)
+    index.observe(announce("n", name="Nowhere", ids=("mac:000000000001",)), 0.0)
+    assert index.find(parse_query("without area")) == {"nowhere"}
+    index.places.place("nowhere", "Attic", 1.0)
+    assert index.find(parse_query("without room")) == set()
+
+
+def test_the_configuration_is_there_before_the_device(lamp: Sighting) -> None:
+    index = index_of({"lamp": {"room": "hall", "aliases": ["Big lamp", "Old lamp"], "tags": ["night"]}})
+    index.observe(lamp, 0.0)
+    device = got(index, "lamp")
+    assert (device.area, device.name, device.tags) == ("Hall", "Big lamp", ("night",))
+    assert {(one.key, one.said_at.to_seconds()) for one in device.facts if one.convention == "owner"} == {
+        ("configuration", 5.0)
+    }
+
+
+def test_the_configuration_knows_devices_by_hardware_address(lamp: Sighting) -> None:
+    by_id: Mapping[str, object] = {"another id": {"room": "Hall", "identifiers": [MAC]}}
+    for devices in ({MAC: {"room": "Hall"}}, by_id):
+        index = index_of(devices)
+        index.observe(lamp, 0.0)
+        assert got(index, "lamp").area == "Hall"
+
+
+def test_a_command_outranks_the_configuration_until_it_is_taken_back(lamp: Sighting) -> None:
+    index = index_of({"lamp": {"room": "Hall", "aliases": ["Big lamp"], "tags": ["night"]}})
+    index.observe(lamp, 0.0)
+    index.places.place("lamp", "Kitchen", 1.0)
+    index.places.add("lamp", "name", "My lamp", 1.0)
+    device = got(index, "lamp")
+    assert (device.area, device.names) == ("Kitchen", ("My lamp", "Big lamp", "Lamp"))
+    assert index.places.unplace("lamp") == "Hall"
+    with pytest.raises(RefusedError, match="'Hall' is stated in the configuration"):
+        index.places.unplace("lamp")
+    with pytest.raises(RefusedError, match="'night' is stated in the configuration"):
+        index.places.take_back("lamp", "tag", "night")
+    with pytest.raises(RefusedError, match="no command gave it to lamp, which has night"):
+        index.places.take_back("lamp", "tag", "day")
+
+
+@pytest.mark.parametrize("order", list(permutations(range(3))))
+def test_the_owner_outranks_whatever_is_announced_in_whatever_order(
+    announced: tuple[Sighting, ...], order: tuple[int, ...]
+) -> None:
+    index = index_of({MAC: {"room": "Hall"}})
+    for number in order:
+        sighting = announced[number].model_copy(update={"area": f"Room {number}"})
+        index.observe(sighting, 0.0)
+    (device,) = index.devices()
+    assert device.area == "Hall"
+    index.places.place(device.id, "Attic", 1.0)
+    for one in announced:
+        index.observe(one.model_copy(update={"area": "Garage", "metadata": ()}), 2.0)
+    assert [one.area for one in index.devices()] == ["Attic"]
+
+
+def test_a_merged_device_is_where_the_later_statement_put_it_and_each_returns_to_its_own(
+    announced: tuple[Sighting, ...],
+) -> None:
+    index = index_of()
+    for one in announced[::2]:
+        index.observe(one, 0.0)
+    index.places.place("radio", "Hall", 1.0)
+    index.places.place("web", "Kitchen", 2.0)
+    index.places.add("radio", "tag", "night", 3.0)
+    index.merge(("radio", "web"), 4.0)
+    device = got(index, "radio")
+    assert (device.area, device.tags) == ("Kitchen", ("night",))
+    index.split("radio", None, 5.0)
+    assert areas(index) == {"radio": "Hall", "web": "Kitchen"}
+    assert got(index, "web").tags == ()
+
+
+def test_a_statement_on_a_merged_device_is_of_both_after_a_split(announced: tuple[Sighting, ...]) -> None:
+    index = index_of()
+    for one in announced:
+        index.observe(one, 0.0)
+    index.places.place("radio", "Hall", 1.0)
+    index.split("radio", None, 2.0)
+    assert areas(index) == {"radio": "Hall", "cable": "Hall", "web": "Hall"}
+    index.places.place("cable", "Kitchen", 3.0)
+    index.places.unplace("web")
+    assert areas(index) == {"radio": "Hall", "cable": "Kitchen", "web": ""}
+
+
+def test_what_was_taken_back_of_a_merged_device_does_not_return_with_a_split(announced: tuple[Sighting, ...]) -> None:
+    index = index_of()
+    for one in announced[::2]:
+        index.observe(one, 0.0)
+    index.places.place("web", "Kitchen", 2.0)
+    index.merge(("radio", "web"), 4.0)
+    index.places.unplace("radio")
+    index.split("radio", None, 5.0)
+    assert areas(index) == {"radio": "", "web": ""}
+
+
+def test_the_configuration_of_a_device_stays_with_it_when_it_is_merged_into_an_older_one(
+    announced: tuple[Sighting, ...],
+) -> None:
+    index = index_of({"web": {"room": "Hall"}})
+    index.observe(announced[0], 0.0)
+    index.observe(announced[2], 0.0)
+    index.merge(("radio", "web"), 1.0)
+    assert areas(index) == {"radio": "Hall"}
+    again = restored(index, {"web": {"room": "Hall"}})
+    assert areas(again) == {"radio": "Hall"}
+    again.split("radio", None, 2.0)
+    assert areas(again) == {"radio": "", "web": "Hall"}
+
+
+def restored(index: DeviceIndex, devices: Mapping[str, object] | None = None) -> DeviceIndex:
+    """A new index with what the file would have."""
+    again = index_of(devices)
+    again.decisions.restore(index.decisions.record())
+    again.owner.restore(index.owner.record())
+    for device in index.devices():
+        entry = index.entry(device.id)
+        assert entry is not None
+        again.restore(entry, 0.0)
+    return again
+
+
+def test_a_statement_survives_a_restart_and_a_device_that_goes_and_returns(lamp: Sighting) -> None:
+    index = index_of()
+    index.observe(lamp, 0.0)
+    index.places.place("lamp", "Hall", 1.0)
+    index.places.add("lamp", "tag", "night", 2.0)
+    assert index.owner.is_unsaved
+    again = restored(index)
+    assert (got(again, "lamp").area, got(again, "lamp").tags) == ("Hall", ("night",))
+    again.forget("lamp", 3.0)
+    assert not again.devices()
+    again.observe(lamp.model_copy(update={"key": "homeassistant:new", "confirmed": True}), 4.0)
+    assert areas(again) == {"lamp": "Hall"}
+
+
+def test_a_statement_stays_when_the_announcement_that_it_was_made_on_is_withdrawn(lamp: Sighting) -> None:
+    index = index_of()
+    index.observe(lamp, 0.0)
+    index.places.place("lamp", "Hall", 1.0)
+    index.observe(lamp.model_copy(update={"key": "homeassistant:second"}), 2.0)
+    index.observe(lamp.model_copy(update={"kind": "removed"}), 3.0)
+    assert areas(index) == {"lamp": "Hall"}
+
+
+def test_a_room_one_typo_away_from_another_is_taken_for_a_typo_unless_it_is_said_to_be_new(lamp: Sighting) -> None:
+    index = index_of()
+    index.observe(lamp, 0.0)
+    with pytest.raises(UsageError, match=r"there is no room 'Kichen'; did you mean Kitchen\?"):
+        index.places.place("lamp", "Kichen", 1.0)
+    with pytest.raises(UsageError, match=r"did you mean Study\?"):
+        index.places.place("lamp", "Studyy", 1.0)
+    assert index.places.place("lamp", "Kichen", 1.0, is_new=True) == "Kichen"
+    assert index.places.place("lamp", "Garage", 1.0) == "Garage"
+    assert index.places.place("lamp", "downstairs", 1.0) == "Downstairs"
+    assert got(index, "lamp").outer_areas == ("Home",)
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [("", "is empty"), ("x" * 101, "100 is the limit"), ("a\nb", "cannot be printed"), ("--", "no letter")],
+)
+def test_a_name_that_cannot_be_one_is_refused(lamp: Sighting, name: str, reason: str) -> None:
+    index = index_of()
+    index.observe(lamp, 0.0)
+    for state in (index.places.place, lambda *args: index.places.add(args[0], "tag", *args[1:])):
+        with pytest.raises(UsageError, match=reason):
+            state("lamp", name, 1.0)
+    with pytest.raises(RefusedError, match="there is no device"):
+        index.places.place("nobody", "Hall", 1.0)
+
+
+def test_statements_are_bounded(lamp: Sighting, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(owner_facts, "MAX_STATEMENTS", 2)
+    index = index_of()
+    index.observe(lamp, 0.0)
+    index.places.place("lamp", "Hall", 1.0)
+    index.observe(lamp.model_copy(update={"key": "homeassistant:o", "identifiers": ("mac:1",), "name": "Other"}), 0.0)
+    with pytest.raises(RefusedError, match="take some back"):
+        index.places.place("other", "Hall", 1.0)
+    index.places.place("lamp", "Kitchen", 1.0)
+    index.places.unplace("lamp")
+    index.places.place("other", "Hall", 1.0)
+    assert areas(index) == {"lamp": "Study", "other": "Hall"}
+
+
+def test_a_device_has_at_most_fifty_tags(lamp: Sighting) -> None:
+    index = index_of()
+    index.observe(lamp, 0.0)
+    for number in range(50):
+        index.places.add("lamp", "tag", f"tag {number}", 1.0)
+    with pytest.raises(RefusedError, match="has 50 already"):
+        index.places.add("lamp", "tag", "one more", 1.0)
+
+
+@pytest.mark.parametrize("record", ["", "[]", '{"statements": 3}', '{"statements": [{"facts": [{"name": "colour"}]}]}'])
+def test_a_broken_record_is_refused(record: str) -> None:
+    with pytest.raises(WireError):
+        OwnerFacts().restore(record)
+
+
+def test_an_imported_room_that_fits_no_more_stays_in_the_record(lamp: Sighting) -> None:
+    index = index_of()
+    index.places_exchange.import_text('[places.rooms.Upstairs]\n[places.rooms.Loft]\nfloor = "Top"', 1.0)
+    owner = OwnerFacts("Home", read_places({"rooms": {"Bath": {"floor": "Upstairs"}}}, "Home", "", "configuration"))
+    with pytest.raises(WireError, match=r"places\.rooms"):
+        owner.restore(index.owner.record())
+    assert [room.name for room in owner.plan.rooms] == ["Bath", "Loft"]
+    other = OwnerFacts("Home")
+    other.restore(owner.record())
+    assert [room.name for room in other.plan.rooms] == ["Upstairs", "Loft"]
+
+
+STEPS = st.lists(
+    st.one_of(
+        st.tuples(st.just("observe"), st.integers(0, 2), st.sampled_from(["", "Garage", "Bath"])),
+        st.tuples(st.just("withdraw"), st.integers(0, 2), st.just("")),
+        st.tuples(st.just("restart"), st.just(0), st.just("")),
+        st.tuples(st.just("split"), st.just(0), st.just("")),
+    ),
+    max_size=12,
+)
+
+
+def sighting(number: int, area: str, kind: str) -> Sighting:
+    light = Part(id="l", service_type="light", capabilities=(Capability(name="on_off", settable=True),))
+    return Sighting(
+        gateway=("radio", "cable", "web")[number],
+        key=f"homeassistant:{number}",
+        kind="removed" if kind == "withdraw" else "updated",
+        why="it was announced",
+        name="Lamp",
+        service_type="light",
+        address="",
+        command_address="",
+        convention="homeassistant",
+        identifiers=((MAC,), (MAC, SERIAL), (SERIAL,))[number],
+        area=area,
+        parts=(light,),
+        metadata=(),
+        seen_at=Time.from_seconds(1.0),
+        expires_at=Time.from_seconds(3600.0),
+        confirmed=False,
+    )
+
+
+@given(STEPS, STEPS)
+def test_what_the_owner_stated_of_all_outranks_every_later_announcement(
+    before: list[tuple[str, int, str]], after: list[tuple[str, int, str]]
+) -> None:
+    index = index_of()
+    for steps in (before, after):
+        for step, number, area in steps:
+            if step in {"observe", "withdraw"}:
+                index.observe(sighting(number, area, step), 1.0)
+            elif step == "restart":
+                index = restored(index)
+            else:
+                for device in index.devices():
+                    if device.evidence:
+                        index.split(device.id, None, 1.0)
+        if steps is before:
+            for number in range(3):
+                index.observe(sighting(number, "", "observe"), 1.0)
+            for device in index.devices():
+                index.places.place(device.id, "Attic", 2.0)
+                index.places.add(device.id, "tag", "night", 2.0)
+    assert {(device.area, device.tags) for device in index.devices()} <= {("Attic", ("night",))}

@@ -1,0 +1,181 @@
+"""The owner's services of the directory, over the graph and over a restart with an index file; in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import anyio
+import pytest
+
+from homebot.clock import LoopClock
+from homebot.devices import FIND_DEVICES, Device, Devices, FindDevices, GatewayNames, Sighting
+from homebot.devices.handles import Light
+from homebot.devices.names import (
+    ALIAS_DEVICE,
+    EXPORT_PLACES,
+    GET_PLACES,
+    IMPORT_PLACES,
+    PLACE_DEVICE,
+    TAG_DEVICE,
+)
+from homebot.devices.part import Part
+from homebot.devices.places import (
+    AliasDevice,
+    ExportPlaces,
+    GetPlaces,
+    ImportPlaces,
+    PlaceDevice,
+    PlaceDeviceResponse,
+    RoomInfo,
+    TagDevice,
+)
+from homebot.discovery import Directory, DirectorySettings, OwnerFacts
+from homebot.graph import DurabilityPolicy, Graph, Node, Publisher, QoSProfile
+from homebot.places import read_places
+
+pytestmark = pytest.mark.virtual_time
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+
+ROOMS = {"Hall": {"floor": "Downstairs", "doors": ["Kitchen"]}, "Kitchen": {"floor": "Downstairs"}}
+
+
+@dataclass
+class House:
+    """A gateway's sightings, and a node that asks the directory."""
+
+    sightings: Publisher[Sighting]
+    asker: Node
+
+    async def hears(self, *sightings: Sighting) -> None:
+        for one in sightings:
+            self.sightings.publish(one)
+        await anyio.sleep(0.001)
+
+    async def device(self, device_id: str) -> Device:
+        found = await self.asker.create_client(FindDevices, FIND_DEVICES).call(FindDevices.Request())
+        return next(one for one in found.devices if one.id == device_id)
+
+    async def place(self, device: str, room: str, *, is_new: bool = False) -> PlaceDeviceResponse:
+        client = self.asker.create_client(PlaceDevice, PLACE_DEVICE)
+        return await client.call(PlaceDevice.Request(device=device, room=room, is_new=is_new))
+
+
+@asynccontextmanager
+async def directory(file: Path | None = None, rooms: dict[str, object] | None = None) -> AsyncIterator[House]:
+    graph, names = Graph(LoopClock(0.0)), GatewayNames("mqtt")
+    kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    places = read_places({"rooms": ROOMS if rooms is None else rooms}, "Home", "homebot.toml", "configuration")
+    async with (
+        Node(graph, "mqtt", namespace="/gateway") as gateway,
+        Node(graph, "discovery") as node,
+        Node(graph, "asker") as asker,
+        anyio.create_task_group() as tasks,
+    ):
+        sightings = gateway.create_publisher(Sighting, names.received_topics, kept)
+        await tasks.start(Directory(node, DirectorySettings(), file, OwnerFacts("Home", places)).serve)
+        yield House(sightings, asker)
+        tasks.cancel_scope.cancel()
+
+
+@pytest.fixture
+def lamp(announce: Announce, part: MakePart) -> Sighting:
+    light = part("light", "on_off", id="l", writes=("a/set",))
+    return announce("l", light, ids=("mac:aabbccddeeff",), name="Desk lamp", area="Study", at=1.0, confirmed=True)
+
+
+async def test_handles_are_found_and_followed_by_what_the_owner_states(lamp: Sighting) -> None:
+    async with directory() as house:
+        await house.hears(lamp)
+        devices = Devices(house.asker)
+        assert not await devices.find(Light, area="downstairs")
+        placed = await house.place("desk_lamp", "kitchen")
+        assert (placed.success, placed.room) == (True, "Kitchen")
+        tag = house.asker.create_client(TagDevice, TAG_DEVICE)
+        assert (await tag.call(TagDevice.Request(device="desk_lamp", tag="Night light"))).tags == ("Night light",)
+        alias = house.asker.create_client(AliasDevice, ALIAS_DEVICE)
+        assert (await alias.call(AliasDevice.Request(device="desk_lamp", alias="Corner"))).aliases == ("Corner",)
+        for found in (
+            await devices.find(Light, area="downstairs"),
+            await devices.find(Light, area="HOME"),
+            await devices.find(Light, tag="night-light", name="corner"),
+            await devices.find(Light, area="kitchen", name="desk lamp"),
+        ):
+            assert [one.device.name for one in found] == ["Corner"]
+        for nothing in (
+            await devices.find(Light, area="Hall"),
+            await devices.find(Light, tag="night"),
+            await devices.find(Light, area=""),
+        ):
+            assert not nothing
+        async with anyio.create_task_group() as tasks:
+            follow = devices.follow(Light, area="Hall")
+            tasks.start_soon(house.place, "desk_lamp", "Hall")
+            async for change in follow:
+                assert (change.kind, change.handle.device.area) == ("appeared", "Hall")
+                break
+
+
+async def test_a_refusal_is_answered_in_words(lamp: Sighting) -> None:
+    async with directory() as house:
+        await house.hears(lamp)
+        for answer, reason in (
+            (await house.place("nobody", "Hall"), "there is no device of that id"),
+            (await house.place("desk_lamp", "Hal"), ""),
+            (await house.place("desk_lamp", "Kichen"), "did you mean Kitchen?"),
+        ):
+            assert answer.success is (reason == "")
+            assert reason in answer.message
+        assert (await house.place("desk_lamp", "Kichen", is_new=True)).success
+        assert (await house.place("desk_lamp", "")).room == "Study"
+        assert "no command stated the room" in (await house.place("desk_lamp", "")).message
+        tag = house.asker.create_client(TagDevice, TAG_DEVICE)
+        assert not (await tag.call(TagDevice.Request(device="desk_lamp", tag="x", remove=True))).success
+        alias = house.asker.create_client(AliasDevice, ALIAS_DEVICE)
+        assert not (await alias.call(AliasDevice.Request(device="desk_lamp", alias="x", remove=True))).success
+        assert not (await alias.call(AliasDevice.Request(device="desk_lamp", alias=" "))).success
+
+
+async def test_rooms_are_answered_with_both_ends_of_each_door() -> None:
+    async with directory() as house:
+        answer = await house.asker.create_client(GetPlaces, GET_PLACES).call(GetPlaces.Request())
+        assert (answer.home, answer.rooms) == (
+            "Home",
+            (
+                RoomInfo(name="Hall", floor="Downstairs", doors=("Kitchen",)),
+                RoomInfo(name="Kitchen", floor="Downstairs", doors=("Hall",)),
+            ),
+        )
+
+
+async def test_what_is_exported_here_is_imported_there_and_kept_over_a_restart(lamp: Sighting, tmp_path: Path) -> None:
+    file = tmp_path / "index.sqlite"
+    async with directory() as house:
+        await house.hears(lamp)
+        await house.place("desk_lamp", "Hall")
+        exported = (await house.asker.create_client(ExportPlaces, EXPORT_PLACES).call(ExportPlaces.Request())).text
+    async with directory(file, {}) as house:
+        importer = house.asker.create_client(ImportPlaces, IMPORT_PLACES)
+        answer = await importer.call(ImportPlaces.Request(text=exported))
+        assert (answer.success, answer.added) == (
+            True,
+            ("room Hall", "room Kitchen", "mac:aabbccddeeff, which is not there yet"),
+        )
+        await anyio.sleep(5.0)
+    async with directory(file, {}) as house:
+        await house.hears(lamp.model_copy(update={"name": "Another name"}))
+        device = await house.device("another_name")
+        assert (device.area, device.outer_areas) == ("Hall", ("Downstairs", "Home"))
+        await house.place("another_name", "Kitchen")
+        importer = house.asker.create_client(ImportPlaces, IMPORT_PLACES)
+        again = await importer.call(ImportPlaces.Request(text=exported))
+        assert (again.added, again.kept) == ((), ("another_name stays in Kitchen; the file says Hall",))
+        assert (await importer.call(ImportPlaces.Request(text=exported, replaces=True))).added == ("another_name",)
+        assert (await house.device("another_name")).area == "Hall"
+        wrong = await importer.call(ImportPlaces.Request(text='[places.rooms.Hall]\nfloor = "Kitchen"'))
+        assert wrong.message == "the places file: places.rooms.Hall.floor: 'Kitchen' is a room"
+        assert (await house.device("another_name")).outer_areas == ("Downstairs", "Home")
