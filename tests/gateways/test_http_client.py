@@ -493,3 +493,24 @@ def is_right(given: str, method: str, path: str, algorithm: str) -> bool:
     request = hashed(method, path)
     right = hashed(secret, said["nonce"], said["nc"], said["cnonce"], said["qop"], request)
     return (said["username"], said["uri"], said["response"]) == ("admin", path, right)
+
+
+async def test_content_that_is_known_is_not_sent_again() -> None:
+    async def answer(request: web.Request) -> web.StreamResponse:
+        if request.headers.get("If-None-Match") == '"1"':
+            return web.Response(status=304, headers={"ETag": '"1"'})
+        return web.Response(text="content", headers={"ETag": '"1"'})
+
+    async with serving(answer) as url, HttpClient() as client:
+        first = await client.get(url)
+        again = await client.get(url, etag=first.headers["etag"])
+        assert (first.body, again.status, again.body) == (b"content", 304, b"")
+
+
+async def test_a_status_of_304_to_who_knows_nothing_is_a_refusal() -> None:
+    async def answer(_: web.Request) -> web.StreamResponse:
+        return web.Response(status=304)
+
+    async with serving(answer) as url, HttpClient() as client:
+        with pytest.raises(RefusedError, match="304"):
+            await client.get(url)

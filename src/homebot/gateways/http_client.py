@@ -53,10 +53,10 @@ _REDIRECTS: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class HttpAnswer:
-    """An answer with a status from 200 to 299.
+    """An answer with a status from 200 to 299, or 304.
 
     Attributes:
-        status: The status.
+        status: The status; 304 where the content is still that of the ETag which was sent.
         content_type: The media type in lower case, without parameters; empty where there is none.
         body: All of it.
         headers: All header fields, names in lower case; those that occur several times are joined by commas.
@@ -125,10 +125,16 @@ class HttpClient:
                 await session.close()
 
     async def get(
-        self, url: str, *, accept: str = "", time_limit: float | None = None, max_bytes: int | None = None
+        self,
+        url: str,
+        *,
+        accept: str = "",
+        etag: str = "",
+        time_limit: float | None = None,
+        max_bytes: int | None = None,
     ) -> HttpAnswer:
         """Return the answer to GET; at most three redirects within the host are followed. See also :meth:`request`."""
-        return await self.request("GET", url, accept=accept, time_limit=time_limit, max_bytes=max_bytes)
+        return await self.request("GET", url, accept=accept, etag=etag, time_limit=time_limit, max_bytes=max_bytes)
 
     async def get_json(self, url: str, *, time_limit: float | None = None, max_bytes: int | None = None) -> object:
         """Return what the answer to GET says in JSON; see :meth:`request`."""
@@ -156,6 +162,7 @@ class HttpClient:
         body: bytes | None = None,
         content_type: str = "",
         accept: str = "",
+        etag: str = "",
         time_limit: float | None = None,
         max_bytes: int | None = None,
     ) -> HttpAnswer:
@@ -167,6 +174,8 @@ class HttpClient:
             body: The body; None for none.
             content_type: Its media type.
             accept: The media types that are understood; empty for any.
+            etag: The entity tag of the content that is known; the answer has status 304 and no body where that is still
+                the same. Empty for none.
             time_limit: Seconds for all of it; by default that of the client.
             max_bytes: Longest body of the answer; likewise.
 
@@ -180,12 +189,14 @@ class HttpClient:
         if not _METHOD.fullmatch(method):
             raise WireError(f"{shown(method)} is no method of HTTP")
         where = parse_url(url)
-        headers = _headers(accept, content_type)
+        headers = _headers(accept, content_type, etag)
         async with self._within(method, where, self._time_limit if time_limit is None else time_limit):
             response = await self._opened().request(
                 method, where, data=body, headers=headers, allow_redirects=method == "GET", max_redirects=_REDIRECTS
             )
             async with response:
+                if etag and response.status == 304:
+                    return HttpAnswer(304, "", b"", _fields(response))
                 check_status(f"{method} {shown_url(where)}", response.status, has_login=self._has_login)
                 data = await _body(where, response, self._max_bytes if max_bytes is None else max_bytes)
                 return HttpAnswer(response.status, _media_type(response), data, _fields(response))
@@ -277,13 +288,13 @@ def _make_socket(address: aiohttp.AddrInfoType) -> socket.socket:
     return made
 
 
-def _headers(accept: str, content_type: str) -> dict[str, str]:
-    """Return header fields of media types, which may be from outside.
+def _headers(accept: str, content_type: str, etag: str = "") -> dict[str, str]:
+    """Return header fields whose values may be from outside.
 
     Raises:
         WireError: One is no text for a header field.
     """
-    given = {"Accept": accept or "*/*", "Content-Type": content_type}
+    given = {"Accept": accept or "*/*", "Content-Type": content_type, "If-None-Match": etag}
     for name, value in given.items():
         if not (value.isascii() and value.isprintable()):
             raise WireError(f"{shown(value)} is no {name}")

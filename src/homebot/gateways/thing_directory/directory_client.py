@@ -5,7 +5,7 @@ Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sec
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Final
 from urllib.parse import quote
@@ -19,6 +19,7 @@ from homebot.gateways.http_client import HttpClient
 from homebot.gateways.http_events import EventStream
 from homebot.gateways.long_json import parse_long_json
 from homebot.gateways.thing_directory.documents import members_of, next_page
+from homebot.gateways.thing_directory.read_pages import DirectoryPage, ReadPage, etag_of
 
 __all__ = ["DirectoryReader"]
 
@@ -41,37 +42,60 @@ class DirectoryReader:
     Args:
         url: The address below which it has ``/things`` and ``/events``.
         client: The client, with the directory's credentials.
+        read: The pages that were read, by address; kept from one connection to the next.
     """
 
-    def __init__(self, url: str, client: HttpClient) -> None:
+    def __init__(self, url: str, client: HttpClient, read: dict[str, ReadPage]) -> None:
         self._url = url
         self._origin = parse_url(url).origin()
         self._client = client
+        self._read = read
+        self._can_count = True
 
-    async def pages(self) -> AsyncIterator[list[object]]:
-        """Yield what each page lists, until the last.
+    async def pages(self, has_all: Callable[[frozenset[str]], bool]) -> AsyncIterator[DirectoryPage]:
+        """Yield each page, until the last; one that is as it was read before has no members.
+
+        Args:
+            has_all: Returns whether the things of these keys are known; else their page is sent again.
 
         Raises:
             LinkError: The directory does not answer.
             RefusedError: It does not let homebot in, or has no list.
             WireError: It breaks the rules, or leads to another server, or around in a circle.
         """
-        where, is_first = f"{self._url}/things?limit={PAGE}", True
+        where = f"{self._url}/things?limit={PAGE}" if self._can_count else f"{self._url}/things"
         seen: set[str] = set()
         while where:
             if where in seen or len(seen) >= MAX_PAGES:
                 raise WireError(f"the list of the directory does not end after {len(seen)} pages")
             seen.add(where)
+            before = self._read.get(where)
+            if before is not None and not has_all(before.keys):
+                before = None
             try:
-                answer = await self._client.get(where, accept=_ACCEPTED, max_bytes=MAX_PAGE_BYTES)
+                answer = await self._client.get(
+                    where, accept=_ACCEPTED, etag=before.etag if before else "", max_bytes=MAX_PAGE_BYTES
+                )
             except RefusedError as exc:
-                if not is_first or exc.code not in _CANNOT_COUNT:
+                if len(seen) > 1 or not self._can_count or exc.code not in _CANNOT_COUNT:
                     raise
-                answer = await self._client.get(f"{self._url}/things", accept=_ACCEPTED, max_bytes=MAX_PAGE_BYTES)
-            is_first = False
-            page = await parse_long_json(answer.body, MAX_PAGE_BYTES)
-            yield members_of(page)
-            where = self._resolved(where, next_page(page, answer.headers))
+                self._can_count, where = False, f"{self._url}/things"
+                continue
+            if before is not None and answer.status == 304:
+                yield DirectoryPage(keys=set(before.keys))
+                # The list may have become longer or shorter behind a page that is the same.
+                links = "link" in answer.headers
+                where = self._resolved(where, next_page(None, answer.headers)) if links else before.following
+                continue
+            document = await parse_long_json(answer.body, MAX_PAGE_BYTES)
+            page = DirectoryPage(members_of(document))
+            yield page
+            following = self._resolved(where, next_page(document, answer.headers))
+            if etag := etag_of(answer.headers):
+                self._read[where] = ReadPage(etag, frozenset(page.keys), following)
+            where = following
+        for gone in self._read.keys() - seen:
+            del self._read[gone]
 
     async def retrieve(self, thing_id: str) -> bytes | None:
         """Return the description of one thing; None where the directory has it no longer.

@@ -37,6 +37,7 @@ from homebot.gateways.thing_directory.documents import (
     text_of,
 )
 from homebot.gateways.thing_directory.listed_thing import ListedThing
+from homebot.gateways.thing_directory.read_pages import ReadPage
 from homebot.gateways.thing_directory.settings import ThingDirectorySettings
 from homebot.gateways.things.forms import change_forms
 from homebot.gateways.things.http_credentials import read_logins
@@ -97,6 +98,7 @@ class DirectorySession:
         self._known: dict[str, bytes] = {}
         self._invalid: dict[str, bytes] = {}
         self._followed: dict[str, ListedThing] = {}
+        self._read: dict[str, ReadPage] = {}
         self._next_start = 0.0
         self._lists_soon = anyio.Event()
 
@@ -109,7 +111,7 @@ class DirectorySession:
             WireError: It breaks the rules.
         """
         async with HttpClient(login=self._login()) as client:
-            reader = DirectoryReader(self._settings.url, client)
+            reader = DirectoryReader(self._settings.url, client, self._read)
             await self._listen(reader)
             while True:
                 await self._list(reader)
@@ -156,12 +158,13 @@ class DirectorySession:
         """Read the whole list; what is in it no longer was taken away."""
         listed: set[str] = set()
         is_whole, number = True, 0
-        async for documents in reader.pages():
-            for document in documents:
+        async for page in reader.pages(self._has_all):
+            for document in page.members:
                 number += 1
                 if number % _TURN == 0:
                     await anyio.lowlevel.checkpoint()
-                listed.add(self._take(document))
+                page.keys.add(self._take(document))
+            listed |= page.keys
             if len(listed) > 2 * self._settings.max_devices:
                 is_whole = False  # the rest would be refused as well
                 break
@@ -169,6 +172,10 @@ class DirectorySession:
             for key in self._known.keys() - listed:
                 self._remove(key, "the directory lists it no longer")
         self._has_listed()
+
+    def _has_all(self, keys: frozenset[str]) -> bool:
+        """Return whether nothing would be different if the things of *keys* were listed again as they were."""
+        return all(key in self._known or key in self._invalid or not key for key in keys)
 
     async def _hear(self, reader: DirectoryReader, kind: str, data: str) -> None:
         try:
