@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Coroutine, Generator
+from collections.abc import Callable
 from inspect import isawaitable
 from types import CoroutineType
 from typing import Generic, NoReturn, TypeVar
@@ -12,7 +12,6 @@ import anyio
 
 from homebot.errors import (
     ClosedError,
-    HomebotError,
     ServiceError,
     ServiceFailedError,
     ServiceGoneError,
@@ -21,8 +20,10 @@ from homebot.errors import (
     TypeMismatchError,
 )
 from homebot.graph.endpoint import EndpointInfo, EntityKind
+from homebot.graph.handler_steps import Handling, RemainingSteps
+from homebot.graph.handler_tasks import HandlerRun
 from homebot.graph.service import Service, ServiceSlot
-from homebot.isolation import crash_of, error_text, is_cancelled
+from homebot.isolation import is_cancelled
 from homebot.messages.message import Message, ServiceType
 
 __all__ = ["Client"]
@@ -54,6 +55,7 @@ class Client(Generic[RequestT, ResponseT]):
         self._slot = slot
         self._on_close: Callable[[], None] | None = on_close
         self._closed = False
+        self._left_at_work: list[HandlerRun] = []  # of which the service has room for so many
         self._request_type = service_type.Request
         self._response_type = service_type.Response
 
@@ -78,18 +80,28 @@ class Client(Generic[RequestT, ResponseT]):
                 await self._slot.wait_for_change()
         return self.service_is_ready()
 
-    async def call(self, request: RequestT, timeout: float = DEFAULT_TIMEOUT) -> ResponseT:  # noqa: ASYNC109
+    async def call(
+        self,
+        request: RequestT,
+        timeout: float = DEFAULT_TIMEOUT,  # noqa: ASYNC109
+        cancel_with_caller: bool = False,  # noqa: FBT001, FBT002  # keyword-only would cost every call 15 ns
+    ) -> ResponseT:
         """Return the server's response to *request*.
+
+        The time limit ends the call, not the work: the handler goes on, and its late answer is dropped and counted. The
+        same holds when the caller is cancelled.
 
         Args:
             request: What to ask.
             timeout: Seconds that the server may take, its waiting line included.
+            cancel_with_caller: Whether the handler is cancelled when the time limit passes or the caller is cancelled;
+                it then runs in the caller's task. To be given by name.
 
         Raises:
-            ServiceUnavailableError: There is no server (at once, without waiting).
+            ServiceUnavailableError: There is no server, or too many calls wait for it (at once, without waiting).
             ServiceFailedError: The server raised; its exception is the cause.
             ServiceGoneError: The server was closed while it worked.
-            ServiceTimeoutError: No response within *timeout*.
+            ServiceTimeoutError: No response within *timeout*; the server may still act.
             TypeMismatchError: *request* is not exactly of the service's request type.
             ClosedError: The client was closed.
         """
@@ -110,26 +122,33 @@ class Client(Generic[RequestT, ResponseT]):
                 # The first step is taken without a time limit in place: most handlers need no second one, and a timer
                 # costs more than such a call.
                 handler = response if type(response) is CoroutineType else _as_coroutine(response)
-                try:
-                    waits_for = handler.send(None)
-                except StopIteration as stop:
-                    response = stop.value
+                if server.outlives_callers and server.tasks.is_open and not cancel_with_caller:
+                    response = server.tasks.begin(server, handler)
                 else:
-                    response = await self._finish(server, handler, waits_for, timeout)
+                    try:
+                        waits_for = handler.send(None)
+                    except StopIteration as stop:
+                        response = stop.value
+                    else:
+                        response = await self._finish(server, handler, waits_for, timeout)
         except BaseException as exc:
-            if (isinstance(exc, asyncio.CancelledError) and _is_cancelled()) or (
-                isinstance(exc, GeneratorExit) and waits_for is not _NOT_YET
-            ):
+            if _is_end_of_call(exc, has_waited=waits_for is not _NOT_YET):
                 raise
-            raise self._failure(server, exc) from exc
+            raise server.failed(exc) from exc
         finally:
             if server.line:
                 server.end_turn()
             else:
-                server.is_busy = False
+                server.is_busy = server.is_full
         if type(response) is self._response_type:
             return response
-        raise _no_response(self.info.name, response)
+        return await self._late_response(response, timeout)
+
+    async def wait_for_handlers(self) -> None:
+        """Wait until no handler works any more on a call of this client that ran out of time."""
+        while self._left_at_work:
+            await self._left_at_work[-1].wait_for_end()
+            self._left_at_work = [run for run in self._left_at_work if not run.has_ended]
 
     def close(self) -> None:
         """Close the client. Twice is fine."""
@@ -152,44 +171,46 @@ class Client(Generic[RequestT, ResponseT]):
             raise ServiceTimeoutError(self.info.name, timeout) from None
         return timeout - (now() - started)
 
+    async def _late_response(self, outcome: object, timeout: float) -> ResponseT:  # noqa: ASYNC109
+        """Return the response of a handler that waits, or raise why there is none."""
+        if type(outcome) is HandlerRun:
+            run = outcome
+            try:
+                outcome = await run.wait(timeout)
+            finally:
+                if not run.has_ended:
+                    self._left_at_work = [run, *(one for one in self._left_at_work if not one.has_ended)]
+        if type(outcome) is self._response_type:
+            return outcome
+        raise _no_response(self.info.name, outcome)
+
     async def _finish(
         self,
         server: Service[RequestT, ResponseT],
-        handler: Coroutine[object, object, object],
+        handler: Handling,
         waits_for: object,
         timeout: float,  # noqa: ASYNC109  # as call()
     ) -> object:
-        """Run a handler that waits to its end; return its response, or the ServiceError that ended the call.
+        """Run a handler that waits to its end in this task; return its response, or what ended the call.
 
-        Handing that error back keeps it apart from an error that the handler raised.
+        Handing that ServiceError back keeps it apart from an error that the handler raised.
         """
         try:
             async with asyncio.timeout(timeout) as deadline:
                 server.watch(deadline)
-                rest = _Started(handler, waits_for)
+                rest = RemainingSteps(handler, waits_for)
                 try:
                     return await rest
                 except (TimeoutError, GeneratorExit) as exc:
                     if rest.is_closed:
                         raise
-                    failure = self._failure(server, exc)
-                    failure.__cause__ = exc
-                    return failure
+                    return server.failed(exc)
                 finally:
                     server.unwatch(deadline)
         except TimeoutError:
             if server.is_closed:
                 return ServiceGoneError(self.info.name)
             return ServiceTimeoutError(self.info.name, timeout)
-
-    def _failure(self, server: Service[RequestT, ResponseT], error: BaseException) -> ServiceFailedError:
-        """Return what the caller gets for the handler's *error*; one that is no answer counts as a failure too."""
-        crash = crash_of(server.info.node, error)
-        if not isinstance(error, HomebotError):
-            server.on_failure(crash)
-        if isinstance(error, asyncio.CancelledError):
-            return ServiceFailedError(self.info.name, "something that its handler awaited was cancelled")
-        return ServiceFailedError(self.info.name, error_text(crash))
 
     def _reject(self, request: object) -> NoReturn:
         raise TypeMismatchError(
@@ -201,40 +222,16 @@ class Client(Generic[RequestT, ResponseT]):
             raise ClosedError(f"the client of {self.info.node} for {self.info.name} is closed")
 
 
-class _Started:
-    """The rest of a coroutine whose first step was taken by hand, to be awaited in the same task."""
-
-    def __init__(self, coroutine: Coroutine[object, object, object], waits_for: object) -> None:
-        self.is_closed = False  # thrown away with its caller, which is no GeneratorExit of its own
-        self._coroutine = coroutine
-        self._waits_for = waits_for
-
-    def __await__(self) -> Generator[object, object, object]:
-        coroutine, waits_for = self._coroutine, self._waits_for
-        while True:
-            try:
-                try:
-                    value = yield waits_for
-                except GeneratorExit:
-                    self.is_closed = True
-                    coroutine.close()
-                    raise
-                except BaseException as exc:  # noqa: BLE001  # whatever the task is told belongs to the coroutine
-                    waits_for = coroutine.throw(exc)
-                else:
-                    waits_for = coroutine.send(value)
-            except StopIteration as stop:
-                return stop.value
-
-
 async def _as_coroutine(result: object) -> object:
     return await result if isawaitable(result) else result
 
 
-def _is_cancelled() -> bool:
-    """Return whether somebody cancelled this task, rather than something it waited for."""
-    task = asyncio.current_task()
-    return is_cancelled() or (task is not None and task.cancelling() > 0)
+def _is_end_of_call(error: BaseException, *, has_waited: bool) -> bool:
+    """Return whether *error*, out of a handler in this task, ends the task or throws the call away."""
+    if isinstance(error, asyncio.CancelledError):
+        task = asyncio.current_task()
+        return is_cancelled() or (task is not None and task.cancelling() > 0)
+    return isinstance(error, GeneratorExit) and has_waited
 
 
 def _no_response(service: str, outcome: object) -> ServiceError:

@@ -33,11 +33,13 @@ from homebot.errors import ClosedError, DuplicateNameError, UsageError
 from homebot.graph.client import Client
 from homebot.graph.endpoint import EndpointInfo
 from homebot.graph.graph import Graph
+from homebot.graph.handler_tasks import HandlerTasks
 from homebot.graph.mailbox import BoundedQueue
 from homebot.graph.parameters import Parameter, ParameterDescriptor, ParameterSet, Value
 from homebot.graph.publisher import Publisher
 from homebot.graph.qos import QoSLike, qos_profile_parameter_events, to_qos_profile
 from homebot.graph.service import Handler, Service
+from homebot.graph.service_counts import ServiceReports
 from homebot.graph.subscription import Callback, Expiring, Subscription
 from homebot.graph.timer import Timer
 from homebot.isolation import crash_of, is_cancelled, isolated, only_cause, uncancel
@@ -98,6 +100,7 @@ class Node:
         self._waiting: list[Callable[[], Coroutine[object, object, None]]] = []
         self._entities: dict[int, _Entity] = {}
         self._closed = False
+        self._handler_tasks = HandlerTasks(graph.handler_tasks)
         graph.add_node(self)
         self._events = self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
         self.parameters = ParameterSet(
@@ -187,14 +190,20 @@ class Node:
         callback: Handler[RequestT, ResponseT],
         *,
         concurrent: bool = False,
+        cancel_with_caller: bool = False,
     ) -> Service[RequestT, ResponseT]:
         """Serve *srv_name*; only one node may.
+
+        A handler that waits runs in a task of this node, and goes on when its caller has given up. While the node does
+        not run it has no tasks: a handler then runs in the task of its caller and is cancelled with it.
 
         Args:
             srv_type: The service type.
             srv_name: The name; relative, absolute, or private (``~/name``).
             callback: A function or coroutine function that takes a request and returns the response.
-            concurrent: Whether several calls may be served at once; by default they wait in line.
+            concurrent: Whether several calls may be served at once, up to 1,000; by default they wait in line.
+            cancel_with_caller: Whether a handler is cancelled when its caller gives up: for one that only waits for
+                somebody else, and whose answer is of no use to others.
 
         Raises:
             InvalidNameError: *srv_name* is not a legal name.
@@ -213,11 +222,16 @@ class Node:
             self.graph.release_service_slot(slot)
             self._hide(service)
 
-        def on_failure(error: Exception) -> None:
-            self.graph.failures.record(self.full_name, f"handler of {name}", error, "its caller gets the error")
-
         service = Service(
-            name, srv_type, self.full_name, callback, concurrent=concurrent, on_close=on_close, on_failure=on_failure
+            name,
+            srv_type,
+            self.full_name,
+            callback,
+            concurrent=concurrent,
+            cancel_with_caller=cancel_with_caller,
+            tasks=self._handler_tasks,
+            on_close=on_close,
+            reports=ServiceReports(self.full_name, name, self.graph.failures, self.graph.service_counts),
         )
         slot.set_server(service)
         self._show(service)
@@ -301,6 +315,7 @@ class Node:
         self._closed = True
         for entity in reversed(list(self._entities.values())):
             entity.close()
+        self._handler_tasks.close()
         self.graph.remove_node(self)
         for scope in tuple(self._scopes):
             scope.cancel()
@@ -311,6 +326,7 @@ class Node:
             raise UsageError(f"the node {self.full_name} is already running")
         self._tasks = anyio.create_task_group()
         await self._tasks.__aenter__()
+        self._handler_tasks.open(self._start)
         waiting, self._waiting = self._waiting, []
         for function in waiting:
             self._tasks.start_soon(self._run, function, name=self.full_name)
@@ -322,6 +338,7 @@ class Node:
         tasks, self._tasks = self._tasks, None
         if tasks is None:
             return None
+        self._handler_tasks.close()
         tasks.cancel_scope.cancel()
         try:
             return await tasks.__aexit__(exc_type, exc, traceback)

@@ -45,6 +45,8 @@ class RuntimeHealth:
             "task_exits": 0 if self._watch is None else self._watch.exits,
             "log_lines_lost": self._lost_lines(),
             "messages_lost": sum(count for _, _, count in self._losses()),
+            "answers_late": self._graph.service_counts.late_answers,
+            "calls_refused": self._graph.service_counts.refused_calls,
         }
         return HealthResponse(
             counts=tuple(Count(name=name, count=count) for name, count in counts.items()),

@@ -10,7 +10,7 @@ import pytest
 from tests.patience import PATIENCE
 
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.errors import ServiceFailedError, ServiceGoneError
+from homebot.errors import ServiceFailedError, ServiceGoneError, ServiceTimeoutError
 from homebot.messages import SetBool, Trigger
 from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse, SuccessResponse, TriggerRequest
 
@@ -91,6 +91,42 @@ async def test_too_many_calls_at_a_time_fail_at_once(open_house: Any) -> None:
         answer = await peer.receive()
         assert answer["id"] == 2
         assert "2 calls of this client are waiting already" in answer["values"]
+
+
+async def test_a_call_counts_until_its_handler_has_ended(open_house: Any) -> None:
+    """Or a client with short time limits could have any number of handlers at work."""
+    opened = anyio.Event()
+
+    async def slow(_request: TriggerRequest) -> SuccessResponse:
+        await opened.wait()
+        return SuccessResponse(success=True, message="at last")
+
+    async with (
+        open_house(DoorSettings(port=0, max_calls=1)) as house,
+        house.node("lamp") as lamp,
+        house.peer() as peer,
+    ):
+        lamp.create_service(Trigger, "/slow", slow, concurrent=True)
+        await peer.send("call_service", service="/slow", timeout=0.05)
+        assert "did not answer within 0.05 s" in (await peer.receive())["values"]
+        await peer.send("call_service", service="/slow", timeout=60)
+        assert "1 calls of this client are waiting already" in (await peer.receive())["values"]
+        opened.set()
+        await peer.settle()
+        await peer.send("call_service", service="/slow", timeout=60)
+        assert (await peer.receive())["values"]["message"] == "at last"
+
+
+async def test_a_client_that_never_answers_owes_nothing_for_callers_that_gave_up(open_house: Any) -> None:
+    async with open_house(DoorSettings(port=0, max_calls=1)) as house, house.peer() as peer:
+        await peer.send("advertise_service", service="/mine", type="std_srvs/Trigger")
+        await peer.settle()
+        node = house.node("app")
+        client = node.create_client(Trigger, "/mine")
+        for _ in range(2):
+            with pytest.raises(ServiceTimeoutError):
+                await client.call(TriggerRequest(), timeout=0.05)
+        assert node.graph.service_counts.late_answers == 0
 
 
 async def test_a_client_provides_a_service(open_house: Any) -> None:

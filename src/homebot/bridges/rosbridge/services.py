@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from homebot.bridges.rosbridge.outbox import Outbox
@@ -30,7 +30,7 @@ from homebot.errors import (
     TypeMismatchError,
     UsageError,
 )
-from homebot.graph import EntityKind, Node, Service
+from homebot.graph import Client, EntityKind, Node, Service
 from homebot.isolation import error_text
 from homebot.messages.definition import fields_of
 from homebot.messages.json import message_to_json, message_to_pieces
@@ -76,41 +76,62 @@ _MAX_TIMEOUT = 3600.0
 _MOST, _LONGEST = 200, 100  # names compared, and of how many characters: a client may ask again and again
 
 
-async def call_service(node: Node, op: CallService, turns: Turns) -> Frame:
-    """Make the call *op* on the graph of *node* and return the frame that answers it, be it a failure.
+async def call_service(node: Node, op: CallService, turns: Turns, answer: Callable[[Frame], None]) -> None:
+    """Make the call *op* on the graph of *node* and *answer* it, be it with a failure.
 
-    A response of many messages is written in several of the *turns*.
+    It returns when the handler has ended, which may be after the time limit that the client set: a client that sets
+    short ones has no more handlers at work than others. A response of many messages is written in several *turns*.
     """
     try:
-        pieces = message_to_pieces(await _call(node, op))
-        written = [next(pieces)]
-        for piece in pieces:
-            written.append(piece)
-            await turns.turn()
-        return service_success(op.service, op.id, "".join(written))
-    except ServiceFailedError as exc:
-        return service_failure(op.service, op.id, exc.reason)
-    except ServiceUnavailableError as exc:
-        return service_failure(op.service, op.id, _unavailable(node, exc))
+        client, request, problem = _prepare(node, op)
     except HomebotError as exc:
-        return service_failure(op.service, op.id, str(exc))
+        answer(_failure(node, op, exc))
+        return
+    try:
+        response = await client.call(request, _timeout(op))
+        if problem is not None:
+            response = refusal(client.service_name, response, problem)
+        frame = await _success(op, response, turns)
+    except HomebotError as exc:
+        frame = _failure(node, op, exc)
+    finally:
+        client.close()
+    answer(frame)
+    await client.wait_for_handlers()
 
 
-async def _call(node: Node, op: CallService) -> Message:
+async def _success(op: CallService, response: Message, turns: Turns) -> Frame:
+    pieces = message_to_pieces(response)
+    written = [next(pieces)]
+    for piece in pieces:
+        written.append(piece)
+        await turns.turn()
+    return service_success(op.service, op.id, "".join(written))
+
+
+def _failure(node: Node, op: CallService, error: HomebotError) -> Frame:
+    if isinstance(error, ServiceFailedError):
+        return service_failure(op.service, op.id, error.reason)
+    problem = _unavailable(node, error) if isinstance(error, ServiceUnavailableError) else str(error)
+    return service_failure(op.service, op.id, problem)
+
+
+def _prepare(node: Node, op: CallService) -> tuple[Client[Any, Any], Message, UsageError | None]:
+    """Return a client of the service, the request, and what is wrong with a query in it.
+
+    The client is for this call alone: one that is kept would hold the name's type after the server is gone.
+    """
     name = node.resolve_name(op.service, "service name")
     service_type = node.graph.get_service_type(name)
     if service_type is None:
         raise ServiceUnavailableError(name)
     values, problem = parse_queries(service_type.Request, _values(service_type.Request, op.args))
     request = message_from_client(service_type.Request, values)
-    timeout = min(op.timeout, _MAX_TIMEOUT) if op.timeout > 0 else _DEFAULT_TIMEOUT
-    # A client of its own for each call: one that is kept would hold the name's type after the server is gone.
-    client = node.create_client(service_type, name)
-    try:
-        response: Message = await client.call(request, timeout)
-        return response if problem is None else refusal(name, response, problem)
-    finally:
-        client.close()
+    return node.create_client(service_type, name), request, problem
+
+
+def _timeout(op: CallService) -> float:
+    return min(op.timeout, _MAX_TIMEOUT) if op.timeout > 0 else _DEFAULT_TIMEOUT
 
 
 def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
@@ -170,7 +191,9 @@ class ProvidedServices:
         async def ask(request: Message) -> Message:
             return await self._ask(op.service, service_type, request)
 
-        self._services[op.service] = self._node.create_service(service_type, op.service, ask, concurrent=True)
+        self._services[op.service] = self._node.create_service(
+            service_type, op.service, ask, concurrent=True, cancel_with_caller=True
+        )
 
     def unadvertise(self, op: UnadvertiseService) -> None:
         """Withdraw a service; calls under way fail.

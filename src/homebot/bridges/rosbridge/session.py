@@ -194,7 +194,7 @@ class ClientSession:
         try:
             await self._outbox.room()
             await self._turns.turn()
-            self._outbox.answer(await call_service(self._node, op, self._turns))
+            await call_service(self._node, op, self._turns, self._outbox.answer)
         finally:
             self._calls -= 1
 

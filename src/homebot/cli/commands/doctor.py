@@ -33,6 +33,7 @@ _FAULTS = (
     "damaged",
     "cut",
     "lost",
+    "late",
 )
 """How the names of counts begin or end that should be 0."""
 
@@ -48,7 +49,8 @@ _EXAMPLES = """\
 
 The exit status is 1 if there are problems. Some of the counts: `strays` are reports that came before the announcement
 of their device; `holds`, how often a publisher waited for a slow client of the embedded broker; `unread given up`,
-connections that it closed because a packet stayed incomplete; `asks dropped`, requests for a device's state and
+connections that it closed because a packet stayed incomplete; `answers late`, answers of services whose callers had
+given up; `asks dropped`, requests for a device's state and
 `expiries dropped`, values that expire (such as motion), that were too many to keep track of.
 """
 

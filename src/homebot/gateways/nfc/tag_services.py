@@ -57,8 +57,8 @@ class TagServices:
         self._is_writing = False
         names = TagNames(node.name)
         node.create_service(ScanCode, names.scan, self._scan, concurrent=True)
-        node.create_service(ReadTag, names.read_tag, self._read, concurrent=True)
-        node.create_service(WriteTag, names.write_tag, self._write, concurrent=True)
+        node.create_service(ReadTag, names.read_tag, self._read, concurrent=True, cancel_with_caller=True)
+        node.create_service(WriteTag, names.write_tag, self._write, concurrent=True, cancel_with_caller=True)
 
     def open(self, desk: ReaderDesk) -> None:
         """Use the reader at *desk*."""

@@ -1,0 +1,285 @@
+"""The tasks of a node that the handlers of its services run in.
+
+A handler takes its first step at once, within its caller's turn but as one of these tasks: ``asyncio.current_task()``
+and the cancel scopes and time limits that it enters are that task's. Most handlers need no second step, so that their
+callers wait for no task. A handler that waits goes on in the task, which is the node's: a caller that gives up or is
+cancelled does not end it. All its steps see one copy of the context variables that its caller had.
+
+Where no task is free, a handler begins in a new one, when the event loop comes to it. Tasks are used again: 8 of a node
+are kept when they have nothing to do. How many a service has at work at once is :attr:`homebot.graph.Service.room`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from asyncio import current_task
+from asyncio.tasks import _enter_task, _leave_task  # documented for those who step coroutines: "Extending asyncio"
+from collections.abc import Callable, Coroutine, Iterator
+from contextvars import Context, copy_context
+from typing import TYPE_CHECKING, Any, TypeAlias, cast, final
+
+import anyio
+
+from homebot.errors import ServiceGoneError, ServiceTimeoutError
+from homebot.graph.handler_steps import NOT_BEGUN, Handling, RemainingSteps
+from homebot.isolation import is_cancelled, is_end_of, uncancel
+
+if TYPE_CHECKING:
+    from homebot.graph.service import Service
+
+__all__ = ["HandlerRun", "HandlerTask", "HandlerTasks", "StartTask"]
+
+StartTask: TypeAlias = Callable[[Callable[[], Coroutine[object, object, None]]], None]
+
+_MOST_FREE = 8
+
+
+@final
+class HandlerRun:
+    """A call whose handler is at work in a task of the serving node.
+
+    Attributes:
+        server: The service.
+        task: The task.
+        handler: The handler's coroutine.
+        context: The context variables that it sees.
+        waits_for: What it waits for since its first step, or NOT_BEGUN.
+        outcome: For the caller: the response or a :class:`homebot.errors.ServiceError`. Done when the caller has left.
+        has_ended: Whether the handler has ended.
+    """
+
+    __slots__ = ("_end", "context", "handler", "has_ended", "outcome", "server", "task", "waits_for")
+
+    def __init__(
+        self, server: Service[Any, Any], task: HandlerTask, handler: Handling, context: Context, waits_for: object
+    ) -> None:
+        self.server = server
+        self.task = task
+        self.handler = handler
+        self.context = context
+        self.waits_for = waits_for
+        self.outcome: asyncio.Future[object] = asyncio.get_running_loop().create_future()
+        self.has_ended = False
+        self._end: anyio.Event | None = None
+
+    async def wait_for_end(self) -> None:
+        """Wait until the handler has ended."""
+        if not self.has_ended:
+            self._end = self._end or anyio.Event()
+            await self._end.wait()
+
+    async def wait(self, timeout: float) -> object:  # noqa: ASYNC109  # as Client.call
+        """Return the handler's outcome; a caller that is cancelled, or *timeout* seconds, leave it at work."""
+        timer = asyncio.get_running_loop().call_later(timeout, self._expire, timeout)
+        try:
+            return await self.outcome
+        except BaseException:
+            if not self.has_ended:
+                self.task.caller = None
+                self.outcome.cancel()
+            elif not self.outcome.cancelled():  # it ended before the cancelled caller had its turn
+                self.server.drop(self.outcome.result())
+            raise
+        finally:
+            timer.cancel()
+
+    def end(self, outcome: object) -> None:
+        """Give the handler's *outcome* to the caller, or drop it where the caller has left."""
+        if self.outcome.done():
+            self.server.drop(outcome)
+        self._end_with(outcome)
+
+    def end_as_gone(self) -> None:
+        """Let the caller know that the server ended the handler."""
+        self._end_with(ServiceGoneError(self.server.service_name))
+
+    def _end_with(self, outcome: object) -> None:
+        self.has_ended = True
+        if self._end is not None:
+            self._end.set()
+        if not self.outcome.done():
+            self.outcome.set_result(outcome)
+
+    def _expire(self, timeout: float) -> None:
+        if not self.outcome.done():
+            self.task.caller = None
+            name, is_closed = self.server.service_name, self.server.is_closed
+            self.outcome.set_result(ServiceGoneError(name) if is_closed else ServiceTimeoutError(name, timeout))
+
+
+@final
+class HandlerTask:
+    """A task that runs handlers, one after the other.
+
+    Attributes:
+        task: The task, once it has started.
+        scope: Cancelling it ends the handler, and the task with it.
+        run: The call whose handler is at work.
+        caller: The task that waits for the handler, or None when none does any more.
+        wake: Done when a handler is at work, or when the handler that took its first step here cancelled its task.
+    """
+
+    __slots__ = ("_owner", "caller", "run", "scope", "task", "wake")
+
+    def __init__(self, owner: HandlerTasks, caller: asyncio.Task[Any] | None) -> None:
+        self.task: asyncio.Task[Any]
+        self.scope = anyio.CancelScope()
+        self.run: HandlerRun | None = None
+        self.caller = caller
+        self.wake: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._owner = owner
+
+    async def main(self) -> None:
+        """Run handlers until the scope is cancelled or enough others are free."""
+        task = self.task = cast("asyncio.Task[object]", asyncio.current_task())
+        self._owner.by_task[task] = self
+        try:
+            with self.scope:
+                error: BaseException | None = None
+                while self.run is not None:
+                    await self._serve(self.run, error)
+                    if self.scope.cancel_called or not self._owner.wants_free:
+                        return
+                    error = await self._wait()
+        finally:
+            del self._owner.by_task[task]
+
+    async def _serve(self, run: HandlerRun, error: BaseException | None) -> None:
+        try:
+            if run.waits_for is NOT_BEGUN and (run.server.is_closed or is_cancelled()):
+                run.handler.close()
+                run.end_as_gone()
+            else:
+                await self._run_to_end(run, error)
+        finally:
+            self.run = self.caller = None
+            run.server.remove_run(run)
+
+    async def _run_to_end(self, run: HandlerRun, error: BaseException | None) -> None:
+        try:
+            outcome = await RemainingSteps(run.handler, run.waits_for, run.context.run, error)
+        except BaseException as exc:
+            if is_end_of(self.task, exc):
+                run.end_as_gone()
+                raise
+            if isinstance(exc, asyncio.CancelledError):
+                uncancel()
+            run.end(run.server.failed(exc, has_caller=not run.outcome.done()))
+        else:
+            run.end(outcome)
+
+    async def _wait(self) -> BaseException | None:
+        """Wait for a handler; return what its task was told since its first step, which is to be thrown into it."""
+        while True:
+            self.wake = asyncio.get_running_loop().create_future()
+            self._owner.add_free(self)
+            try:
+                await self.wake
+            except asyncio.CancelledError as exc:
+                self._owner.remove_free(self)
+                if self.run is not None:
+                    return exc
+                if is_cancelled():
+                    raise
+                uncancel()  # it was the last thing that a handler did
+            else:
+                return None
+
+
+@final
+class HandlerTasks:
+    """The tasks of one node that run the handlers of its services.
+
+    Args:
+        by_task: Where all such tasks of a graph are found.
+
+    Attributes:
+        is_open: Whether the node runs. Where it does not, a handler runs in the task of its caller and ends with it.
+        by_task: As above.
+    """
+
+    def __init__(self, by_task: dict[asyncio.Task[Any], HandlerTask]) -> None:
+        self.is_open = False
+        self.by_task = by_task
+        self._loop: asyncio.AbstractEventLoop  # once it is open
+        self._start_task: StartTask
+        self._free: list[HandlerTask] = []
+
+    def open(self, start_task: StartTask) -> None:
+        """Begin to run handlers, in tasks that *start_task* starts."""
+        self.is_open = True
+        self._loop = asyncio.get_running_loop()
+        self._start_task = start_task
+
+    def close(self) -> None:
+        """Begin no further handlers; those at work end with their tasks. Twice is fine."""
+        self.is_open = False
+
+    def begin(self, server: Service[Any, Any], handler: Handling) -> object:
+        """Let *handler* take its first step; return its outcome, or the :class:`HandlerRun` where it waits."""
+        free, loop = self._free, self._loop
+        caller = current_task(loop)
+        if not free or caller is None:
+            return self._start(server, handler, caller)
+        host = free.pop()
+        if host.wake.done():
+            return self._start(server, handler, caller)
+        task, context = host.task, copy_context()
+        host.caller = caller
+        _leave_task(loop, caller)
+        _enter_task(loop, task)
+        try:
+            waits_for = context.run(handler.send, None)
+        except BaseException as exc:  # noqa: BLE001  # the caller's task is told nothing in the middle of a step
+            _leave_task(loop, task)
+            _enter_task(loop, caller)
+            host.caller = None
+            free.append(host)
+            return exc.value if type(exc) is StopIteration else server.failed(exc)
+        _leave_task(loop, task)
+        _enter_task(loop, caller)
+        return self._hand_over(HandlerRun(server, host, handler, context, waits_for))
+
+    def current(self) -> HandlerTask | None:
+        """Return the task that runs now, if it is one that runs handlers."""
+        task = asyncio.current_task()
+        return None if task is None else self.by_task.get(task)
+
+    def waiting_for_current(self) -> Iterator[object]:
+        """Yield the current task, its :class:`HandlerTask` if it is one, the task that waits for that, and so on."""
+        task = asyncio.current_task()
+        while task is not None:
+            yield task
+            host = self.by_task.get(task)
+            if host is None:
+                return
+            yield host
+            task = host.caller
+
+    @property
+    def wants_free(self) -> bool:
+        """True if a task that has nothing to do is to stay."""
+        return len(self._free) < _MOST_FREE
+
+    def add_free(self, host: HandlerTask) -> None:
+        """Let the next handler take its first step as *host*."""
+        self._free.append(host)
+
+    def remove_free(self, host: HandlerTask) -> None:
+        """Let no handler take its first step as *host*, which may have been taken already."""
+        if host in self._free:
+            self._free.remove(host)
+
+    def _start(self, server: Service[Any, Any], handler: Handling, caller: asyncio.Task[Any] | None) -> HandlerRun:
+        host = HandlerTask(self, caller)
+        run = self._hand_over(HandlerRun(server, host, handler, copy_context(), NOT_BEGUN))
+        self._start_task(host.main)
+        return run
+
+    def _hand_over(self, run: HandlerRun) -> HandlerRun:
+        host = run.task
+        host.run = run
+        run.server.add_run(run)
+        if not host.wake.done():  # its first step may have cancelled its task
+            host.wake.set_result(None)
+        return run

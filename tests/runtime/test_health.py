@@ -1,0 +1,30 @@
+"""``/homebot/health`` counts what the graph counts."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+
+from homebot.config import parse_config
+from homebot.devices.health import GetHealth, HealthRequest
+from homebot.errors import ServiceTimeoutError
+from homebot.graph import Node
+from homebot.messages import Trigger
+from homebot.messages.std_srvs import SuccessResponse, TriggerRequest
+from homebot.runtime import Runtime
+
+
+@pytest.mark.virtual_time
+async def test_late_answers_are_counted() -> None:
+    async def slow(_request: TriggerRequest) -> SuccessResponse:
+        await anyio.sleep(2)
+        return SuccessResponse(success=True, message="")
+
+    async with Runtime(parse_config({}, "test"), with_door=False) as runtime, Node(runtime.graph, "node") as node:
+        node.create_service(Trigger, "/slow", slow)
+        with pytest.raises(ServiceTimeoutError):
+            await node.create_client(Trigger, "/slow").call(TriggerRequest(), timeout=1)
+        await anyio.sleep(2)
+        health = await node.create_client(GetHealth, "/homebot/health").call(HealthRequest())
+        counts = {one.name: one.count for one in health.counts}
+        assert (counts["answers_late"], counts["calls_refused"], counts["callback_failures"]) == (1, 0, 0)
