@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import ndef
 import pytest
 
@@ -52,3 +55,18 @@ def test_posters_in_posters_are_passed_over() -> None:
     for _ in range(300):
         nested = ndef.Record("urn:nfc:wkt:Sp", "", message(nested))
     assert read_ndef(message(nested)) == ()
+
+
+def test_nothing_is_loaded_while_messages_are_read_and_written() -> None:
+    """The event loop would wait for the disk, or for another thread that imports."""
+    program = """
+import sys
+from homebot.conventions.nfc.ndef_message import NdefRecord, load_ndef, read_ndef, write_ndef
+load_ndef()
+before = set(sys.modules)
+for record in NdefRecord("uri", "http://h\\u00fctte.example/td".encode()), NdefRecord("text", b"Hall"):
+    assert read_ndef(write_ndef(record))
+print(sorted(set(sys.modules) - before))
+"""
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"

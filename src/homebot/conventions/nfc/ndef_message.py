@@ -5,6 +5,7 @@ NFC Forum: NDEF 1.0; RTD URI 1.0 (identifier codes), RTD Text 1.0, Smart Poster 
 
 from __future__ import annotations
 
+import codecs
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
@@ -13,7 +14,7 @@ from typing import Final, Literal, TypeAlias
 from homebot.conventions.nfc.tag_content import MAX_MESSAGE
 from homebot.errors import WireError
 
-__all__ = ["NdefKind", "NdefRecord", "read_ndef", "write_ndef"]
+__all__ = ["NdefKind", "NdefRecord", "load_ndef", "read_ndef", "write_ndef"]
 
 NdefKind: TypeAlias = Literal["uri", "text", "media", "external"]
 
@@ -47,6 +48,14 @@ class NdefRecord:
             return self.data.decode()
         except UnicodeDecodeError as exc:
             raise WireError("a record of an NDEF message is not text in UTF-8", self.data) from exc
+
+
+def load_ndef() -> None:
+    """Load the library with the encodings that it uses, which reads files; call it in a thread, before the others."""
+    import ndef  # noqa: PLC0415, F401 - an extra
+
+    for name in ("latin", "idna"):  # the first use of an encoding loads its module
+        codecs.lookup(name)
 
 
 def read_ndef(message: bytes) -> tuple[NdefRecord, ...]:

@@ -10,11 +10,12 @@ from typing import ClassVar, Final
 
 import anyio
 import anyio.lowlevel
+import anyio.to_thread
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
 from homebot.backoff import Backoff, BackoffCounter
-from homebot.conventions.nfc.ndef_message import read_ndef
+from homebot.conventions.nfc.ndef_message import load_ndef, read_ndef
 from homebot.conventions.nfc.pointer import Pointer, pointer_of_device, pointer_of_records
 from homebot.conventions.payload import clean_text
 from homebot.devices.gateway_messages import Command
@@ -109,6 +110,7 @@ class NfcGateway(Gateway):
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Follow the readers until cancelled; ready after the first attempt with each."""
+        await anyio.to_thread.run_sync(load_ndef)
         self._sides = self._make_readers()
         async with anyio.create_task_group() as tasks:
             for number, reader in enumerate(self._sides):

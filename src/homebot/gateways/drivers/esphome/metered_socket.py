@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import codecs
 import socket
 
 import anyio
 
 __all__ = ["BURST", "PER_SECOND", "RECEIVED_AT_ONCE", "MeteredSocket", "open_socket"]
+
+codecs.lookup("idna")  # getaddrinfo uses it; its first use loads a module: here, and not while the event loop runs
 
 RECEIVED_AT_ONCE = 8 * 1024
 """Bytes; Linux takes twice that. All that came is handled without a pause, and 256 KiB of tiny frames take a second."""
