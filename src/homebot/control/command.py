@@ -38,6 +38,18 @@ class IssuedCommand:
     code: str = field(default="", repr=False)
 
     @property
+    def is_wish(self) -> bool:
+        """True if a person gave it, at a client of the door, rather than an app by itself."""
+        return self.issuer.startswith("client:")
+
+    def reported(self, capability: str) -> PlainValue:
+        """Return what the part had reported of *capability* when the command was given; None where unknown."""
+        for state in self.device.states:
+            if state.capability == capability and state.part == self.part.id:
+                return state.value.plain()
+        return None
+
+    @property
     def target(self) -> str:
         """The id of the device, with ``#`` and the id of the part where it has one."""
         return f"{self.device.id}#{self.part.id}" if self.part.id else self.device.id

@@ -10,6 +10,7 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.control.command import IssuedCommand
+from homebot.control.judge import Judge
 from homebot.control.pending import PendingCommand
 from homebot.control.report_watch import ReportWatch
 from homebot.control.response_times import ResponseTimes
@@ -51,7 +52,7 @@ class Control:
 
     Args:
         node: The node that it is on the graph.
-        settings: How long it waits.
+        settings: How long it waits, and the policies.
     """
 
     def __init__(self, node: Node, settings: ControlSettings | None = None) -> None:
@@ -59,6 +60,7 @@ class Control:
         self._settings = settings or ControlSettings()
         self._clock = node.graph.clock
         self._find = node.create_client(FindDevices, FIND_DEVICES)
+        self._judge = Judge(node, self._settings)
         self._sender = CommandSender(node)
         self._watch = ReportWatch(node)
         self._times = ResponseTimes(self._settings.timeout)
@@ -99,6 +101,8 @@ class Control:
         if len(self._pending) >= MOST_PENDING:
             problem = f"{MOST_PENDING:,} commands wait for their outcome"
             return result_of(Refused("control", problem, command_id=command.id))
+        if (refused := self._judge.refusal(command)) is not None:
+            return result_of(refused)
         known, recent = self._known(command)
         changed = _Signal()
         pending = PendingCommand(command, known, _readable(command), self._clock.monotonic(), changed.set)
@@ -126,7 +130,8 @@ class Control:
         limit = max(self._times.limit(command.target, one) for one in command.settings) + command.transition
         tries = 1 if _is_momentary(command) else 1 + self._settings.retries
         for number in range(tries):
-            if (problem := await self._send(command)) is not None:
+            is_refused = number > 0 and self._judge.refusal(command) is not None  # by what changed meanwhile
+            if not is_refused and (problem := await self._send(command)) is not None:
                 return problem
             until = began + limit * (number + 1) / tries
             while not pending.is_over and (left := _until(until, pending, began) - clock.monotonic()) > 0:

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from homebot.control.policies import PolicySettings
 from homebot.units import Seconds
 
 __all__ = ["ControlSettings"]
 
 
-class ControlSettings(BaseModel):
-    """The table ``[control]``.
+class ControlSettings(PolicySettings):
+    """The table ``[control]``, with that of the policies.
 
     Attributes:
         timeout: Seconds that a device has for its answer, until its usual time is known.
         retries: How often a command without an answer is sent again. Momentary ones, such as a press, never are.
         settle: Seconds after a confirmed command in which a device that goes back is reported as reverted.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     timeout: Seconds = 10.0
     retries: int = Field(default=2, ge=0, le=10)

@@ -14,7 +14,7 @@ from homebot.graph import Node
 from homebot.messages import Time
 
 if TYPE_CHECKING:
-    from homebot.devices.handles.handles import TrackedDevice
+    from homebot.devices.handles.tracked_device import TrackedDevice
 
 __all__ = ["Commander"]
 

@@ -14,7 +14,8 @@ from homebot.devices.device import Device, State, StateChange
 from homebot.devices.follow import Follow
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleQuery
-from homebot.devices.handles.handles import Handles, TrackedDevice
+from homebot.devices.handles.handles import Handles
+from homebot.devices.handles.tracked_device import TrackedDevice
 from homebot.graph import Node
 
 __all__ = ["FollowHandles", "HandleChange"]

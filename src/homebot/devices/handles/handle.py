@@ -12,7 +12,7 @@ from homebot.devices.command_messages import Setting
 from homebot.devices.commander import Commander
 from homebot.devices.device import Device, DevicePart, Freshness
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, Term
-from homebot.devices.handles.handles import TrackedDevice
+from homebot.devices.handles.tracked_device import TrackedDevice
 from homebot.devices.outcomes import Gone, Outcome
 from homebot.devices.part import Capability
 from homebot.devices.query import CanDo, Not, StateIs

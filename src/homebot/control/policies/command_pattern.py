@@ -1,0 +1,154 @@
+"""Patterns of commands, such as ``turn off lights in hall``: a verb, and a query for the devices. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Annotated, TypeAlias, final
+
+from pydantic import PlainValidator
+
+from homebot.control.command import IssuedCommand
+from homebot.devices.query import PartFacets, Query, fits, type_is
+from homebot.devices.value import PlainValue
+from homebot.errors import UsageError
+from homebot.similar import did_you_mean
+
+__all__ = ["VERBS", "CommandPattern", "Patterns", "pattern_of_type", "read_pattern"]
+
+_Does: TypeAlias = Callable[[str, PlainValue, PlainValue], bool]
+"""Tells whether setting a capability to a value, where another was reported before, is what a verb means."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class CommandPattern:
+    """Commands that do something certain to certain devices.
+
+    Attributes:
+        text: The pattern as it was written.
+        verb: One of :data:`VERBS`.
+        query: The devices.
+    """
+
+    text: str
+    verb: str
+    query: Query
+
+    def fits(self, command: IssuedCommand) -> bool:
+        """Return whether *command* is one of these."""
+        does = VERBS[self.verb]
+        for capability, value in command.settings.items():
+            if does(capability, value, command.reported(capability)):
+                break
+        else:
+            return False
+        facets = PartFacets(command.device)
+        facets.part = command.part
+        return fits(self.query, facets)
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def read_pattern(text: str) -> CommandPattern:
+    """Return the pattern that *text* is: a verb and a query; without a query it is about every device.
+
+    Raises:
+        UsageError: It does not begin with a verb, or the rest is no query; names the problem.
+    """
+    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - only where the configuration has one
+
+    words = text.split()
+    for length in (2, 1):
+        verb = " ".join(words[:length]).casefold()
+        if verb in VERBS:
+            return CommandPattern(text, verb, parse_query(" ".join(words[length:])))
+    known = f"it begins with one of {', '.join(VERBS)}"
+    raise UsageError(f"{text[:80]!r} is no command; {did_you_mean(words[0] if words else '', VERBS, known)}")
+
+
+def pattern_of_type(verb: str, word: str) -> CommandPattern:
+    """Return the pattern of *verb* and devices of the type *word*."""
+    return CommandPattern(f"{verb} {word}", verb, type_is(word))
+
+
+def _validated(value: object) -> tuple[CommandPattern, ...]:
+    if not isinstance(value, list | tuple) or len(value) > _MOST_PATTERNS:
+        raise ValueError(f"must be an array of at most {_MOST_PATTERNS} texts such as 'turn off lights', got {value!r}")
+    return tuple(one if isinstance(one, CommandPattern) else _read(one) for one in value)
+
+
+def _read(value: object) -> CommandPattern:
+    try:
+        return read_pattern(value if isinstance(value, str) else repr(value))
+    except UsageError as exc:
+        raise ValueError(str(exc)) from exc
+
+
+Patterns: TypeAlias = Annotated[tuple[CommandPattern, ...], PlainValidator(_validated)]
+"""Patterns in a table of the configuration, where they are texts in an array."""
+
+_MOST_PATTERNS = 100
+_MODES = frozenset({"thermostat_mode", "water_heater_mode", "humidifier_mode", "fan_mode"})
+_STRENGTHS = frozenset({"level", "fan_speed"})
+_OPENINGS = frozenset({"movement", "valve"})
+_NO_HEAT = frozenset({"off", "cool", "dry", "fan_only"})
+
+
+def _turns_on(capability: str, wanted: PlainValue, _reported: PlainValue) -> bool:
+    if capability == "on_off":
+        return wanted is True
+    if capability in _STRENGTHS:
+        return isinstance(wanted, float) and wanted > 0
+    return capability in _MODES and wanted != "off"
+
+
+def _turns_off(capability: str, wanted: PlainValue, _reported: PlainValue) -> bool:
+    if capability == "on_off":
+        return wanted is False
+    if capability in _STRENGTHS:
+        return wanted == 0
+    return capability in _MODES and wanted == "off"
+
+
+def _opens(capability: str, wanted: PlainValue, reported: PlainValue) -> bool:
+    if capability == "position" and isinstance(wanted, float):
+        return wanted > (reported if isinstance(reported, float) else 0.0)
+    return (capability in _OPENINGS or capability == "lock") and wanted == "open"
+
+
+def _closes(capability: str, wanted: PlainValue, reported: PlainValue) -> bool:
+    if capability == "position" and isinstance(wanted, float):
+        return wanted < (reported if isinstance(reported, float) else 100.0)
+    return capability in _OPENINGS and wanted == "closed"
+
+
+def _heats(capability: str, wanted: PlainValue, reported: PlainValue) -> bool:
+    """Return whether it asks for heat: a lower setpoint does not."""
+    if capability == "heating_setpoint" and isinstance(wanted, float):
+        return not isinstance(reported, float) or wanted > reported
+    return capability in _MODES and wanted not in _NO_HEAT
+
+
+def _starts(capability: str, wanted: PlainValue, reported: PlainValue) -> bool:
+    is_work = (capability, wanted) in {("vacuum", "cleaning"), ("vacuum", "spot"), ("mower", "mowing")}
+    return is_work or _turns_on(capability, wanted, reported)
+
+
+VERBS: Mapping[str, _Does] = MappingProxyType(
+    {
+        "turn on": _turns_on,
+        "turn off": _turns_off,
+        "open": _opens,
+        "close": _closes,
+        "lock": lambda capability, wanted, _: capability == "lock" and wanted == "locked",
+        "unlock": lambda capability, wanted, _: capability == "lock" and wanted in {"unlocked", "open"},
+        "disarm": lambda capability, wanted, _: capability == "alarm" and wanted == "disarmed",
+        "heat": _heats,
+        "start": _starts,
+        "use": lambda _capability, _wanted, _reported: True,
+    }
+)
+"""The verbs; ``use`` is any command."""

@@ -1,0 +1,94 @@
+"""The devices that policies look at, by room. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import final
+
+from homebot.devices import Device, StateChange
+from homebot.devices.handles.tracked_device import TrackedDevice
+from homebot.devices.value import PlainValue
+from homebot.folding import fold
+
+__all__ = ["House", "SensorReading"]
+
+
+@dataclass(frozen=True, slots=True)
+class SensorReading:
+    """The newest value of one sensor.
+
+    Attributes:
+        sensor: The id of the device, with ``#`` and the id of the part where it has one.
+        value: What it reports; None where that is unknown, as it reported nothing live or has been silent too long.
+        since: Since when it has reported that, in seconds since the Unix epoch; 0 where unknown.
+    """
+
+    sensor: str
+    value: PlainValue
+    since: float = 0.0
+
+
+@final
+class House:
+    """The devices that some policy needs, with their newest values.
+
+    Attributes:
+        is_known: Whether the devices have been read from the directory; before, nothing is known.
+    """
+
+    def __init__(self) -> None:
+        self.is_known = False
+        self._devices: dict[str, TrackedDevice] = {}
+        self._rooms: dict[str, dict[str, TrackedDevice]] = {}
+
+    def put(self, device: Device, sequence: int = 0) -> None:
+        """Add *device*, or what is new of it; *sequence* is that of the change that tells it."""
+        tracked = self._devices.get(device.id)
+        if tracked is None:
+            tracked = self._devices[device.id] = TrackedDevice(device, sequence)
+        else:
+            self._leave_room(tracked)
+            tracked.update(device, sequence)
+        self._rooms.setdefault(fold(tracked.device.area), {})[device.id] = tracked
+
+    def remove(self, device_id: str) -> None:
+        """Forget a device."""
+        if (tracked := self._devices.pop(device_id, None)) is not None:
+            self._leave_room(tracked)
+
+    def take(self, change: StateChange) -> None:
+        """Take in new values; those of other devices are passed over."""
+        if not change.is_event and (tracked := self._devices.get(change.device)) is not None:
+            tracked.take(change)
+
+    def readings(self, room: str, capability: str) -> list[SensorReading]:
+        """Return the values of all sensors of *capability* in *room*, which is not empty."""
+        return [
+            _reading(tracked, part.id, capability)
+            for tracked in self._rooms.get(fold(room), {}).values()
+            for part in tracked.device.parts
+            if any(one.name == capability and one.readable for one in part.part.capabilities)
+        ]
+
+    def devices(self, room: str | None = None) -> Iterable[Device]:
+        """Yield the devices in *room*, or all, with their newest values."""
+        found = self._devices if room is None else self._rooms.get(fold(room), {})
+        for tracked in found.values():
+            yield tracked.current()
+
+    def _leave_room(self, tracked: TrackedDevice) -> None:
+        room = fold(tracked.device.area)
+        self._rooms[room].pop(tracked.device.id)
+        if not self._rooms[room]:
+            del self._rooms[room]
+
+
+def _reading(tracked: TrackedDevice, part: str, capability: str) -> SensorReading:
+    device = tracked.device
+    name = f"{device.id}#{part}" if part else device.id
+    state = tracked.state(part, capability)
+    is_away = device.reachable.state == "no" or part in device.offline_parts
+    if state is None or not state.live or device.freshness != "fresh" or is_away:
+        return SensorReading(name, None)
+    return SensorReading(name, state.value.plain(), state.since.to_seconds())

@@ -1,0 +1,66 @@
+"""The presence guard: what annoys or hurts people is not done by itself where somebody is. Pure."""
+
+from __future__ import annotations
+
+from typing import Final, Literal, TypeAlias
+
+from homebot.control.command import IssuedCommand
+from homebot.control.policies.facts import Facts
+from homebot.control.policies.settings import PresenceGuardSettings
+from homebot.control.policies.verdict import FactUsed, Verdict
+
+__all__ = ["Presence", "judge_presence", "presence_in"]
+
+Presence: TypeAlias = Literal["present", "absent", "unknown"]
+
+NAME: Final = "presence_guard"
+
+OCCUPANCY: Final = "occupancy"
+"""The capability that tells of presence."""
+
+_NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
+
+
+def judge_presence(settings: PresenceGuardSettings, command: IssuedCommand, facts: Facts) -> Verdict:
+    """Refuse a command of an app where somebody is, or where that is unknown, if it is one of *settings*."""
+    if command.is_wish or not any(pattern.fits(command) for pattern in settings.commands):
+        return _NOT_CONCERNED
+    room = command.device.area
+    if not room:
+        return Verdict(
+            NAME, allowed=False, reason="the room of the device is unknown, and so is whether somebody is there"
+        )
+    presence, used = presence_in(room, facts, settings.absent_after)
+    return Verdict(NAME, presence == "absent", _reason(presence, room, used, facts.now), used)
+
+
+def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence, tuple[FactUsed, ...]]:
+    """Return whether somebody is in *room*, and the readings that tell.
+
+    Present if any sensor detects motion, or did within *absent_after* seconds; unknown if there is no sensor, or any
+    of them is silent; absent otherwise.
+    """
+    found: list[FactUsed] = []
+    silent: list[FactUsed] = []
+    for one in facts.house.readings(room, OCCUPANCY):
+        used = FactUsed(f"{OCCUPANCY} of {one.sensor}", one.value, one.since)
+        if one.value is True or (one.value is False and facts.now - one.since < absent_after):
+            return "present", (used,)
+        (found if one.value is False else silent).append(used)
+    if silent or not found:
+        return "unknown", tuple(silent)
+    return "absent", tuple(found)
+
+
+def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], now: float) -> str:
+    match presence:
+        case "absent":
+            return f"nobody is in {room}"
+        case "unknown" if not used:
+            return f"nothing tells whether somebody is in {room}: it has no motion sensor"
+        case "unknown":
+            return f"nothing tells whether somebody is in {room}: no current {' or '.join(one.name for one in used)}"
+    (one,) = used
+    if one.value is True:
+        return f"somebody is in {room}: {one.name} is on"
+    return f"somebody was in {room} {max(0.0, now - one.since):.0f} s ago: {one.name}"

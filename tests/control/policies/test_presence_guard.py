@@ -1,0 +1,155 @@
+"""The presence guard: what apps may not do where somebody is, or where that is unknown; in virtual time."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from tests.control.conftest import Home, OpenHome, ignore
+
+from homebot.config import parse_settings
+from homebot.control import ControlSettings
+from homebot.devices.command_messages import CommandRequest, Setting
+from homebot.devices.handles import Light, WindowCovering
+from homebot.devices.outcomes import Confirmed, NoAnswer, Refused
+from homebot.devices.value import Value
+from homebot.errors import ConfigError
+
+pytestmark = pytest.mark.virtual_time
+
+
+def put_hall(home: Home) -> None:
+    home.put("lamp", "light", "on_off", "level", area="Hall")
+    home.put("motion", "occupancy_sensor", readable=("occupancy",), area="hall")
+
+
+async def leave(home: Home) -> None:
+    """Let there be motion, and then none for as long as it takes to be sure."""
+    await home.report("motion", "occupancy", True)
+    await home.report("motion", "occupancy", False)
+    await anyio.sleep(301)
+
+
+async def test_a_lamp_is_not_turned_off_over_somebody(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await home.report("motion", "occupancy", True)
+        outcome = await (await home.handle(Light, "lamp")).turn_off()
+        assert isinstance(outcome, Refused)
+        assert (outcome.policy, outcome.reason) == (
+            "presence_guard",
+            "somebody is in Hall: occupancy of motion is on",
+        )
+        assert home.commands == []
+
+
+async def test_level_0_is_off(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await home.report("motion", "occupancy", True)
+        assert isinstance(await (await home.handle(Light, "lamp")).set_level(0), Refused)
+
+
+async def test_it_may_be_turned_on_and_dimmed(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await home.report("motion", "occupancy", True)
+        lamp = await home.handle(Light, "lamp")
+        assert (await lamp.turn_on()).succeeded
+        assert (await lamp.set_level(20)).succeeded
+
+
+async def test_somebody_who_sits_still_is_there_for_a_while(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        lamp = await home.handle(Light, "lamp")
+        await home.report("motion", "occupancy", True)
+        await home.report("motion", "occupancy", False)
+        await anyio.sleep(299)
+        outcome = await lamp.turn_off()
+        assert isinstance(outcome, Refused)
+        assert "somebody was in Hall 299 s ago" in outcome.reason
+        await anyio.sleep(2)
+        assert (await lamp.turn_off()).succeeded
+
+
+async def test_a_room_without_a_sensor_is_unknown_which_means_no(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        home.put("lamp", "light", "on_off", area="attic")
+        outcome = await (await home.handle(Light, "lamp")).turn_off()
+        assert isinstance(outcome, Refused)
+        assert "attic" in outcome.reason
+        assert "no motion sensor" in outcome.reason
+
+
+async def test_a_device_without_a_room_is_not_turned_off(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        home.put("lamp", "light", "on_off")
+        outcome = await (await home.handle(Light, "lamp")).turn_off()
+        assert isinstance(outcome, Refused)
+        assert "the room of the device is unknown" in outcome.reason
+
+
+async def test_a_sensor_that_reported_nothing_tells_nothing(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        outcome = await (await home.handle(Light, "lamp")).turn_off()
+        assert isinstance(outcome, Refused)
+        assert "no current occupancy of motion" in outcome.reason
+
+
+async def test_one_of_two_sensors_that_went_silent_makes_the_room_unknown(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        home.put("other", "occupancy_sensor", readable=("occupancy",), area="hall")
+        lamp = await home.handle(Light, "lamp")
+        await leave(home)
+        assert isinstance(await lamp.turn_off(), Refused)
+
+
+async def test_a_person_at_a_client_of_the_door_may(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await home.report("motion", "occupancy", True)
+        lamp = await home.handle(Light, "lamp")
+        off = Setting(capability="on_off", value=Value.of(plain=False))
+        request = CommandRequest(device=lamp.device.id, part="", settings=(off,), issuer="client:phone")
+        assert (await home.control.perform(request)).outcome == "confirmed"
+
+
+async def test_a_repetition_is_not_sent_to_somebody_who_came_meanwhile(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        lamp = await home.handle(Light, "lamp")
+        await leave(home)
+        home.behaviours["lamp"] = ignore
+        home.later(1.0, "motion", "occupancy", True)
+        assert isinstance(await lamp.turn_off(), NoAnswer)
+        assert len(home.commands) == 1
+
+
+async def test_a_blind_may_be_raised_and_not_lowered(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        home.put("blind", "window_covering", "position", area="hall")
+        await home.report("motion", "occupancy", True)
+        await home.report("blind", "position", 20.0)
+        blind = await home.handle(WindowCovering, "blind")
+        assert (await blind.set_position(50)).succeeded
+        assert isinstance(await blind.set_position(40), Refused)
+        assert (await blind.set_position(70)).succeeded
+
+
+async def test_which_commands_is_up_to_the_owner(open_home: OpenHome) -> None:
+    async with open_home(presence_guard={"commands": ["turn on lights in hall"]}) as home:
+        put_hall(home)
+        await home.report("motion", "occupancy", True)
+        lamp = await home.handle(Light, "lamp")
+        assert isinstance(await lamp.turn_on(), Refused)
+        assert isinstance(await lamp.turn_off(), Confirmed)
+
+
+def test_a_verb_that_is_none_is_an_error_of_the_configuration() -> None:
+    table = {"presence_guard": {"commands": ["switch off lights"]}}
+    with pytest.raises(ConfigError, match="'switch off lights' is no command") as raised:
+        parse_settings(ControlSettings, table, "homebot.toml", "control")
+    assert raised.value.key == "control.presence_guard.commands"
