@@ -197,6 +197,8 @@ def test_devices_are_a_list_for_programs(homebot: Any, capsys: Text) -> None:
             "metadata": {"room": "kitchen"},
             "service_types": [],
             "area": "",
+            "outer_areas": [],
+            "tags": [],
             "names": [],
             "identifiers": [],
             "reachable": {"state": "unknown", "since": "1970-01-01T00:00:00.000Z", "why": "it does not report it"},

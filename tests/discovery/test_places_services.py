@@ -177,5 +177,5 @@ async def test_what_is_exported_here_is_imported_there_and_kept_over_a_restart(l
         assert (await importer.call(ImportPlaces.Request(text=exported, replaces=True))).added == ("another_name",)
         assert (await house.device("another_name")).area == "Hall"
         wrong = await importer.call(ImportPlaces.Request(text='[places.rooms.Hall]\nfloor = "Kitchen"'))
-        assert wrong.message == "the places file: places.rooms.Hall.floor: 'Kitchen' is a room"
+        assert wrong.message == "places.rooms.Hall.floor: 'Kitchen' is a room"
         assert (await house.device("another_name")).outer_areas == ("Downstairs", "Home")

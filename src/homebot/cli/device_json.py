@@ -44,6 +44,8 @@ def device_json(device: DeviceRecord) -> dict[str, object]:
         "metadata": {one["key"]: one["value"] for one in device["metadata"]},
         "service_types": device["service_types"],
         "area": device["area"],
+        "outer_areas": device["outer_areas"],
+        "tags": device["tags"],
         "names": device["names"],
         "identifiers": device["identifiers"],
         "reachable": {"state": reachable["state"], "since": iso(reachable["since"]), "why": reachable["why"]},

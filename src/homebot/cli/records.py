@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TypedDict
 
 __all__ = [
+    "AliasResponseRecord",
     "CapabilityRecord",
     "DeviceChangeRecord",
     "DevicePartRecord",
@@ -19,12 +20,17 @@ __all__ = [
     "HealthRecord",
     "MergeResponseRecord",
     "PartFailureRecord",
+    "PlaceResponseRecord",
+    "PlacesExportRecord",
+    "PlacesImportRecord",
+    "PlacesRecord",
     "QuarantineRecord",
     "QueryResponseRecord",
     "ReadTagRecord",
     "RouteRecord",
     "SplitResponseRecord",
     "StateRecord",
+    "TagResponseRecord",
     "TimeRecord",
     "ValueRecord",
     "WriteTagRecord",
@@ -156,6 +162,8 @@ class DeviceRecord(TypedDict):
     freshness: str
     service_types: list[str]
     area: str
+    outer_areas: list[str]
+    tags: list[str]
     names: list[str]
     identifiers: list[str]
     parts: list[DevicePartRecord]
@@ -225,6 +233,60 @@ class MergeResponseRecord(TypedDict):
     success: bool
     message: str
     device: str
+
+
+class PlaceResponseRecord(TypedDict):
+    """:class:`homebot.devices.places.PlaceDeviceResponse`."""
+
+    success: bool
+    message: str
+    room: str
+
+
+class AliasResponseRecord(TypedDict):
+    """:class:`homebot.devices.places.AliasDeviceResponse`."""
+
+    success: bool
+    message: str
+    aliases: list[str]
+
+
+class TagResponseRecord(TypedDict):
+    """:class:`homebot.devices.places.TagDeviceResponse`."""
+
+    success: bool
+    message: str
+    tags: list[str]
+
+
+class RoomRecord(TypedDict):
+    """:class:`homebot.devices.places.RoomInfo`."""
+
+    name: str
+    floor: str
+    doors: list[str]
+
+
+class PlacesRecord(TypedDict):
+    """:class:`homebot.devices.places.GetPlacesResponse`."""
+
+    home: str
+    rooms: list[RoomRecord]
+
+
+class PlacesExportRecord(TypedDict):
+    """:class:`homebot.devices.places.ExportPlacesResponse`."""
+
+    text: str
+
+
+class PlacesImportRecord(TypedDict):
+    """:class:`homebot.devices.places.ImportPlacesResponse`."""
+
+    success: bool
+    message: str
+    added: list[str]
+    kept: list[str]
 
 
 class EntityRecord(TypedDict):

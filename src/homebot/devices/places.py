@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
+from pydantic import Field
+
 from homebot.messages.message import Message, ServiceType
 
 __all__ = ["AliasDevice", "ExportPlaces", "GetPlaces", "ImportPlaces", "PlaceDevice", "RoomInfo", "TagDevice"]
+
+
+_LONGEST = 800_000
 
 
 class PlaceDeviceRequest(Message):
@@ -143,7 +150,7 @@ class ImportPlacesRequest(Message):
         replaces: Whether its room of a device wins over one that was stated here before.
     """
 
-    text: str
+    text: Annotated[str, Field(max_length=_LONGEST)]
     replaces: bool = False
 
 

@@ -266,7 +266,7 @@ class Entry:
         return newest
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)  # not frozen, which would take a microsecond more for every announcement
 class _Description:
     """The part of a record that follows from the announcements, and from what the owner states."""
 

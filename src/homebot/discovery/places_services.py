@@ -28,7 +28,7 @@ from homebot.devices.places import (
     TagDeviceResponse,
 )
 from homebot.discovery.index import DeviceIndex
-from homebot.errors import RefusedError, UsageError
+from homebot.errors import ConfigError, RefusedError, UsageError
 from homebot.graph import Node
 
 __all__ = ["PlacesServices"]
@@ -105,7 +105,9 @@ class PlacesServices:
         exchange = self._index.places_exchange
         try:
             imported = exchange.import_text(request.text, self._clock.now(), replaces=request.replaces)
-        except (RefusedError, UsageError) as exc:
+        except ConfigError as exc:
+            return ImportPlacesResponse(success=False, message=f"{exc.key}: {exc.reason}" if exc.key else exc.reason)
+        except RefusedError as exc:
             return ImportPlacesResponse(success=False, message=str(exc))
         self._publish_all()
         return ImportPlacesResponse(success=True, added=imported.added, kept=imported.kept)

@@ -23,11 +23,12 @@ from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import ago
 from homebot.cli.values import is_topic, life, plain_value, span, value_text
 from homebot.devices.capabilities import EVENTS
+from homebot.devices.device import OWNER
 
 __all__ = ["add_arguments"]
 
 _USES = {(True, True): "read and set", (True, False): "read", (False, True): "set", (False, False): ""}
-
+_STATED_BY = {"configuration": ", in the configuration", "import": ", in an imported file"}
 
 _EXAMPLES = """\
   homebot show lights/roomlights405
@@ -96,7 +97,10 @@ def _describe(device: DeviceRecord, reasons: Sequence[str], now: float) -> None:
 def _overview(device: DeviceRecord, now: float) -> Iterator[tuple[str, ...]]:
     yield "type", ", ".join(device["service_types"]) or device["service_type"]
     if device["area"]:
-        yield "area", device["area"]
+        outer = f" ({', '.join(device['outer_areas'])})" if device["outer_areas"] else ""
+        yield "area", device["area"] + outer
+    if device["tags"]:
+        yield "tags", ", ".join(device["tags"])
     others = [one for one in device["names"] if one != device["name"]]
     if others:
         yield "other names", ", ".join(others)
@@ -155,5 +159,7 @@ def _section(title: str, rows: Iterable[tuple[str, ...]]) -> None:
 def _by(source: RouteRecord | FactRecord) -> str:
     """Return ``mqtt, homeassistant:light/0x17``; a key that begins with its convention names it once."""
     gateway, convention, key = source["gateway"], source["convention"], source["key"]
+    if not gateway and convention == OWNER:
+        return f"by the owner{_STATED_BY.get(key, '')}"
     named = key if not convention or key.startswith(f"{convention}:") else f"{convention}:{key}"
     return f"via {gateway} as {named}" if gateway else f"as {named}"

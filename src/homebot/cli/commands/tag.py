@@ -1,25 +1,33 @@
-"""``homebot tag``: ``read`` and ``write``."""
+"""``homebot tag``: ``add`` and ``remove`` for the tags of devices, ``read`` and ``write`` for NFC tags."""
 
 from __future__ import annotations
 
 import argparse
 import math
 import sys
+from functools import partial
 from typing import Final, cast
 
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.records import ReadTagRecord, WriteTagRecord
+from homebot.cli.records import ReadTagRecord, TagResponseRecord, WriteTagRecord
 from homebot.cli.table import printable
-from homebot.devices.names import TagNames
+from homebot.devices.names import TAG_DEVICE, TagNames
 from homebot.errors import PeerError
 
 __all__ = ["add_arguments"]
 
 _EXAMPLES = """\
+  homebot tag add 'Kitchen lamp' night
   homebot tag read
   homebot tag write 'Kitchen lamp' --area Kitchen
+"""
+_TAG_TEXT = """\
+  homebot tag add 'Kitchen lamp' night
+  homebot tag remove 'Kitchen lamp' night
+
+The directory remembers it over a restart. Nothing is written to an NFC tag: that is `homebot tag write`.
 """
 _CODES_TEXT = """
 Exit codes beside the usual ones: 3 there is no such reader; 4 no tag came in time; 5 the tag is not fit for it: too
@@ -40,6 +48,13 @@ _GRACE: Final = 10.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the commands below ``homebot tag``."""
     verbs = add_verbs(parser, _EXAMPLES)
+    add = add_verb(verbs, "add", "tag a device with a word, by which `homebot find tag=WORD` finds it")
+    set_client_command(add, partial(_tag, remove=False), _TAG_TEXT)
+    remove = add_verb(verbs, "remove", "take a tag of a device back")
+    set_client_command(remove, partial(_tag, remove=True), _TAG_TEXT)
+    for one in (add, remove):
+        one.add_argument("device", metavar="DEVICE", help="its id or its name")
+        one.add_argument("tag", metavar="TAG", help="the tag, one word or several")
     read = add_verb(verbs, "read", "say which device the tag at the reader, or the next one, points to")
     set_client_command(read, _read, f"  homebot tag read\n{_CODES_TEXT}")
     write = add_verb(verbs, "write", "let the tag at the reader, or the next one, point to a device; it is overwritten")
@@ -52,6 +67,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         one.add_argument(
             "--wait", type=_seconds, default=30.0, metavar="S", help="wait S seconds for a tag (default: 30)"
         )
+
+
+def _tag(options: argparse.Namespace, *, remove: bool) -> int:
+    """Give a device a tag, or take it back."""
+
+    def run(door: DoorClient) -> int:
+        device = named_device(door, options.device)["id"]
+        request = {"device": device, "tag": options.tag, "remove": remove}
+        answer = cast("TagResponseRecord", door.call(TAG_DEVICE, request))
+        if not answer["success"]:
+            raise PeerError(answer["message"])
+        print(f"tags of {printable(device)}: {', '.join(map(printable, answer['tags'])) or 'none'}")
+        return 0
+
+    return with_client(options, run)
 
 
 def _read(options: argparse.Namespace) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import islice
 
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
@@ -191,14 +192,16 @@ def _folded_facts(device: Device) -> dict[str, tuple[str, ...]]:
 
 
 def _words(device: Device, facts: Mapping[str, tuple[str, ...]]) -> frozenset[str]:
-    texts = [device.id, *device.names, device.name, device.area, *device.outer_areas[:-1], *device.tags]
+    texts = [device.id, *device.names, device.name, device.area]
+    if len(device.outer_areas) > 1 or device.tags:
+        texts += (*device.outer_areas[:-1], *device.tags)  # not the home, in which all are
     for name, values in facts.items():
         if name in _TEXTS:
             texts += values
     for each in device.parts:
         if not each.part.category:
             texts.append(each.part.name)
-    found: dict[str, None] = {}
-    for text in dict.fromkeys(texts):
-        found.update(dict.fromkeys(words_of(text)))
-    return frozenset(found) if len(found) <= _MAX_WORDS else frozenset(list(found)[:_MAX_WORDS])
+    found = frozenset[str]().union(*map(words_of, texts))
+    if len(found) <= _MAX_WORDS:
+        return found
+    return frozenset(islice(dict.fromkeys(word for text in texts for word in words_of(text)), _MAX_WORDS))

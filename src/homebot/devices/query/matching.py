@@ -192,7 +192,8 @@ def _fits_whole(
         case NameIs(name):
             return name in device.names
         case InArea(area):
-            return any(_begins(one, area) for one in device.areas)
+            areas = device.areas
+            return area in areas or any(_begins(one, area) for one in areas)
         case FreshnessIs(freshness):
             return device.freshness == freshness
         case ReachableIs(state):

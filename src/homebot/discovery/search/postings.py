@@ -268,7 +268,8 @@ def _keys(facets: Facets) -> list[_Key]:
         keys += zip(repeat("area"), facets.areas)
     else:
         keys.append(_NOWHERE)
-    keys += zip(repeat("tag"), facets.tags)
+    if facets.tags:
+        keys += zip(repeat("tag"), facets.tags)
     if facets.possible_types:
         keys.append(("sense", facets.possible_types))
     for service_type, tag in facets.kinds:

@@ -68,13 +68,16 @@ def _scorer(term: Query) -> Callable[[Facets], float] | None:
             return lambda facets: _BEST if facets.main_type in term.types else _weigh_type(term, facets)[0]
         case CanDo(name, settable):
             return lambda facets: 1.0 if name in (facets.settable if settable else facets.capabilities) else 0.0
-        case InArea() | HasText() | FactIs():
+        case InArea(area):
+            return lambda facets: _IN_AREA if area in facets.areas else _weigh(term, facets)[0]
+        case HasText() | FactIs():
             return lambda facets: _weigh(term, facets)[0]
         case _:
             return None
 
 
 _BEST = 3.0
+_IN_AREA = 2.0
 
 
 def _weigh(term: Query, facets: Facets) -> tuple[float, str]:
@@ -84,7 +87,7 @@ def _weigh(term: Query, facets: Facets) -> tuple[float, str]:
         case HasText(word):
             return _weigh_text(word, facets)
         case InArea(area) if fits(term, facets):
-            return (2.0, f"it is in {area}") if area in facets.areas else (1.0, f"its room is {facets.areas[0]}")
+            return (_IN_AREA, f"it is in {area}") if area in facets.areas else (1.0, f"its room is {facets.areas[0]}")
         case CanDo(name) if fits(term, facets):
             return 1.0, f"it has {name}"
         case FactIs(name, value) if fits(term, facets):

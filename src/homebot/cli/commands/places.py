@@ -1,0 +1,152 @@
+"""``homebot places``: ``list``, ``export`` and ``import``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import cast
+
+from homebot.cli.arguments import add_verb, add_verbs, set_client_command
+from homebot.cli.device_queries import all_devices
+from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.records import PlacesExportRecord, PlacesImportRecord, PlacesRecord
+from homebot.cli.table import printable
+from homebot.cli.terminal import print_table
+from homebot.devices.names import EXPORT_PLACES, GET_PLACES, IMPORT_PLACES
+from homebot.errors import PeerError, UsageError
+from homebot.folding import fold
+
+__all__ = ["add_arguments"]
+
+_HEAD = ("ROOM", "FLOOR", "DOORS", "DEVICES")
+_MAX_BYTES = 800_000
+_LIST = """\
+  homebot places list
+
+Rooms are those of the configuration and of imported files, and those that devices are in. `homebot find 'in ROOM'`
+lists the devices of a room or a floor.
+"""
+_EXPORT = """\
+  homebot places export house.toml
+
+The file has the rooms, and the rooms, aliases and tags of devices that you stated, with the hardware addresses of the
+devices. Another homebot imports it; its content may also stand in a homebot.toml.
+"""
+_IMPORT = """\
+  homebot places import house.toml
+  homebot places import house.toml --replace
+
+An import adds; what was stated here stays. With a mistake in the file nothing is imported.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the commands below ``homebot places``."""
+    verbs = add_verbs(parser, f"{_LIST.partition(chr(10))[0]}\n  homebot places export house.toml\n")
+    listed = add_verb(verbs, "list", "list the rooms of the house")
+    set_client_command(listed, _list, _LIST)
+    export = add_verb(verbs, "export", "write the rooms, and what you stated of devices, to a file")
+    set_client_command(export, _export, _EXPORT)
+    export.add_argument(
+        "file", nargs="?", default="-", metavar="FILE", help="the file; - for standard output, as without"
+    )
+    imported = add_verb(verbs, "import", "take over the rooms, and what is stated of devices, from a file")
+    set_client_command(imported, _import, _IMPORT)
+    imported.add_argument("file", metavar="FILE", help="the file; - for standard input")
+    imported.add_argument(
+        "--replace", action="store_true", help="where a device is in another room in the file, take that of the file"
+    )
+
+
+def _list(options: argparse.Namespace) -> int:
+    """Print the rooms."""
+
+    def run(door: DoorClient) -> int:
+        places = cast("PlacesRecord", door.call(GET_PLACES, {}))
+        areas = all_devices(door, lambda device: device["area"])
+        rows = _rows(places, areas)
+        if rows:
+            print_table(_HEAD, rows, if_any=("FLOOR", "DOORS"))
+        else:
+            print("no room is known; state some with `homebot place DEVICE ROOM` or [places] in the configuration")
+        return 0
+
+    return with_client(options, run)
+
+
+def _rows(places: PlacesRecord, areas: Iterable[str]) -> list[tuple[str, ...]]:
+    counts: dict[str, int] = {}
+    names: dict[str, str] = {}
+    for area in areas:
+        if area:
+            counts[fold(area)] = counts.get(fold(area), 0) + 1
+            names.setdefault(fold(area), area)
+    rows: list[tuple[str, ...]] = []
+    for room in places["rooms"]:
+        names.pop(fold(room["name"]), None)
+        rows.append((room["name"], room["floor"], ", ".join(room["doors"]), str(counts.get(fold(room["name"]), 0))))
+    return rows + [(names[key], "", "", str(counts[key])) for key in sorted(names)]
+
+
+def _export(options: argparse.Namespace) -> int:
+    """Write the places file."""
+
+    def run(door: DoorClient) -> int:
+        text = cast("PlacesExportRecord", door.call(EXPORT_PLACES, {}))["text"]
+        if options.file == "-":
+            print(text, end="")
+            return 0
+        try:
+            Path(options.file).write_text(text, encoding="utf-8")
+        except OSError as exc:
+            raise UsageError(f"{options.file} cannot be written: {exc.strerror or exc}") from exc
+        print(f"wrote {options.file}")
+        return 0
+
+    return with_client(options, run)
+
+
+def _import(options: argparse.Namespace) -> int:
+    """Read a places file, and have it taken over."""
+    text = _read(options.file)
+
+    def run(door: DoorClient) -> int:
+        request = {"text": text, "replaces": options.replace}
+        answer = cast("PlacesImportRecord", door.call(IMPORT_PLACES, request))
+        if not answer["success"]:
+            raise PeerError(f"{options.file}: {answer['message']}")
+        for one in answer["added"]:
+            print(f"imported {printable(one)}")
+        for one in answer["kept"]:
+            print(f"kept: {printable(one)}")
+        if answer["kept"]:
+            print("use --replace to take the rooms of the file")
+        if not answer["added"] and not answer["kept"]:
+            print("everything in the file is known already")
+        return 0
+
+    return with_client(options, run)
+
+
+def _read(file: str) -> str:
+    """Return the text of *file*.
+
+    Raises:
+        UsageError: It cannot be read, or is too large.
+    """
+    try:
+        content = sys.stdin.buffer.read(_MAX_BYTES + 1) if file == "-" else _content(Path(file))
+        if len(content) > _MAX_BYTES:
+            raise UsageError(f"{file} is larger than {_MAX_BYTES // 1000} kB")
+        return content.decode("utf-8-sig")
+    except OSError as exc:
+        raise UsageError(f"{file} cannot be read: {exc.strerror or exc}") from exc
+    except UnicodeDecodeError as exc:
+        raise UsageError(f"{file} cannot be read: it is not UTF-8 text") from exc
+
+
+def _content(path: Path) -> bytes:
+    with path.open("rb") as opened:
+        return opened.read(_MAX_BYTES + 1)

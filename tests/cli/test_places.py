@@ -1,0 +1,221 @@
+"""``homebot place``, ``alias``, ``tag add`` and ``places``, against the services of a real directory."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from homebot.cli import main
+from homebot.clock import Clock, ManualClock
+from homebot.devices import Sighting
+from homebot.devices.part import Capability, Part
+from homebot.discovery import DeviceIndex, OwnerFacts
+from homebot.discovery.persistence import IndexPersistence
+from homebot.discovery.services import DirectoryServices
+from homebot.graph import Graph, Node
+from homebot.messages import Time
+from homebot.places import read_places
+
+if TYPE_CHECKING:
+    from tests.cli.conftest import Homebot
+
+NOW = 1_800_000_000
+TABLE = {
+    "rooms": {"Hall": {"floor": "Downstairs", "doors": ["Kitchen"]}, "Kitchen": {"floor": "Downstairs"}},
+    "devices": {"desk_lamp": {"tags": ["warm"]}},
+}
+
+
+def sighting(number: int, name: str, area: str) -> Sighting:
+    light = Part(id="l", service_type="light", capabilities=(Capability(name="on_off", settable=True),))
+    return Sighting(
+        gateway="mqtt",
+        key=f"homeassistant:{number}",
+        kind="updated",
+        why="it was announced",
+        name=name,
+        service_type="light",
+        address="",
+        command_address="",
+        convention="homeassistant",
+        identifiers=(f"mac:00000000000{number}",),
+        area=area,
+        parts=(light,),
+        metadata=(),
+        seen_at=Time.from_seconds(NOW),
+        expires_at=Time.from_seconds(NOW + 3600.0),
+        confirmed=True,
+    )
+
+
+def index_node(graph: Graph) -> Node:
+    node = Node(graph, "discovery")
+    places = read_places(TABLE, "home425", "homebot.toml", "configuration")
+    index = DeviceIndex(forget_after=1000.0, owner=OwnerFacts("home425", places, NOW - 60))
+    for number, (name, area) in enumerate((("Desk lamp", "Study"), ("Ceiling", ""))):
+        index.observe(sighting(number, name, area), NOW)
+    persistence = IndexPersistence(node, index, None)
+    DirectoryServices(node, index, persistence, lambda at_most: len(index.take_changes(at_most)) >= at_most).register()
+    return node
+
+
+@pytest.fixture
+def placed(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any]) -> Homebot:
+    made: Homebot = homebot_with(index_node, ManualClock(NOW))
+    return made
+
+
+@pytest.fixture
+def run(placed: Homebot, capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str]]:
+    """Runs a command, and returns its exit code and what it printed."""
+
+    def homebot(*arguments: str) -> tuple[int, str]:
+        code = main(["--door", placed.door, *arguments])
+        out, err = capsys.readouterr()
+        return code, out + err
+
+    return homebot
+
+
+Run = Callable[..., tuple[int, str]]
+
+
+def test_a_device_is_placed_and_the_place_is_taken_back(run: Run) -> None:
+    assert run("place", "Desk lamp", "kitchen") == (0, "desk_lamp is in Kitchen now\n")
+    code, shown = run("show", "desk lamp")
+    assert code == 0
+    assert "  area          Kitchen (Downstairs, home425)\n  tags          warm\n" in shown
+    facts = [" ".join(line.split()) for line in shown.partition("\nfacts\n")[2].partition("\n\n")[0].splitlines()]
+    assert facts == [
+        "area Kitchen by the owner now",
+        "tag warm by the owner, in the configuration 1 min ago",
+        "name Desk lamp via mqtt as homeassistant:0 now",
+        "area Study via mqtt as homeassistant:0 now",
+    ]
+    assert run("find", "light in downstairs")[0] == 0
+    assert run("place", "Desk lamp", "--undo") == (0, "desk_lamp is in Study now\n")
+    assert run("place", "ceiling", "Attic") == (0, "ceiling is in Attic now\n")
+    assert run("place", "ceiling", "--undo") == (0, "the room of ceiling is unknown now\n")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        (("place", "Desk lamp"), "give either a ROOM or --undo"),
+        (("place", "Desk lamp", "Hall", "--undo"), "give either a ROOM or --undo"),
+        (("place", "Desk lamp", "--undo"), "no command stated the room of desk_lamp"),
+        (("place", "Desk lamp", "Kichen"), "there is no room 'Kichen'; did you mean Kitchen?"),
+        (("alias", "Desk lamp", "  "), "a name is empty"),
+        (("alias", "Desk lamp", "Bright", "--undo"), "no command gave it to desk_lamp, which has none"),
+        (("tag", "remove", "Desk lamp", "warm"), "'warm' is stated in the configuration"),
+        (("places", "import", "/nowhere/house.toml"), "/nowhere/house.toml cannot be read: No such file"),
+        (("places", "export", "/nowhere/house.toml"), "/nowhere/house.toml cannot be written: No such file"),
+    ],
+)
+def test_a_mistake_is_told(run: Run, arguments: tuple[str, ...], problem: str) -> None:
+    code, printed = run(*arguments)
+    assert code == 1
+    assert printed.startswith("homebot: ")
+    assert problem in printed
+
+
+def test_a_room_with_a_name_like_another_can_be_new(run: Run) -> None:
+    assert run("place", "Desk lamp", "Kichen", "--new") == (0, "desk_lamp is in Kichen now\n")
+
+
+def test_a_device_gets_names_and_tags(run: Run) -> None:
+    assert run("alias", "Desk lamp", "Reading lamp") == (0, "aliases of desk_lamp: Reading lamp\n")
+    assert run("alias", "reading lamp", "Corner") == (0, "aliases of desk_lamp: Corner, Reading lamp\n")
+    assert run("tag", "add", "corner", "night") == (0, "tags of desk_lamp: night, warm\n")
+    assert "desk_lamp" in run("find", "tag=night")[1]
+    assert run("find", "tag=nihgt") == (1, "homebot: no device has the tag 'nihgt'; did you mean night?\n")
+    assert run("tag", "remove", "corner", "NIGHT") == (0, "tags of desk_lamp: warm\n")
+    assert run("alias", "corner", "Corner", "--undo") == (0, "aliases of desk_lamp: Reading lamp\n")
+    assert "desk_lamp  Reading lamp\n" in run("show", "Desk lamp")[1]
+
+
+def test_rooms_are_listed_with_their_devices(run: Run) -> None:
+    run("place", "ceiling", "Hall")
+    code, printed = run("places", "list")
+    assert code == 0
+    assert [line.split() for line in printed.splitlines()] == [
+        ["ROOM", "FLOOR", "DOORS", "DEVICES"],
+        ["Hall", "Downstairs", "Kitchen", "1"],
+        ["Kitchen", "Downstairs", "Hall", "0"],
+        ["Study", "1"],
+    ]
+
+
+EXPORTED = """\
+# Rooms and devices of home425, for `homebot places import` or a homebot.toml.
+
+[places.rooms."Hall"]
+floor = "Downstairs"
+doors = ["Kitchen"]
+
+[places.rooms."Kitchen"]
+floor = "Downstairs"
+
+[places.devices."ceiling"]
+room = "Hall"
+identifiers = ["mac:000000000001"]
+
+[places.devices."desk_lamp"]
+tags = ["warm"]
+identifiers = ["mac:000000000000"]
+"""
+
+
+def test_places_are_exported_and_imported(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "house.toml"
+    run("place", "ceiling", "Hall")
+    assert run("places", "export") == (0, EXPORTED)
+    assert run("places", "export", str(file)) == (0, f"wrote {file}\n")
+    assert run("places", "import", str(file)) == (0, "everything in the file is known already\n")
+    run("place", "ceiling", "Kitchen")
+    file.write_text(f"{EXPORTED}[places.rooms.Loft]\n")
+    assert run("places", "import", str(file)) == (
+        0,
+        "imported room Loft\n"
+        "kept: ceiling stays in Kitchen; the file says Hall\n"
+        "use --replace to take the rooms of the file\n",
+    )
+    assert run("places", "import", str(file), "--replace") == (0, "imported ceiling\n")
+    assert "Hall (Downstairs, home425)" in run("show", "ceiling")[1]
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("[places.rooms.Hall]\nflor = 'x'", "places.rooms.Hall.flor: unknown key; did you mean floor?"),
+        ("[places.devices.lamp]\nroom = 7", "places.devices.lamp.room: input should be a valid string, got 7"),
+        ("[home]\nname = 'x'", "home: unknown key; known is places"),
+        ("places = 3", "places: must be a table, got 3"),
+        ("[places", "is invalid TOML"),
+    ],
+)
+def test_an_import_with_a_mistake_changes_nothing_and_names_it(
+    run: Run, tmp_path: Path, text: str, problem: str
+) -> None:
+    file = tmp_path / "house.toml"
+    before = run("places", "export")
+    file.write_text(f"[places.rooms.Attic]\n\n{text}" if "rooms" in text else text)
+    code, printed = run("places", "import", str(file))
+    assert code == 1
+    assert printed.startswith(f"homebot: {file}: {problem}")
+    assert run("places", "export") == before
+
+
+def test_a_file_comes_from_standard_input_and_has_a_limit(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    for content, expected in (
+        (b"\xef\xbb\xbf[places.rooms.Attic]", (0, "imported room Attic\n")),
+        (b"\xff", (1, "homebot: - cannot be read: it is not UTF-8 text\n")),
+        (b"#" * 800_001, (1, "homebot: - is larger than 800 kB\n")),
+    ):
+        monkeypatch.setattr("sys.stdin", SimpleNamespace(buffer=io.BytesIO(content)))
+        assert run("places", "import", "-") == expected
