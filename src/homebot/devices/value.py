@@ -37,9 +37,9 @@ class Value(Message):
     @classmethod
     def of(cls, plain: PlainValue) -> Value:
         """Return the message that carries *plain*."""
+        if isinstance(plain, float):  # most values by far
+            return _of_number(plain)
         match plain:
-            case float():
-                pass  # most values by far
             case None:
                 return UNKNOWN
             case bool():

@@ -180,6 +180,11 @@ class DeviceIndex:
         return bool(table.changes.pending or table.changes.states or table.outdated)
 
     @property
+    def is_sorted(self) -> bool:
+        """True if all devices are findable as they are now."""
+        return not self._table.outdated
+
+    @property
     def has_states(self) -> bool:
         """True if changes of states wait to be taken."""
         return bool(self._table.changes.states)
