@@ -10,11 +10,12 @@ from typing import Literal, get_origin, get_type_hints, is_typeddict
 import pytest
 
 from homebot.bridges.rosapi import endpoints
-from homebot.cli import records
+from homebot.cli import journal_records, records
 from homebot.cli.device_json import json_text, list_text
 from homebot.messages.message import Message
 
-RECORDS = [one for one in vars(records).values() if is_typeddict(one)]
+NAMES = vars(records) | vars(journal_records)
+RECORDS = [one for one in NAMES.values() if is_typeddict(one)]
 
 
 def message_of(record: type) -> type[Message]:
@@ -32,7 +33,7 @@ def message_of(record: type) -> type[Message]:
 @pytest.mark.parametrize("record", RECORDS, ids=lambda record: record.__name__)
 def test_a_record_has_fields_of_its_message_alone(record: type) -> None:
     fields = get_type_hints(message_of(record))
-    for name, kind in get_type_hints(record, vars(records)).items():
+    for name, kind in get_type_hints(record, NAMES).items():
         wanted = fields[name]
         if kind in {str, int, float, bool}:
             assert wanted is kind or (get_origin(wanted) is Literal and kind is str)

@@ -39,6 +39,7 @@ COMMANDS: Final = {
     "alias": "give a device a further name",
     "places": "list, export and import the rooms of the house",
     "import": "add a device from a W3C Thing Description",
+    "journal": "show what was commanded, why, and what became of it",
     "tag": "tag devices with words; read and write NFC tags",
     "topic": "list, inspect, read and publish topics",
     "service": "list and call services",

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from homebot.devices import Device, DevicePart
+from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
 
 __all__ = ["IssuedCommand"]
@@ -22,6 +23,7 @@ class IssuedCommand:
         settings: The wanted values by capability, in the order in which they are sent.
         issuer: Who gave it: the name of a node, or ``client:NAME`` for a client of the door.
         cause: The id of what led to it; empty for a person's wish.
+        trigger: The same with its facts.
         issued_at: Seconds since the Unix epoch.
         transition: Seconds that the change takes.
         code: The code of an alarm or a lock.
@@ -33,6 +35,7 @@ class IssuedCommand:
     settings: Mapping[str, PlainValue]
     issuer: str
     cause: str = ""
+    trigger: Trigger = NO_TRIGGER
     issued_at: float = 0.0
     transition: float = 0.0
     code: str = field(default="", repr=False)

@@ -10,6 +10,8 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.control.command import IssuedCommand
+from homebot.control.journal import CommandJournal
+from homebot.control.journal.memory_store import MemoryStore
 from homebot.control.judge import Judge
 from homebot.control.pending import PendingCommand
 from homebot.control.report_watch import ReportWatch
@@ -43,6 +45,11 @@ _MOVES_FOR: Final = 60.0
 _LONGEST: Final = 300.0
 """Seconds from sending after which no sign of moving helps any more."""
 
+_DAY: Final = 86_400.0
+
+MOST_IN_MEMORY: Final = 10_000
+"""Entries of the journal where there is no file."""
+
 _Place: TypeAlias = tuple[str, str, str]
 
 
@@ -60,12 +67,13 @@ class Control:
         self._settings = settings or ControlSettings()
         self._clock = node.graph.clock
         self._find = node.create_client(FindDevices, FIND_DEVICES)
-        self._judge = Judge(node, self._settings)
         self._sender = CommandSender(node)
         self._watch = ReportWatch(node)
         self._times = ResponseTimes(self._settings.timeout)
         self._pending: dict[_Place, PendingCommand] = {}
-        self._settling = Settling(node, self._settings.settle)
+        self._journal = CommandJournal(node, MemoryStore(MOST_IN_MEMORY, self._settings.journal_days * _DAY))
+        self._judge = Judge(node, self._settings, self._journal)
+        self._settling = Settling(node, self._settings.settle, self._journal)
         self._session = f"{round(self._clock.now()):x}"
         self._number = 0
 
@@ -77,6 +85,12 @@ class Control:
     async def perform(self, request: CommandRequest) -> CommandResult:
         """Carry a command out, and return what became of it."""
         name = self._next_id()
+        self._journal.requested(name, request)
+        result = await self._perform(name, request)
+        self._journal.decided(name, request, result)
+        return result
+
+    async def _perform(self, name: str, request: CommandRequest) -> CommandResult:
         try:
             device = await self._device(request.device)
         except ServiceError as exc:
@@ -91,6 +105,7 @@ class Control:
             settings={one.capability: one.value.plain() for one in request.settings},
             issuer=request.issuer,
             cause=request.cause,
+            trigger=request.trigger,
             issued_at=self._clock.now(),
             transition=request.transition,
             code=request.code,
@@ -131,8 +146,11 @@ class Control:
         tries = 1 if _is_momentary(command) else 1 + self._settings.retries
         for number in range(tries):
             is_refused = number > 0 and self._judge.refusal(command) is not None  # by what changed meanwhile
-            if not is_refused and (problem := await self._send(command)) is not None:
-                return problem
+            if not is_refused:
+                self._journal.sent(command, number)
+                if (problem := await self._send(command)) is not None:
+                    return problem
+                self._journal.acknowledged(command)
             until = began + limit * (number + 1) / tries
             while not pending.is_over and (left := _until(until, pending, began) - clock.monotonic()) > 0:
                 with anyio.move_on_after(left):
@@ -155,7 +173,8 @@ class Control:
         return None
 
     def _take(self, pending: PendingCommand, capability: str, value: PlainValue) -> None:
-        pending.take(capability, value, self._clock.monotonic())
+        if pending.take(capability, value, self._clock.monotonic()):
+            self._journal.reported(pending.command, capability, value)
 
     def _take_over(self, pending: PendingCommand) -> list[_Place]:
         """Let *pending* take the place of older commands for the same."""

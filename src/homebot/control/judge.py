@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, final
 
 from homebot.control.command import IssuedCommand
+from homebot.control.journal import CommandJournal
 from homebot.control.policies.settings import PolicySettings
 from homebot.devices import DEVICE_STATES, FIND_DEVICES, FindDevices, Follow, StateChange
 from homebot.devices.names import DIRECTORY_NODE
@@ -30,12 +31,14 @@ class Judge:
     Args:
         node: The node that follows them.
         settings: The policies.
+        journal: Notes the verdicts of policies that a command concerns.
     """
 
-    def __init__(self, node: Node, settings: PolicySettings) -> None:
+    def __init__(self, node: Node, settings: PolicySettings, journal: CommandJournal) -> None:
         self._node = node
         self._clock = node.graph.clock
         self._settings = settings
+        self._journal = journal
         if settings.needs_house:
             node.create_task(self._follow)
 
@@ -45,6 +48,9 @@ class Judge:
 
         facts = Facts(self._clock.now(), None, self._house)
         verdicts = self._policies.judge(command, facts)
+        for verdict in verdicts:
+            if verdict.reason or not verdict.allowed:
+                self._journal.judged(command, verdict)
         if not verdicts or verdicts[-1].allowed:
             return None
         return Refused(verdicts[-1].policy, verdicts[-1].reason, command_id=command.id)

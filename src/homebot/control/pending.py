@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import final
+from typing import Final, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.tolerance import fits, is_intermediate
@@ -20,6 +20,11 @@ from homebot.devices.outcomes import (
 from homebot.devices.value import PlainValue, Value
 
 __all__ = ["PendingCommand"]
+
+_MOST_NOTED: Final = 20
+"""Reports of one command that are worth a note, should a device report one value after the other."""
+
+_NOTHING: Final = object()
 
 
 @final
@@ -56,6 +61,8 @@ class PendingCommand:
         self._wake = wake
         self._seen: dict[str, PlainValue] = {}
         self._fitting: dict[str, float] = {}
+        self._moving: set[str] = set()
+        self._noted = 0
 
     @property
     def is_over(self) -> bool:
@@ -77,19 +84,33 @@ class PendingCommand:
         """True if the device had reported before that all of it is so."""
         return all(name in self._before and fits(name, value, self._before[name]) for name, value in self._items())
 
-    def take(self, capability: str, value: PlainValue, now: float) -> None:
-        """Take in a live report of the part at *now*."""
+    def take(self, capability: str, value: PlainValue, now: float) -> bool:
+        """Take in a live report of the part at *now*; return whether it is worth a note."""
         if capability not in self._wanted:
-            return
-        self._seen[capability] = value
+            return False
         wanted = self._wanted[capability]
-        if fits(capability, wanted, value):
+        is_met = fits(capability, wanted, value)
+        is_moving = not is_met and is_intermediate(capability, wanted, value)
+        is_news = self._is_news(capability, value, is_moving=is_moving)
+        self._seen[capability] = value
+        if is_met:
             self._fitting.setdefault(capability, now)
         else:
             self._fitting.pop(capability, None)
-            if is_intermediate(capability, wanted, value):
+            if is_moving:
                 self.moved_at = now
         self._wake()
+        return is_news
+
+    def _is_news(self, capability: str, value: PlainValue, *, is_moving: bool) -> bool:
+        """Return whether a report says something new: a motor reports its position again and again on its way."""
+        is_repeated = capability in self._moving if is_moving else self._seen.get(capability, _NOTHING) == value
+        if is_moving:
+            self._moving.add(capability)
+        if is_repeated or self._noted >= _MOST_NOTED:
+            return False
+        self._noted += 1
+        return True
 
     def supersede(self, by: str) -> None:
         """Note that the command *by* took its place."""

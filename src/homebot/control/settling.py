@@ -10,6 +10,7 @@ from typing import TypeAlias, final
 import anyio
 from anyio.abc import TaskStatus
 
+from homebot.control.journal import CommandJournal
 from homebot.control.pending import PendingCommand
 from homebot.control.report_watch import ReportWatch
 from homebot.devices.command_messages import CommandEvent, result_of
@@ -40,12 +41,14 @@ class Settling:
     Args:
         node: The node that publishes what went back.
         seconds: How long.
+        journal: Notes what went back.
     """
 
-    def __init__(self, node: Node, seconds: float) -> None:
+    def __init__(self, node: Node, seconds: float, journal: CommandJournal) -> None:
         self._node = node
         self._clock = node.graph.clock
         self._seconds = seconds
+        self._journal = journal
         self._events = node.create_publisher(CommandEvent, COMMAND_EVENTS, 1000)
         self._watched: dict[_Place, _Settled] = {}
         self._deadlines: TimerQueue[_Place, None] = TimerQueue()
@@ -88,10 +91,10 @@ class Settling:
             self._end(place)
         command = pending.command
         outcome = Reverted(self._clock.monotonic() - settled.confirmed_at, command_id=command.id)
+        result = result_of(outcome)
+        self._journal.reverted(command, result)
         self._events.publish(
-            CommandEvent(
-                device=command.device.id, part=command.part.id, issuer=command.issuer, result=result_of(outcome)
-            )
+            CommandEvent(device=command.device.id, part=command.part.id, issuer=command.issuer, result=result)
         )
         self._node.log.warning(
             REVERTED, message=f"{command.target}: {outcome.text}", device=command.device.id, command=command.id

@@ -8,6 +8,7 @@ from pydantic import ConfigDict, Field
 
 from homebot.devices import outcomes
 from homebot.devices.outcomes import Evidence, Outcome
+from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import Value
 from homebot.messages.message import Message, ServiceType, UInt8
 
@@ -52,6 +53,7 @@ class CommandRequest(Message):
         code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
         issuer: Who gives the command: the name of the node, or ``client:NAME`` for a client of the door.
         cause: The id of what led to it, such as a report; empty for a person's wish.
+        trigger: The same with its facts, as far as the issuer knows them.
     """
 
     model_config = ConfigDict(hide_input_in_errors=True)
@@ -63,6 +65,7 @@ class CommandRequest(Message):
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
     issuer: str
     cause: str = ""
+    trigger: Trigger = NO_TRIGGER
 
 
 class CommandResult(Message):

@@ -9,6 +9,7 @@ from homebot.devices.command_sender import CommandSender
 from homebot.devices.device import Device, DevicePart, State
 from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE
 from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome, Refused
+from homebot.devices.trigger import current_trigger
 from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Node
 from homebot.messages import Time
@@ -61,6 +62,7 @@ class Commander:
             if self._node.graph.get_node(RUNTIME_NODE) is not None:
                 return NoAnswer(0.0, NO_CONTROL)
             return await self._send(tracked.device, part, settings, transition, code)
+        trigger = current_trigger()
         request = CommandRequest(
             device=tracked.device.id,
             part=part.id,
@@ -68,6 +70,8 @@ class Commander:
             transition=transition,
             code=code,
             issuer=self._node.full_name,
+            cause=trigger.id,
+            trigger=trigger,
         )
         try:
             result = await self._control.call(request, timeout=_LONGEST)

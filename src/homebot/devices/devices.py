@@ -26,6 +26,7 @@ from homebot.devices.services import (
 from homebot.devices.text.address import command_address, others_at
 from homebot.errors import ClosedError, InvalidNameError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node, Publisher, Subscription, qos_profile_latched
+from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.log import LogLimit
 from homebot.messages import Time
 from homebot.names import validate_node_name
@@ -57,7 +58,7 @@ class Devices:
         self._clock = node.graph.clock
         self._since = self._clock.monotonic()
         self._find = node.create_client(FindDevices, FIND_DEVICES)
-        self._handlers: dict[tuple[str, str], MessageHandler] = {}
+        self._handlers: dict[tuple[str, str], tuple[str, MessageHandler]] = {}  # with the id of the device
         self._listened: dict[str, set[str]] = {}
         self._watches_services = False
         self._subscriptions: dict[str, Subscription[RawMessage]] = {}
@@ -152,7 +153,7 @@ class Devices:
         problem: RefusedError | ServiceError | None = None
         for endpoint in device.endpoints:
             try:
-                await self._listen_at(endpoint, handler)
+                await self._listen_at(device.id, endpoint, handler)
             except (RefusedError, ServiceError) as exc:
                 problem = problem or exc
         if problem is not None:
@@ -197,11 +198,11 @@ class Devices:
             raise RefusedError(f"a command to {device.id}", "it takes no commands")
         raise LinkError(f"{payload!r} was not sent to {device.id}: its gateway {gateway} is not running")
 
-    async def _listen_at(self, endpoint: Endpoint, handler: MessageHandler) -> None:
+    async def _listen_at(self, device_id: str, endpoint: Endpoint, handler: MessageHandler) -> None:
         _check(endpoint)
         if endpoint.address not in self._listened.setdefault(endpoint.gateway, set()):
             await self._listen_to(endpoint.gateway, endpoint.address)
-        self._handlers[endpoint.gateway, endpoint.key] = handler
+        self._handlers[endpoint.gateway, endpoint.key] = device_id, handler
 
     def handles(self, device: Device, kind: HandleType[..., HandleT], sequence: int = 0) -> tuple[HandleT, ...]:
         """Return the handles of *kind* that *device* has, without asking the directory.
@@ -293,8 +294,12 @@ class Devices:
             self._subscriptions[topic].mailbox.put(message)
 
     def _dispatch(self, message: RawMessage) -> Awaitable[None] | None:
-        handler = self._handlers.get((message.gateway, message.key))
-        return handler(message) if handler else None
+        found = self._handlers.get((message.gateway, message.key))
+        if found is None:
+            return None
+        device_id, handler = found
+        CURRENT_CAUSE.set((device_id, message))
+        return handler(message)
 
 
 def _check(endpoint: Endpoint) -> None:

@@ -15,6 +15,7 @@ from homebot.devices.query import And, Query, type_is
 from homebot.devices.services import FindDevices, FindDevicesRequest, FindDevicesResponse
 from homebot.errors import ClosedError, ServiceError
 from homebot.graph import Client, Node, Subscription
+from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.log import LogLimit
 
 __all__ = ["Follow"]
@@ -76,9 +77,11 @@ class Follow:
             StopAsyncIteration: The query or its node was closed.
         """
         try:
-            return await self._next(self._changes or self._begin())
+            change = await self._next(self._changes or self._begin())
         except ClosedError:
             raise StopAsyncIteration from None
+        CURRENT_CAUSE.set(change)
+        return change
 
     def close(self) -> None:
         """End the query. Twice is fine."""

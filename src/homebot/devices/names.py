@@ -19,10 +19,12 @@ __all__ = [
     "GET_INDEX_DATA",
     "GET_PLACES",
     "IMPORT_PLACES",
+    "JOURNAL_ENTRIES",
     "MERGE_DEVICES",
     "PERFORM_COMMAND",
     "PLACE_DEVICE",
     "QUERY_DEVICES",
+    "READ_JOURNAL",
     "RUNTIME_NODE",
     "SPLIT_DEVICE",
     "TAG_DEVICE",
@@ -55,6 +57,8 @@ DISCOVERY_HEALTH = "/discovery/health"
 PERFORM_COMMAND = "/control/perform"
 COMMAND_DEVICES = "/devices/command"
 COMMAND_EVENTS = "/control/events"
+READ_JOURNAL = "/control/journal"
+JOURNAL_ENTRIES = "/control/journal_entries"
 
 DIRECTORY_NODE = "/discovery"
 """The node of the directory, the only one that publishes changes of devices."""

@@ -13,6 +13,7 @@ import anyio
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
+from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.isolation import is_end_of
 
 __all__ = ["Timer"]
@@ -73,6 +74,7 @@ class Timer:
             self._scope = None
             if self._cancelled:
                 return
+            CURRENT_CAUSE.set(self)
             try:
                 result = self._callback()
                 if result is not None:

@@ -10,13 +10,14 @@ from typing import Generic, Literal, Self, TypeVar
 import anyio
 import anyio.lowlevel
 
-from homebot.devices.device import Device, State, StateChange
+from homebot.devices.device import Device, DeviceChange, State, StateChange
 from homebot.devices.follow import Follow
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleQuery
 from homebot.devices.handles.handles import Handles
 from homebot.devices.handles.tracked_device import TrackedDevice
 from homebot.graph import Node
+from homebot.graph.current_cause import CURRENT_CAUSE
 
 __all__ = ["FollowHandles", "HandleChange"]
 
@@ -75,7 +76,8 @@ class FollowHandles(Generic[HandleT]):
         self._tracked: dict[str, TrackedDevice] = {}
         self._reported: dict[str, dict[str, HandleChange[HandleT]]] = {}  # ready to be given out as "changed"
         self._compared: dict[str, Device] = {}  # by the description alone: no new value changes what matches
-        self._changed: dict[str, None] = {}
+        self._changed: dict[str, StateChange | DeviceChange] = {}  # the newest change of each
+        self._cause: StateChange | DeviceChange | None = None  # of what is ready
         self._ready: deque[HandleChange[HandleT]] = deque()
         self.events_lost = 0
         self._clock = node.graph.clock
@@ -105,15 +107,17 @@ class FollowHandles(Generic[HandleT]):
         while not self._ready:
             if self._changed:
                 device_id = next(iter(self._changed))
-                del self._changed[device_id]
+                self._cause = self._changed.pop(device_id)
                 self._compare(device_id)
             elif self._events:
-                self._report_event(self._events.popleft())
+                self._cause = event = self._events.popleft()
+                self._report_event(event)
             elif self._is_closed:
                 raise StopAsyncIteration
             else:
                 await self._has_news.wait()
                 self._has_news = anyio.Event()
+        CURRENT_CAUSE.set(self._cause)
         return self._ready.popleft()
 
     def close(self) -> None:
@@ -136,7 +140,7 @@ class FollowHandles(Generic[HandleT]):
                 self._tracked[device.id] = self._handles.track(
                     device, change.sequence, is_gone=change.kind == "removed"
                 )
-                self._mark_changed(device.id)
+                self._mark_changed(device.id, change)
                 self._add_early(device.id)
         finally:
             self.close()
@@ -144,8 +148,7 @@ class FollowHandles(Generic[HandleT]):
     def _on_state(self, change: StateChange) -> None:
         device_id = change.device
         if not change.is_event:
-            if device_id not in self._changed:
-                self._mark_changed(device_id)
+            self._mark_changed(device_id, change)
         elif device_id in self._tracked:
             self._add_event(change)
         else:  # the event that made the device known comes on another topic than its description
@@ -172,11 +175,11 @@ class FollowHandles(Generic[HandleT]):
         if (known := reported.get(event.part)) is not None:
             self._ready.append(HandleChange("event", known.handle, event))
 
-    def _mark_changed(self, device_id: str) -> None:
+    def _mark_changed(self, device_id: str, change: StateChange | DeviceChange) -> None:
         if device_id in self._tracked:
             if not self._changed:  # while others wait, the reader is awake
                 self._has_news.set()
-            self._changed[device_id] = None
+            self._changed[device_id] = change
 
     def _compare(self, device_id: str) -> None:
         """Compare the handles of a device that the reader has with those that match now."""

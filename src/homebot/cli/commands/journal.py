@@ -1,0 +1,89 @@
+"""``homebot journal``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from typing import cast
+
+from homebot.cli.arguments import set_client_command, whole
+from homebot.cli.device_queries import house_time, named_device
+from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.journal_client import JournalClient, entry_json
+from homebot.cli.journal_records import JournalEntryRecord
+from homebot.cli.journal_words import clock_text, entry_text, name_text, trigger_text
+from homebot.cli.time_format import ago
+from homebot.devices.names import JOURNAL_ENTRIES
+from homebot.errors import UsageError
+from homebot.units import parse_duration
+
+__all__ = ["add_arguments"]
+
+_EXAMPLES = """\
+  homebot journal
+  homebot journal --follow
+  homebot journal --device 'Kitchen lamp' --since 2h
+
+Each step of each command, and each change of a device that no command explains: somebody did it by hand, or the device
+did it by itself. `homebot why DEVICE` tells one of them as a story.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot journal``."""
+    set_client_command(parser, _journal, _EXAMPLES)
+    parser.add_argument("--device", metavar="DEVICE", default="", help="only entries about this device, by id or name")
+    parser.add_argument(
+        "--command", metavar="ID", default="", dest="command_id", help="only entries about this command"
+    )
+    parser.add_argument("--since", metavar="SPAN", type=_span, help="only entries of the last SPAN, such as 30m or 2d")
+    parser.add_argument("--limit", metavar="N", type=whole, default=50, help="the N newest entries (default: 50)")
+    parser.add_argument("--follow", action="store_true", help="then print each new entry, until Ctrl-C")
+    parser.add_argument("--json", action="store_true", help="print each entry as one line of JSON")
+
+
+def _journal(options: argparse.Namespace) -> int:
+    """Print entries of the journal, oldest first."""
+
+    def run(door: DoorClient) -> int:
+        client = JournalClient(door)
+        device = named_device(door, options.device)["id"] if options.device else ""
+        now = house_time(door)
+        if options.follow:
+            door.subscribe(JOURNAL_ENTRIES)
+        since = now - options.since if options.since is not None else 0.0
+        found = client.read(device=device, command=options.command_id, since=since, limit=options.limit)
+        for entry in found["entries"]:
+            _print(entry, client, now, as_json=options.json)
+        if not options.json and not options.follow:
+            if not found["entries"]:
+                is_filtered = since or device or options.command_id
+                print("nothing in the journal fits" if is_filtered else "the journal is empty")
+            elif not found["complete"]:
+                print(f"… there are older ones; the journal begins {ago(found['begins'], now)}; --limit shows more")
+        while options.follow:
+            entry = cast("JournalEntryRecord", door.next().message)
+            if device in {"", entry["device"]} and options.command_id in {"", entry["command"]}:
+                client.read_name(entry["device"])
+                client.read_name(entry["trigger"]["device"])
+                _print(entry, client, now, as_json=options.json)
+        return 0
+
+    return with_client(options, run)
+
+
+def _print(entry: JournalEntryRecord, client: JournalClient, now: float, *, as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(entry_json(entry, client.names)), flush=True)
+        return
+    cause = trigger_text(entry["trigger"], client.names)
+    text = entry_text(entry, client.names) + (f", because {cause}" if cause else "")
+    name, command = name_text(entry["device"], client.names), entry["command"]
+    print(f"{clock_text(entry['at'], now)}  {name}  {command + '  ' if command else ''}{text}", flush=True)
+
+
+def _span(text: str) -> float:
+    try:
+        return parse_duration(text)
+    except UsageError as exc:
+        raise argparse.ArgumentTypeError(str(exc)) from exc

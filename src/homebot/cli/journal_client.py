@@ -1,0 +1,117 @@
+"""Reading of the journal of a running homebot, and its entries as JSON for other programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import cast, final
+
+from homebot.cli.door_client import DoorClient
+from homebot.cli.journal_records import JournalEntryRecord, JournalRecord, OutcomeRecord, SettingRecord, TriggerRecord
+from homebot.cli.records import TimeRecord
+from homebot.cli.time_format import iso
+from homebot.cli.values import plain_value
+from homebot.devices.names import READ_JOURNAL
+from homebot.errors import PeerError
+
+__all__ = ["JournalClient", "entry_json"]
+
+_NANOSECONDS = 1_000_000_000
+
+
+@final
+class JournalClient:
+    """Reads the journal of a running homebot.
+
+    Args:
+        door: The way to it.
+
+    Attributes:
+        names: The names of the devices that were in the entries, by id.
+    """
+
+    def __init__(self, door: DoorClient) -> None:
+        self._door = door
+        self.names: dict[str, str] = {}
+
+    def read(
+        self, *, device: str = "", command: str = "", since: float = 0.0, until: float = 0.0, limit: int = 0
+    ) -> JournalRecord:
+        """Return the newest entries that fit, oldest first.
+
+        Args:
+            device: The id of the device; empty for all.
+            command: The id of the command; empty for all.
+            since: Seconds since 1970; 0 for no bound.
+            until: Seconds since 1970; 0 for no bound.
+            limit: How many at most; 0 for as many as one answer has.
+
+        Raises:
+            PeerError: The journal cannot be read; the message says why.
+        """
+        request = {
+            "device": device,
+            "command": command,
+            "since": _time(since),
+            "until": _time(until),
+            "limit": limit,
+        }
+        found = cast("JournalRecord", self._door.call(READ_JOURNAL, request))
+        if not found["success"]:
+            raise PeerError(found["message"])
+        self.names.update({one["key"]: one["value"] for one in found["names"]})
+        return found
+
+    def read_name(self, device: str) -> None:
+        """Read the name of a device that an entry is about, unless it is known."""
+        if device and device not in self.names:
+            self.names[device] = device
+            self.read(device=device, limit=1)
+
+
+def entry_json(entry: JournalEntryRecord, names: Mapping[str, str]) -> dict[str, object]:
+    """Return *entry* as a JSON object for other programs: plain values, times in ISO 8601, no empty fields."""
+    found: dict[str, object] = {"kind": entry["kind"], "at": iso(entry["at"]), "device": entry["device"]}
+    if name := names.get(entry["device"]):
+        found["name"] = name
+    texts = cast("dict[str, str]", entry)
+    found |= {key: texts[key] for key in ("part", "command", "issuer", "text") if texts[key]}
+    if entry["trigger"]["kind"]:
+        found["trigger"] = _trigger_json(entry["trigger"])
+    if entry["settings"]:
+        found["settings"] = _settings_json(entry["settings"])
+    for verdict in entry["verdicts"]:
+        found["verdict"] = {
+            "policy": verdict["policy"],
+            "allowed": verdict["allowed"],
+            "reason": verdict["reason"],
+            "facts": {one["name"]: plain_value(one["value"]) for one in verdict["facts"]},
+        }
+    for result in entry["results"]:
+        found["outcome"] = _outcome_json(result)
+    return found
+
+
+def _trigger_json(trigger: TriggerRecord) -> dict[str, object]:
+    found: dict[str, object] = {"kind": trigger["kind"], "id": trigger["id"]}
+    texts = cast("dict[str, str]", trigger)
+    found |= {key: texts[key] for key in ("device", "text") if texts[key]}
+    if trigger["readings"]:
+        found["readings"] = _settings_json(trigger["readings"])
+    if trigger["at"]["sec"]:
+        found["at"] = iso(trigger["at"])
+    return found
+
+
+def _settings_json(settings: Iterable[SettingRecord]) -> dict[str, object]:
+    return {one["capability"]: plain_value(one["value"]) for one in settings}
+
+
+def _outcome_json(result: OutcomeRecord) -> dict[str, object]:
+    found: dict[str, object] = {"outcome": result["outcome"], "text": result["text"]}
+    values = cast("dict[str, object]", result)
+    return found | {key: values[key] for key in ("latency", "evidence", "saw", "by", "policy", "reason") if values[key]}
+
+
+def _time(seconds: float) -> TimeRecord:
+    sec, nanosec = divmod(round(seconds * _NANOSECONDS), _NANOSECONDS)
+    return {"sec": sec, "nanosec": nanosec}

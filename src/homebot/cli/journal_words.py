@@ -1,0 +1,101 @@
+"""Entries of the journal in words. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from datetime import UTC, datetime
+
+from homebot.cli.journal_records import JournalEntryRecord, OutcomeRecord, SettingRecord, TriggerRecord
+from homebot.cli.records import CapabilityRecord, TimeRecord
+from homebot.cli.table import printable
+from homebot.cli.time_format import to_seconds
+from homebot.cli.values import plain_value, value_text
+
+__all__ = ["clock_text", "entry_text", "issuer_text", "name_text", "outcome_text", "settings_text", "trigger_text"]
+
+_DAY = 86_400
+_CLIENT = "client:"
+
+
+def entry_text(entry: JournalEntryRecord, names: Mapping[str, str]) -> str:
+    """Return one entry as a clause, with the name of the device where it says something of it."""
+    name = name_text(entry["device"], names)
+    match entry["kind"]:
+        case "requested":
+            return f"{issuer_text(entry['issuer'])} asked {name} for {settings_text(entry['settings'])}"
+        case "published":
+            return f"{issuer_text(entry['issuer'])} published {printable(entry['text'])!r} for {name}"
+        case "judged":
+            verdict = entry["verdicts"][0]
+            reason = f": {printable(verdict['reason'])}" if verdict["reason"] else ""
+            return f"{printable(verdict['policy'])} {'allowed it' if verdict['allowed'] else 'said no'}{reason}"
+        case "sent":
+            return "sent again" if entry["text"] else "sent"
+        case "acknowledged":
+            return "the network accepted it"
+        case "reported":
+            return f"{name} reported {settings_text(entry['settings'])}"
+        case "changed":
+            return f"{name} reported {settings_text(entry['settings'])}; no command explains it"
+        case _:
+            return outcome_text(entry["results"][0])
+
+
+def trigger_text(trigger: TriggerRecord, names: Mapping[str, str]) -> str:
+    """Return what led to a command as a clause; empty where that is not known."""
+    name = name_text(trigger["device"], names)
+    match trigger["kind"]:
+        case "report":
+            return f"{name} reported {settings_text(trigger['readings'])}"
+        case "message":
+            return f"{name} sent {printable(trigger['text'], 60)!r}"
+        case "device":
+            return f"{name} {printable(trigger['text'], 100)}"
+        case "timer":
+            return f"the timer of {printable(trigger['text'])}"
+    return ""
+
+
+def settings_text(settings: Iterable[SettingRecord]) -> str:
+    """Return values in words: ``on``, ``level 40 %``."""
+    return ", ".join(_setting_text(one) for one in settings) or "nothing"
+
+
+def outcome_text(result: OutcomeRecord) -> str:
+    """Return an outcome in words."""
+    return printable(result["text"])
+
+
+def issuer_text(issuer: str) -> str:
+    """Return who gave a command: an app by its name, a client as one."""
+    if issuer.startswith(_CLIENT):
+        return f"the client {printable(issuer.removeprefix(_CLIENT), 60)}"
+    return printable(issuer.removeprefix("/"), 60) or "somebody"
+
+
+def name_text(device: str, names: Mapping[str, str]) -> str:
+    """Return the name of a device, its id where it has none."""
+    return printable(names.get(device) or device, 60)
+
+
+def clock_text(time: TimeRecord, now: float) -> str:
+    """Return a time of day to a tenth of a second, in the computer's own time; with the date if it is not of today."""
+    seconds = to_seconds(time)
+    local = datetime.fromtimestamp(seconds, UTC).astimezone()
+    today = datetime.fromtimestamp(now, UTC).astimezone().date()
+    text = f"{local:%H:%M:%S}.{local.microsecond // 100_000}"
+    return text if local.date() == today else f"{local:%Y-%m-%d} {text}"
+
+
+def _setting_text(setting: SettingRecord) -> str:
+    name, value = setting["capability"], plain_value(setting["value"])
+    capability: CapabilityRecord = {
+        "name": name,
+        "readable": True,
+        "settable": True,
+        "unit": "",
+        "bounds": [],
+        "options": [],
+    }
+    text = printable(value_text(capability, value), 60)
+    return text if isinstance(value, bool | str) else f"{name.replace('_', ' ')} {text}"

@@ -1,0 +1,167 @@
+"""The journal of a home: takes each step of each command, publishes it, keeps it, and is read by a service."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, final
+
+from homebot.control.command import IssuedCommand
+from homebot.control.journal.store import JournalStore
+from homebot.devices import FIND_DEVICES, FindDevices
+from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
+from homebot.devices.device import KeyValue
+from homebot.devices.journal_messages import (
+    EntryKind,
+    JournalEntry,
+    JournalFact,
+    JournalVerdict,
+    ReadJournal,
+    ReadJournalRequest,
+    ReadJournalResponse,
+)
+from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL
+from homebot.devices.query import Or, query_terms
+from homebot.devices.query.terms import FactIs
+from homebot.devices.services import FindDevicesRequest
+from homebot.devices.trigger import NO_TRIGGER, Trigger
+from homebot.devices.value import PlainValue, Value
+from homebot.errors import ServiceError
+from homebot.graph import Node
+from homebot.messages import Time
+
+if TYPE_CHECKING:
+    from homebot.control.policies import Verdict
+
+__all__ = ["CommandJournal"]
+
+_DEPTH = 1000
+_MOST_NAMES = 500
+
+
+@final
+class CommandJournal:
+    """Takes the entries.
+
+    Args:
+        node: The node that publishes them and serves the reading.
+        store: Keeps them.
+    """
+
+    def __init__(self, node: Node, store: JournalStore) -> None:
+        self._clock = node.graph.clock
+        self._store = store
+        self._find = node.create_client(FindDevices, FIND_DEVICES)
+        self._entries = node.create_publisher(JournalEntry, JOURNAL_ENTRIES, _DEPTH)
+        node.create_service(ReadJournal, READ_JOURNAL, self.read, concurrent=True)
+
+    async def run(self) -> None:
+        """Write what is noted until cancelled."""
+        await self._store.run()
+
+    async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
+        """Return the newest entries that fit, and the names of their devices."""
+        response = await self._store.read(request)
+        ids = {one.device for one in response.entries} | {one.trigger.device for one in response.entries}
+        return response.with_checked(names=await self._names(sorted(ids - {""})))
+
+    async def _names(self, device_ids: list[str]) -> tuple[KeyValue, ...]:
+        """Return the names of those that the directory knows; none where it does not answer."""
+        if not device_ids:
+            return ()
+        wanted = Or(tuple(FactIs("id", one.casefold()) for one in device_ids[:_MOST_NAMES]))
+        try:
+            found = await self._find.call(FindDevicesRequest(query=query_terms(wanted)))
+        except ServiceError:
+            return ()
+        return tuple(KeyValue(key=one.id, value=one.name) for one in found.devices if one.name)
+
+    def requested(self, command_id: str, request: CommandRequest) -> None:
+        """Note that somebody gave a command."""
+        self._note(
+            "requested",
+            request.device,
+            request.part,
+            command_id,
+            issuer=request.issuer,
+            trigger=request.trigger,
+            settings=request.settings,
+        )
+
+    def judged(self, command: IssuedCommand, verdict: Verdict) -> None:
+        """Note the verdict of a policy."""
+        facts = tuple(
+            JournalFact(name=one.name, value=Value.of(one.value), since=Time.from_seconds(one.since))
+            for one in verdict.facts
+        )
+        noted = JournalVerdict(policy=verdict.policy, allowed=verdict.allowed, reason=verdict.reason, facts=facts)
+        self._note_step("judged", command, verdicts=(noted,))
+
+    def sent(self, command: IssuedCommand, attempt: int) -> None:
+        """Note that a command is handed to its gateway, for the *attempt*-th time, from 0 on."""
+        self._note_step("sent", command, text="again" if attempt else "")
+
+    def acknowledged(self, command: IssuedCommand) -> None:
+        """Note that the network accepted a command."""
+        self._note_step("acknowledged", command)
+
+    def reported(self, command: IssuedCommand, capability: str, value: PlainValue) -> None:
+        """Note that the device reported a value of what it was commanded."""
+        self._note_step("reported", command, settings=(Setting(capability=capability, value=Value.of(value)),))
+
+    def decided(self, command_id: str, request: CommandRequest, result: CommandResult) -> None:
+        """Note the outcome of a command."""
+        self._note("outcome", request.device, request.part, command_id, issuer=request.issuer, results=(result,))
+
+    def reverted(self, command: IssuedCommand, result: CommandResult) -> None:
+        """Note that the device went back after the outcome."""
+        self._note_step("reverted", command, results=(result,))
+
+    def _note_step(
+        self,
+        kind: EntryKind,
+        command: IssuedCommand,
+        settings: tuple[Setting, ...] = (),
+        text: str = "",
+        verdicts: tuple[JournalVerdict, ...] = (),
+        results: tuple[CommandResult, ...] = (),
+    ) -> None:
+        self._note(
+            kind,
+            command.device.id,
+            command.part.id,
+            command.id,
+            issuer=command.issuer,
+            settings=settings,
+            text=text,
+            verdicts=verdicts,
+            results=results,
+        )
+
+    def _note(
+        self,
+        kind: EntryKind,
+        device: str,
+        part: str,
+        command: str,
+        *,
+        issuer: str = "",
+        trigger: Trigger = NO_TRIGGER,
+        settings: tuple[Setting, ...] = (),
+        text: str = "",
+        verdicts: tuple[JournalVerdict, ...] = (),
+        results: tuple[CommandResult, ...] = (),
+    ) -> None:
+        entry = JournalEntry.of_checked(
+            kind=kind,
+            at=Time.from_seconds(self._clock.now()),
+            device=device,
+            part=part,
+            command=command,
+            issuer=issuer,
+            trigger=trigger,
+            settings=settings,
+            text=text,
+            verdicts=verdicts,
+            results=results,
+        )
+        self._store.add(entry)
+        self._entries.publish(entry)

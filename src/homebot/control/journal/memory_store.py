@@ -1,0 +1,71 @@
+"""Entries of the journal in memory, where nothing is kept over a restart."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from itertools import islice
+from typing import final
+
+from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
+from homebot.messages import Time
+
+__all__ = ["MemoryStore"]
+
+
+@final
+class MemoryStore:
+    """The newest entries; the oldest are dropped where there are too many or they are too old.
+
+    Args:
+        most: How many are kept.
+        longest: Seconds for which an entry is kept.
+
+    Attributes:
+        dropped: Entries that were dropped.
+        failures: Entries that could not be kept; always 0.
+        problem: The trouble of the store, as text; always empty.
+    """
+
+    def __init__(self, most: int, longest: float) -> None:
+        self._entries: deque[JournalEntry] = deque()
+        self._most = most
+        self._longest = longest
+        self.dropped = 0
+        self.failures = 0
+        self.problem = ""
+
+    def add(self, entry: JournalEntry) -> None:
+        """Keep *entry*."""
+        entries = self._entries
+        entries.append(entry)
+        oldest = entry.at.sec - self._longest
+        while len(entries) > self._most or entries[0].at.sec < oldest:
+            entries.popleft()
+            self.dropped += 1
+
+    async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
+        """Return the newest entries that fit."""
+        limit = min(request.limit or MOST_ENTRIES, MOST_ENTRIES)
+        found = list(islice(self._fitting(request), limit + 1))
+        return ReadJournalResponse(
+            entries=tuple(reversed(found[:limit])),
+            complete=len(found) <= limit,
+            begins=self._entries[0].at if self._entries else Time(sec=0, nanosec=0),
+        )
+
+    async def run(self) -> None:
+        """Do nothing: there is no file."""
+
+    def _fitting(self, request: ReadJournalRequest) -> Iterator[JournalEntry]:
+        since, until = request.since.to_seconds(), request.until.to_seconds()
+        for entry in reversed(self._entries):
+            at = entry.at.to_seconds()
+            if at < since:
+                continue  # not the end: the clock may have been set
+            if (
+                (not until or at <= until)
+                and request.device in {"", entry.device}
+                and request.command in {"", entry.command}
+            ):
+                yield entry

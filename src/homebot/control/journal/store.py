@@ -1,0 +1,35 @@
+"""Port of the stores of the journal."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest, ReadJournalResponse
+
+__all__ = ["JournalStore"]
+
+
+class JournalStore(Protocol):
+    """Keeps entries in the order in which they come.
+
+    Attributes:
+        dropped: Entries that were dropped because they were too many or too old.
+        failures: Entries that could not be kept.
+        problem: The trouble of the store, as text; empty where there is none.
+    """
+
+    dropped: int
+    failures: int
+    problem: str
+
+    def add(self, entry: JournalEntry) -> None:
+        """Keep *entry*; never blocks, and does no input or output."""
+        ...
+
+    async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
+        """Return the newest entries that fit, also those that were added a moment ago."""
+        ...
+
+    async def run(self) -> None:
+        """Write what is added until cancelled."""
+        ...

@@ -1,0 +1,139 @@
+"""Entries of the journal, and the service that reads it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Field
+
+from homebot.devices.command_messages import CommandResult, Setting
+from homebot.devices.device import KeyValue
+from homebot.devices.trigger import NO_TRIGGER, Trigger
+from homebot.devices.value import Value
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.message import Message, ServiceType, UInt32
+
+__all__ = [
+    "MOST_ENTRIES",
+    "EntryKind",
+    "JournalEntry",
+    "JournalFact",
+    "JournalVerdict",
+    "ReadJournal",
+    "ReadJournalRequest",
+    "ReadJournalResponse",
+]
+
+EntryKind: TypeAlias = Literal[
+    "requested", "judged", "sent", "acknowledged", "reported", "outcome", "reverted", "changed", "published"
+]
+
+MOST_ENTRIES = 1000
+"""Entries in one answer."""
+
+_EPOCH = Time(sec=0, nanosec=0)
+
+
+class JournalFact(Message):
+    """One fact that a verdict rests on.
+
+    Attributes:
+        name: The name, for example ``occupancy of motion/hall``.
+        value: The value.
+        since: Since when it has been so; 0 where that is not known.
+    """
+
+    name: str
+    value: Value
+    since: Time = _EPOCH
+
+
+class JournalVerdict(Message):
+    """The verdict of one policy about one command.
+
+    Attributes:
+        policy: The name of the policy.
+        allowed: Whether it had no objection.
+        reason: The reason, as text.
+        facts: The facts that it rests on.
+    """
+
+    policy: str
+    allowed: bool
+    reason: str = ""
+    facts: tuple[JournalFact, ...] = ()
+
+
+class JournalEntry(Message):
+    """One step of a command, or a change of a device that no command explains.
+
+    Attributes:
+        kind: ``requested``: somebody gave a command; ``judged``: a policy gave its verdict; ``sent``: it was handed to
+            the gateway, each try is an entry; ``acknowledged``: the network accepted it; ``reported``: the device
+            reported what bears on it; ``outcome``: its outcome became known; ``reverted``: the device went back later;
+            ``changed``: the device changed, and no command explains it; ``published``: a program published a raw
+            command, which nobody verifies.
+        at: When.
+        device: The id of the device.
+        part: The id of the part.
+        command: The id of the command; empty for ``changed`` and ``published``.
+        issuer: Who gave the command: the name of a node, or ``client:NAME`` for a client of the door.
+        trigger: ``requested`` and ``published``: what led to it.
+        settings: ``requested``: what was wanted; ``reported`` and ``changed``: the values that were reported.
+        text: ``published``: the payload; ``sent``: empty for the first try, ``again`` for the others.
+        verdicts: ``judged``: the verdict.
+        results: ``outcome`` and ``reverted``: the outcome.
+    """
+
+    kind: EntryKind
+    at: Time
+    device: str
+    part: str = ""
+    command: str = ""
+    issuer: str = ""
+    trigger: Trigger = NO_TRIGGER
+    settings: tuple[Setting, ...] = ()
+    text: str = ""
+    verdicts: Annotated[tuple[JournalVerdict, ...], Field(max_length=1)] = ()
+    results: Annotated[tuple[CommandResult, ...], Field(max_length=1)] = ()
+
+
+class ReadJournalRequest(Message):
+    """A question for the newest entries of the journal that fit.
+
+    Attributes:
+        device: Only those of this device, by its id; empty for all.
+        command: Only those of this command; empty for all.
+        since: Only those of this time or later.
+        until: Only those of this time or earlier; 0 for no bound.
+        limit: How many at most, 1 to 1,000; 0 for 1,000.
+    """
+
+    device: str = ""
+    command: str = ""
+    since: Time = _EPOCH
+    until: Time = _EPOCH
+    limit: UInt32 = 0
+
+
+class ReadJournalResponse(Message):
+    """The entries, oldest first.
+
+    Attributes:
+        success: Whether the journal could be read.
+        message: Why not.
+        entries: The newest that fit.
+        complete: Whether these are all that fit; otherwise older ones were left out.
+        begins: The time of the oldest entry in the journal; 0 where it is empty.
+        names: The names of the devices in the entries, by id, as far as the directory knows them now.
+    """
+
+    success: bool = True
+    message: str = ""
+    entries: tuple[JournalEntry, ...] = ()
+    complete: bool = True
+    begins: Time = _EPOCH
+    names: tuple[KeyValue, ...] = ()
+
+
+ReadJournal = ServiceType("homebot/srv/ReadJournal", ReadJournalRequest, ReadJournalResponse)
