@@ -28,3 +28,22 @@ async def test_late_answers_are_counted() -> None:
         health = await node.create_client(GetHealth, "/homebot/health").call(HealthRequest())
         counts = {one.name: one.count for one in health.counts}
         assert (counts["answers_late"], counts["calls_refused"], counts["callback_failures"]) == (1, 0, 0)
+
+
+@pytest.mark.virtual_time
+async def test_a_handler_that_does_not_end_is_a_problem() -> None:
+    async def stuck(_request: TriggerRequest) -> SuccessResponse:
+        await anyio.sleep_forever()
+        raise AssertionError
+
+    async with Runtime(parse_config({}, "test"), with_door=False) as runtime, Node(runtime.graph, "node") as node:
+        node.create_service(Trigger, "/stuck", stuck)
+        health = node.create_client(GetHealth, "/homebot/health")
+        with pytest.raises(ServiceTimeoutError):
+            await node.create_client(Trigger, "/stuck").call(TriggerRequest())
+        await anyio.sleep(60)
+        assert (await health.call(HealthRequest())).troubles == ()
+        await anyio.sleep(300)
+        assert (await health.call(HealthRequest())).troubles == (
+            "a handler of /stuck has been at work for 6 minutes: its caller gave up, and later calls may wait for it",
+        )

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from inspect import isawaitable
 from types import CoroutineType
 from typing import Generic, NoReturn, TypeVar
+from weakref import WeakSet
 
 import anyio
 
@@ -55,7 +56,7 @@ class Client(Generic[RequestT, ResponseT]):
         self._slot = slot
         self._on_close: Callable[[], None] | None = on_close
         self._closed = False
-        self._left_at_work: list[HandlerRun] = []  # of which the service has room for so many
+        self._left_at_work: WeakSet[HandlerRun] | None = None
         self._request_type = service_type.Request
         self._response_type = service_type.Response
 
@@ -146,9 +147,8 @@ class Client(Generic[RequestT, ResponseT]):
 
     async def wait_for_handlers(self) -> None:
         """Wait until no handler works any more on a call of this client that ran out of time."""
-        while self._left_at_work:
-            await self._left_at_work[-1].wait_for_end()
-            self._left_at_work = [run for run in self._left_at_work if not run.has_ended]
+        for run in list(self._left_at_work or ()):
+            await run.wait_for_end()
 
     def close(self) -> None:
         """Close the client. Twice is fine."""
@@ -179,7 +179,9 @@ class Client(Generic[RequestT, ResponseT]):
                 outcome = await run.wait(timeout)
             finally:
                 if not run.has_ended:
-                    self._left_at_work = [run, *(one for one in self._left_at_work if not one.has_ended)]
+                    if self._left_at_work is None:
+                        self._left_at_work = WeakSet()
+                    self._left_at_work.add(run)
         if type(outcome) is self._response_type:
             return outcome
         raise _no_response(self.info.name, outcome)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Literal, TypeAlias, TypeVar, final
+from typing import Literal, Protocol, TypeAlias, TypeVar, final
 
 from homebot.graph.qos import QoSProfile
 
-__all__ = ["EndpointIndex", "EndpointInfo", "EntityKind", "GraphChange"]
+__all__ = ["EndpointIndex", "EndpointInfo", "EntityKind", "GraphChange", "GraphEntity"]
 
 
 TermT = TypeVar("TermT", bound=Hashable)
@@ -58,6 +58,19 @@ class GraphChange:
 
 
 Entities: TypeAlias = dict[int, EndpointInfo]
+
+
+class GraphEntity(Protocol):
+    """Anything that a node makes and closes."""
+
+    @property
+    def info(self) -> EndpointInfo:
+        """The entity as the graph shows it."""
+        ...
+
+    def close(self) -> None:
+        """Leave the graph. Twice is fine."""
+        ...
 
 
 @final

@@ -128,6 +128,12 @@ class Graph:
         """Return the servers whose service is of the type with the full name *ros_type*, sorted by service."""
         return tuple(sorted(self._endpoints.of_type(EntityKind.SERVICE, ros_type), key=lambda info: info.name))
 
+    def handlers_without_caller(self) -> Iterator[tuple[str, float]]:
+        """Yield the services with a handler at work whose caller has left, and the seconds since the oldest began."""
+        for name, slot in sorted(self._services.items()):
+            if slot.server is not None and (seconds := slot.server.seconds_without_caller()):
+                yield name, seconds
+
     @contextmanager
     def watch(self) -> Iterator[Mailbox[GraphChange]]:
         """Give a stream of every change from now on: ``with graph.watch() as changes: async for change in changes``.

@@ -44,11 +44,23 @@ class HandlerRun:
         handler: The handler's coroutine.
         context: The context variables that it sees.
         waits_for: What it waits for since its first step, or NOT_BEGUN.
+        began: When it began, by the event loop's clock.
         outcome: For the caller: the response or a :class:`homebot.errors.ServiceError`. Done when the caller has left.
         has_ended: Whether the handler has ended.
     """
 
-    __slots__ = ("_end", "context", "handler", "has_ended", "outcome", "server", "task", "waits_for")
+    __slots__ = (
+        "__weakref__",
+        "_end",
+        "began",
+        "context",
+        "handler",
+        "has_ended",
+        "outcome",
+        "server",
+        "task",
+        "waits_for",
+    )
 
     def __init__(
         self, server: Service[Any, Any], task: HandlerTask, handler: Handling, context: Context, waits_for: object
@@ -58,7 +70,9 @@ class HandlerRun:
         self.handler = handler
         self.context = context
         self.waits_for = waits_for
-        self.outcome: asyncio.Future[object] = asyncio.get_running_loop().create_future()
+        loop = asyncio.get_running_loop()
+        self.began = loop.time()
+        self.outcome: asyncio.Future[object] = loop.create_future()
         self.has_ended = False
         self._end: anyio.Event | None = None
 
@@ -212,7 +226,7 @@ class HandlerTasks:
         self._start_task = start_task
 
     def close(self) -> None:
-        """Begin no further handlers; those at work end with their tasks. Twice is fine."""
+        """Begin no further handlers; those at work end with their tasks."""
         self.is_open = False
 
     def begin(self, server: Service[Any, Any], handler: Handling) -> object:

@@ -23,7 +23,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping
 from types import TracebackType
-from typing import Literal, Protocol, Self, TypeVar
+from typing import Literal, Self, TypeVar
 
 import anyio
 from anyio.abc import TaskGroup
@@ -31,7 +31,7 @@ from structlog.typing import FilteringBoundLogger
 
 from homebot.errors import ClosedError, DuplicateNameError, UsageError
 from homebot.graph.client import Client
-from homebot.graph.endpoint import EndpointInfo
+from homebot.graph.endpoint import GraphEntity
 from homebot.graph.graph import Graph
 from homebot.graph.handler_tasks import HandlerTasks
 from homebot.graph.mailbox import BoundedQueue
@@ -54,15 +54,6 @@ __all__ = ["Node"]
 MessageT = TypeVar("MessageT", bound=Message)
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
-
-
-class _Entity(Protocol):
-    """Anything that a node makes and closes."""
-
-    @property
-    def info(self) -> EndpointInfo: ...
-
-    def close(self) -> None: ...
 
 
 class Node:
@@ -98,7 +89,7 @@ class Node:
         self._tasks: TaskGroup | None = None
         self._scopes: dict[anyio.CancelScope, None] = {}  # in the order of starting, so that runs are alike
         self._waiting: list[Callable[[], Coroutine[object, object, None]]] = []
-        self._entities: dict[int, _Entity] = {}
+        self._entities: dict[int, GraphEntity] = {}
         self._closed = False
         self._handler_tasks = HandlerTasks(graph.handler_tasks)
         graph.add_node(self)
@@ -202,8 +193,7 @@ class Node:
             srv_name: The name; relative, absolute, or private (``~/name``).
             callback: A function or coroutine function that takes a request and returns the response.
             concurrent: Whether several calls may be served at once, up to 1,000; by default they wait in line.
-            cancel_with_caller: Whether a handler is cancelled when its caller gives up: for one that only waits for
-                somebody else, and whose answer is of no use to others.
+            cancel_with_caller: Whether a handler is cancelled when its caller gives up, as it only waits for others.
 
         Raises:
             InvalidNameError: *srv_name* is not a legal name.
@@ -315,7 +305,6 @@ class Node:
         self._closed = True
         for entity in reversed(list(self._entities.values())):
             entity.close()
-        self._handler_tasks.close()
         self.graph.remove_node(self)
         for scope in tuple(self._scopes):
             scope.cancel()
@@ -387,11 +376,11 @@ class Node:
     def _take_check_failure(self, name: str, error: Exception) -> None:
         self.graph.failures.record(self.full_name, f"check of parameter {name}", error, "the value is refused")
 
-    def _show(self, entity: _Entity) -> None:
+    def _show(self, entity: GraphEntity) -> None:
         self._entities[id(entity)] = entity
         self.graph.add_endpoint(entity, entity.info)
 
-    def _hide(self, entity: _Entity) -> None:
+    def _hide(self, entity: GraphEntity) -> None:
         self._entities.pop(id(entity), None)
         self.graph.remove_endpoint(entity)
 

@@ -209,6 +209,11 @@ class Service(Generic[RequestT, ResponseT]):
         cause = outcome.__cause__ if isinstance(outcome, ServiceFailedError) else None
         self._reports.report_late(cause if isinstance(cause, HomebotError) else None)
 
+    def seconds_without_caller(self) -> float:
+        """Return how long the oldest handler has been at work whose caller has left; 0 where there is none."""
+        now = asyncio.get_running_loop().time()
+        return next((now - run.began for run in self._runs if run.outcome.done()), 0.0)
+
     def close(self) -> None:
         """Stop serving: handlers at work are cancelled, and calls under way end with ServiceGoneError.
 

@@ -14,6 +14,9 @@ __all__ = ["RuntimeHealth"]
 
 HEALTH = "/homebot/health"
 
+_LONG = 300.0
+"""Seconds that a handler may work on when its caller has left; commissioning a device takes three minutes."""
+
 
 class RuntimeHealth:
     """Answers how the runtime is.
@@ -60,6 +63,10 @@ class RuntimeHealth:
                 yield f"{name} kept crashing and will not be restarted; fix it and restart homebot ({crash.last})"
             elif crash.state == "restarting":
                 yield f"{name} crashed ({crash.last}) and will be restarted"
+        for service, seconds in self._graph.handlers_without_caller():
+            if seconds >= _LONG:
+                why = "its caller gave up, and later calls may wait for it"
+                yield f"a handler of {service} has been at work for {seconds / 60:.0f} minutes: {why}"
 
     def _failures(self) -> Iterator[PartFailure]:
         for name, crash in sorted(self._supervisor.crashes.items()):
