@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, TypeAlias, final
 
-from pydantic import PlainValidator
+from pydantic import GetCoreSchemaHandler, PlainValidator
+from pydantic_core import CoreSchema, core_schema
 
 from homebot.control.command import IssuedCommand
 from homebot.devices.query import PartFacets, Query, fits, type_is
@@ -50,6 +51,11 @@ class CommandPattern:
 
     def __str__(self) -> str:
         return self.text
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Take a pattern as it is; called by pydantic, which would load and make much for all kinds of queries."""
+        return core_schema.is_instance_schema(cls)
 
 
 def read_pattern(text: str) -> CommandPattern:
