@@ -13,6 +13,7 @@ from typing import TypeVar
 
 import anyio
 import pytest
+from tests.held_clock import HeldClock
 from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, RawCommand, RawMessage, Sighting, SubscribeToTopic
@@ -154,8 +155,8 @@ class GatewayContract:
 
     @asynccontextmanager
     async def house(self, **settings: object) -> AsyncIterator[tuple[Lamp, Node]]:
-        """Run the gateway with its lamp, and another node on its graph."""
-        graph = Graph()
+        """Run the gateway with its lamp, and another node on its graph, whose clock is a :class:`HeldClock`."""
+        graph = Graph(HeldClock())
         async with self.lamp() as lamp, Node(graph, "watcher") as watcher, self.started(lamp, graph, settings):
             yield lamp, watcher
 
@@ -347,16 +348,19 @@ class GatewayContract:
         async with self.house() as (lamp, watcher):
             await announced(lamp, watcher)
             quarantines = listen(watcher, Quarantine, lamp.gateway.names.quarantine)
-            await lamp.misbehave()
-            quarantine = await first(quarantines)
+            reports = listen(watcher, Report, lamp.gateway.names.readings)
+            clock = watcher.graph.clock
+            assert isinstance(clock, HeldClock)
+            with clock.held():  # budgets get nothing back, however long the machine takes
+                await lamp.misbehave()
+                quarantine = await first(quarantines)
+                await lamp.report(on=True)
+                await reported(lamp, reports, on=True)
+                health = await healthy(lamp, watcher)
             assert (quarantine.gateway, quarantine.is_over) == (lamp.gateway.node.name, False)
             assert quarantine.offender
             assert quarantine.why
             assert quarantine.until.to_seconds() > quarantine.since.to_seconds()
-            reports = listen(watcher, Report, lamp.gateway.names.readings)
-            await lamp.report(on=True)
-            await reported(lamp, reports, on=True)
-            health = await healthy(lamp, watcher)
             assert [one.offender for one in health.quarantined] == [quarantine.offender]
             counts = {one.name: one.count for one in health.counts}
             assert counts["quarantines"] == 1
