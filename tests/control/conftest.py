@@ -87,6 +87,7 @@ class Home:
         *settable: str,
         readable: tuple[str, ...] = (),
         area: str = "",
+        name: str = "",
         is_silent: bool = False,
     ) -> None:
         """Let there be a device; a silent one reports nothing of what can be set."""
@@ -94,7 +95,7 @@ class Home:
         if is_silent:
             silent = [one.model_copy(update={"readable": not one.settable}) for one in part.capabilities]
             part = part.model_copy(update={"capabilities": tuple(silent)})
-        self.gateway.devices.put(GatewayDevice(key, key.title(), (part,), area=area), "the test says so")
+        self.gateway.devices.put(GatewayDevice(key, name or key.title(), (part,), area=area), "the test says so")
 
     async def report(self, key: str, capability: str, value: PlainValue) -> None:
         """Let a device report a value."""

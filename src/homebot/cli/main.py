@@ -30,6 +30,7 @@ COMMANDS: Final = {
     "config": "check the configuration",
     "devices": "list the devices in the house",
     "find": "find devices by type, capability, state, area or name",
+    "do": "command devices, and tell what became of it",
     "show": "show everything known about a device",
     "doctor": "diagnose problems: gateways, quarantined topics, conflicts, silent devices, crashes, the index file",
     "forget": "remove a device from the index",

@@ -10,6 +10,9 @@ from typing import TypedDict
 __all__ = [
     "AliasResponseRecord",
     "CapabilityRecord",
+    "CommandDevicesRecord",
+    "CommandResultRecord",
+    "CommandedPartRecord",
     "DeviceChangeRecord",
     "DevicePartRecord",
     "DeviceRecord",
@@ -352,6 +355,38 @@ class HealthRecord(TypedDict):
     troubles: list[str]
     failures: list[PartFailureRecord]
     notes: list[str]
+
+
+class CommandResultRecord(TypedDict):
+    """:class:`homebot.devices.command_messages.CommandResult`."""
+
+    command_id: str
+    outcome: str
+    text: str
+    latency: float
+    evidence: int
+    saw: str
+    by: str
+    policy: str
+    reason: str
+
+
+class CommandedPartRecord(TypedDict):
+    """:class:`homebot.devices.command_messages.CommandedPart`."""
+
+    device: str
+    name: str
+    part: str
+    result: CommandResultRecord
+
+
+class CommandDevicesRecord(TypedDict):
+    """:class:`homebot.devices.command_messages.CommandDevicesResponse`."""
+
+    success: bool
+    message: str
+    outcome: str
+    results: list[CommandedPartRecord]
 
 
 class ReadTagRecord(TypedDict):

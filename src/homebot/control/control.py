@@ -1,56 +1,38 @@
-"""The node of the control layer: takes each command, has it judged and sent, and finds out what became of it."""
+"""The node of the control layer: takes the commands of applications and of other programs.
+
+What carries them out is loaded with the first one: most homes start without.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from functools import partial
-from typing import Final, TypeAlias, final
+from typing import TYPE_CHECKING, Final, final
 
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.control.command import IssuedCommand
 from homebot.control.journal import CommandJournal
 from homebot.control.journal.memory_store import MemoryStore
 from homebot.control.judge import Judge
-from homebot.control.pending import PendingCommand
-from homebot.control.report_watch import ReportWatch
-from homebot.control.response_times import ResponseTimes
 from homebot.control.settings import ControlSettings
-from homebot.control.settling import Settling
-from homebot.devices import FIND_DEVICES, Device, FindDevices
-from homebot.devices.capabilities import MOMENTARY
-from homebot.devices.command_messages import CommandRequest, CommandResult, PerformCommand, result_of
-from homebot.devices.command_sender import CommandSender
-from homebot.devices.names import PERFORM_COMMAND
-from homebot.devices.outcomes import AlreadySo, Confirmed, Gone, NoAnswer, Outcome, Refused
-from homebot.devices.query import query_terms
-from homebot.devices.query.terms import FactIs
-from homebot.devices.services import FindDevicesRequest
-from homebot.devices.value import PlainValue
-from homebot.errors import LinkError, RefusedError, ServiceError
+from homebot.devices.names import COMMAND_DEVICES, PERFORM_COMMAND
 from homebot.graph import Node
 
+if TYPE_CHECKING:
+    from homebot.control.command_service import CommandService
+    from homebot.control.executor import CommandExecutor
+    from homebot.devices.command_messages import (
+        CommandDevicesRequest,
+        CommandDevicesResponse,
+        CommandRequest,
+        CommandResult,
+    )
+
 __all__ = ["Control"]
-
-MOST_PENDING: Final = 10_000
-"""Commands whose outcome is awaited at once; further ones are refused."""
-
-_RECENT: Final = 60.0
-"""Seconds for which a live report counts as how it is now, so that a command for the same is not sent."""
-
-_MOVES_FOR: Final = 60.0
-"""Seconds that a device gets from its last sign of moving on."""
-
-_LONGEST: Final = 300.0
-"""Seconds from sending after which no sign of moving helps any more."""
 
 _DAY: Final = 86_400.0
 
 MOST_IN_MEMORY: Final = 10_000
 """Entries of the journal where there is no file."""
-
-_Place: TypeAlias = tuple[str, str, str]
 
 
 @final
@@ -65,173 +47,38 @@ class Control:
     def __init__(self, node: Node, settings: ControlSettings | None = None) -> None:
         self._node = node
         self._settings = settings or ControlSettings()
-        self._clock = node.graph.clock
-        self._find = node.create_client(FindDevices, FIND_DEVICES)
-        self._sender = CommandSender(node)
-        self._watch = ReportWatch(node)
-        self._times = ResponseTimes(self._settings.timeout)
-        self._pending: dict[_Place, PendingCommand] = {}
         self._journal = CommandJournal(node, MemoryStore(MOST_IN_MEMORY, self._settings.journal_days * _DAY))
         self._judge = Judge(node, self._settings, self._journal)
-        self._settling = Settling(node, self._settings.settle, self._journal)
-        self._session = f"{round(self._clock.now()):x}"
-        self._number = 0
+        self._executor: CommandExecutor | None = None
+        self._words: CommandService | None = None
+        self._begun = anyio.Event()
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Work until cancelled."""
+        from homebot.devices.command_messages import CommandDevices, PerformCommand  # noqa: PLC0415 - see above
+
         self._node.create_service(PerformCommand, PERFORM_COMMAND, self.perform, concurrent=True)
-        await self._settling.run(task_status=task_status)
+        self._node.create_service(CommandDevices, COMMAND_DEVICES, self.command_devices, concurrent=True)
+        task_status.started()
+        await self._begun.wait()
+        await self._execution().run()
 
     async def perform(self, request: CommandRequest) -> CommandResult:
-        """Carry a command out, and return what became of it."""
-        name = self._next_id()
-        self._journal.requested(name, request)
-        result = await self._perform(name, request)
-        self._journal.decided(name, request, result)
-        return result
+        """Carry out a command to one part, and return what became of it."""
+        return await self._execution().perform(request)
 
-    async def _perform(self, name: str, request: CommandRequest) -> CommandResult:
-        try:
-            device = await self._device(request.device)
-        except ServiceError as exc:
-            return result_of(NoAnswer(0.0, str(exc), command_id=name))
-        part = None if device is None else next((one for one in device.parts if one.id == request.part), None)
-        if device is None or part is None:
-            return result_of(Gone(command_id=name))
-        command = IssuedCommand(
-            id=name,
-            device=device,
-            part=part,
-            settings={one.capability: one.value.plain() for one in request.settings},
-            issuer=request.issuer,
-            cause=request.cause,
-            trigger=request.trigger,
-            issued_at=self._clock.now(),
-            transition=request.transition,
-            code=request.code,
-        )
-        return await self._carry_out(command)
+    async def command_devices(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
+        """Carry out a command in words, to one device or to all that fit a query."""
+        if self._words is None:
+            from homebot.control.command_service import CommandService  # noqa: PLC0415 - it has the parser of queries
 
-    async def _carry_out(self, command: IssuedCommand) -> CommandResult:
-        if len(self._pending) >= MOST_PENDING:
-            problem = f"{MOST_PENDING:,} commands wait for their outcome"
-            return result_of(Refused("control", problem, command_id=command.id))
-        if (refused := self._judge.refusal(command)) is not None:
-            return result_of(refused)
-        known, recent = self._known(command)
-        changed = _Signal()
-        pending = PendingCommand(command, known, _readable(command), self._clock.monotonic(), changed.set)
-        stop = self._watch.watch(command.part.routes, partial(self._take, pending))
-        places = self._take_over(pending)
-        try:
-            if pending.was_so and recent and not _is_momentary(command):
-                return result_of(AlreadySo(command_id=command.id))
-            outcome = await self._send_and_wait(pending, changed)
-        finally:
-            for place in places:
-                if self._pending.get(place) is pending:
-                    del self._pending[place]
-            stop()
-        if isinstance(outcome, Confirmed):
-            for capability, seconds in pending.response_times():
-                self._times.note(command.target, capability, seconds)
-            self._settling.add(pending, self._watch)
-        return result_of(outcome, pending.reported)
+            self._words = CommandService(self._node, self.perform)
+        return await self._words.serve(request)
 
-    async def _send_and_wait(self, pending: PendingCommand, changed: _Signal) -> Outcome:
-        """Send the command, again where no answer comes, and wait until its outcome is known."""
-        command, clock = pending.command, self._clock
-        began = clock.monotonic()
-        limit = max(self._times.limit(command.target, one) for one in command.settings) + command.transition
-        tries = 1 if _is_momentary(command) else 1 + self._settings.retries
-        for number in range(tries):
-            is_refused = number > 0 and self._judge.refusal(command) is not None  # by what changed meanwhile
-            if not is_refused:
-                self._journal.sent(command, number)
-                if (problem := await self._send(command)) is not None:
-                    return problem
-                self._journal.acknowledged(command)
-            until = began + limit * (number + 1) / tries
-            while not pending.is_over and (left := _until(until, pending, began) - clock.monotonic()) > 0:
-                with anyio.move_on_after(left):
-                    await changed.wait()
-            if pending.is_over or pending.moved_at is not None:
-                break
-        return pending.outcome(clock.monotonic())
+    def _execution(self) -> CommandExecutor:
+        if self._executor is None:
+            from homebot.control.executor import CommandExecutor  # noqa: PLC0415 - see above
 
-    async def _send(self, command: IssuedCommand) -> Outcome | None:
-        """Send the settings in their order; return the outcome where that fails."""
-        try:
-            for capability, value in command.settings.items():
-                await self._sender.send(
-                    command.device, command.part, capability, value, command.transition, command.code
-                )
-        except LinkError as exc:
-            return NoAnswer(0.0, str(exc), command_id=command.id)
-        except RefusedError as exc:
-            return Refused("gateway", str(exc), command_id=command.id)
-        return None
-
-    def _take(self, pending: PendingCommand, capability: str, value: PlainValue) -> None:
-        if pending.take(capability, value, self._clock.monotonic()):
-            self._journal.reported(pending.command, capability, value)
-
-    def _take_over(self, pending: PendingCommand) -> list[_Place]:
-        """Let *pending* take the place of older commands for the same."""
-        command = pending.command
-        places = [(command.device.id, command.part.id, one) for one in command.settings]
-        for place in places:
-            if (older := self._pending.get(place)) is not None:
-                older.supersede(command.id)
-            self._pending[place] = pending
-        self._settling.supersede(places)
-        return places
-
-    def _known(self, command: IssuedCommand) -> tuple[dict[str, PlainValue], bool]:
-        """Return the values that the part reported live, and whether all that are wanted were reported lately."""
-        now, known, ages = self._clock.now(), {}, [0.0]
-        if command.device.freshness != "fresh":
-            return {}, False
-        for state in command.device.states:
-            if state.part == command.part.id and state.live and state.capability in command.settings:
-                known[state.capability] = state.value.plain()
-                ages.append(abs(now - state.told_at.to_seconds()))
-        return known, max(ages) <= _RECENT
-
-    async def _device(self, device_id: str) -> Device | None:
-        terms = query_terms(FactIs("id", device_id.casefold()))
-        found = (await self._find.call(FindDevicesRequest(query=terms))).devices
-        return next((one for one in found if one.id == device_id), None)
-
-    def _next_id(self) -> str:
-        self._number += 1
-        return f"{self._session}-{self._number}"
-
-
-class _Signal:
-    """Wakes the one task that waits."""
-
-    def __init__(self) -> None:
-        self._event = anyio.Event()
-
-    def set(self) -> None:
-        self._event.set()
-
-    async def wait(self) -> None:
-        await self._event.wait()
-        self._event = anyio.Event()
-
-
-def _readable(command: IssuedCommand) -> Iterable[str]:
-    return (one.name for one in command.part.part.capabilities if one.readable and one.name not in MOMENTARY)
-
-
-def _is_momentary(command: IssuedCommand) -> bool:
-    return any(one in MOMENTARY for one in command.settings)
-
-
-def _until(until: float, pending: PendingCommand, began: float) -> float:
-    """Return until when to wait: longer for a device that is on its way."""
-    if pending.moved_at is None:
-        return until
-    return min(max(until, pending.moved_at + _MOVES_FOR), began + _LONGEST)
+            self._executor = CommandExecutor(self._node, self._settings, self._judge, self._journal)
+            self._begun.set()
+        return self._executor

@@ -8,7 +8,6 @@ from functools import partial
 from typing import TypeAlias, final
 
 import anyio
-from anyio.abc import TaskStatus
 
 from homebot.control.journal import CommandJournal
 from homebot.control.pending import PendingCommand
@@ -72,9 +71,8 @@ class Settling:
         for place in places:
             self._end(place)
 
-    async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+    async def run(self) -> None:
         """End each watch in its time, until cancelled."""
-        task_status.started()
         while True:
             while (due := self._deadlines.pop(self._clock.monotonic())) is not None:
                 self._end(due[0])

@@ -7,15 +7,20 @@ from typing import Annotated, ClassVar, Literal, TypeAlias
 from pydantic import ConfigDict, Field
 
 from homebot.devices import outcomes
+from homebot.devices.device import KeyValue
 from homebot.devices.outcomes import Evidence, Outcome
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import Value
 from homebot.messages.message import Message, ServiceType, UInt8
 
 __all__ = [
+    "CommandDevices",
+    "CommandDevicesRequest",
+    "CommandDevicesResponse",
     "CommandEvent",
     "CommandRequest",
     "CommandResult",
+    "CommandedPart",
     "OutcomeKind",
     "PerformCommand",
     "Setting",
@@ -116,6 +121,68 @@ class CommandEvent(Message):
 
 
 PerformCommand = ServiceType("homebot/srv/PerformCommand", CommandRequest, CommandResult)
+
+
+class CommandDevicesRequest(Message):
+    """A command in words to one device, or to all that fit a query.
+
+    Attributes:
+        target: The id or a name of a device, ``ID#PART`` for one of its parts, or a query such as ``light in hall``.
+        command: A word that the devices take: ``on``, ``off``, ``open``, ``close``, ``stop``, ``lock``, ``unlock``,
+            ``press``, an option such as ``cleaning``, a number; ``set`` where only *values* count.
+        values: Values by capability, as text, for example ``level`` and ``40``, or ``color_temperature`` and ``2700``.
+        transition: Seconds that the change takes, where a device supports that.
+        code: The code that an alarm or a lock requires; a secret.
+        issuer: Who gives the command; for clients of the door it is set by the door.
+        cause: The id of what led to it; may be empty.
+    """
+
+    model_config = ConfigDict(hide_input_in_errors=True)
+
+    target: str
+    command: str = "set"
+    values: Annotated[tuple[KeyValue, ...], Field(max_length=_MOST_SETTINGS)] = ()
+    transition: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
+    code: Annotated[str, Field(repr=False, max_length=255)] = ""
+    issuer: str = ""
+    cause: str = ""
+
+
+class CommandedPart(Message):
+    """One part that was commanded, and what became of it.
+
+    Attributes:
+        device: The id of the device.
+        name: Its name for people, with that of the part where it has several.
+        part: The id of the part.
+        result: What became of the command.
+    """
+
+    device: str
+    name: str
+    part: str
+    result: CommandResult
+
+
+class CommandDevicesResponse(Message):
+    """The outcomes of a command in words.
+
+    Attributes:
+        success: Whether at least one part was commanded, and all are as they were told to be.
+        message: Why nothing was commanded, as text; empty otherwise.
+        outcome: The worst of all; empty where nothing was commanded.
+        results: Each commanded part, sorted by device.
+    """
+
+    success: bool
+    message: str = ""
+    outcome: Literal[
+        "", "confirmed", "already_so", "contradicted", "reverted", "no_answer", "superseded", "refused", "gone"
+    ] = ""
+    results: tuple[CommandedPart, ...] = ()
+
+
+CommandDevices = ServiceType("homebot/srv/CommandDevices", CommandDevicesRequest, CommandDevicesResponse)
 
 
 def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandResult:

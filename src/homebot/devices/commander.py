@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
 from homebot.devices.command_messages import CommandRequest, CommandResult, PerformCommand, Setting, outcome_of
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.device import Device, DevicePart, State
 from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE
-from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome, Refused
+from homebot.devices.outcomes import Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
+from homebot.devices.setting_check import check_setting
 from homebot.devices.trigger import current_trigger
+from homebot.devices.value import PlainValue, Value
 from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Node
 from homebot.messages import Time
@@ -21,6 +25,7 @@ __all__ = ["Commander"]
 
 NO_CONTROL = "the control layer is not running; it is restarted by itself, see `homebot doctor`"
 
+_LONGEST_CODE: Final = 255
 _LONGEST: Final = 900.0
 """Seconds after which the control layer has answered: it bounds its waiting itself."""
 
@@ -44,20 +49,27 @@ class Commander:
     async def perform(
         self,
         tracked: TrackedDevice,
-        part: DevicePart,
-        settings: tuple[Setting, ...],
+        part_id: str,
+        values: Mapping[str, PlainValue],
         transition: float = 0.0,
         code: str = "",
     ) -> Outcome:
-        """Give a command, and return what became of it; never raises for what a device or its network does.
+        """Give a command, and return what became of it; what a device or its network does is no error.
 
         Args:
             tracked: The device; it has what it reported as soon as that is known.
-            part: The part.
-            settings: What to set, in this order.
+            part_id: The id of the part.
+            values: The values by capability, in the unit of the vocabulary, in the order in which they are set.
             transition: Seconds that the change takes, where the device supports that.
             code: The code that an alarm or a lock requires.
+
+        Raises:
+            RefusedError: The part does not support one of these, or a value is out of range; nothing was sent.
         """
+        part = None if tracked.is_gone else tracked.part(part_id)
+        if part is None:
+            return Gone()
+        settings = _checked(tracked.device, part, values, transition, code)
         if not self._control.service_is_ready():
             if self._node.graph.get_node(RUNTIME_NODE) is not None:
                 return NoAnswer(0.0, NO_CONTROL)
@@ -101,3 +113,17 @@ class Commander:
         except RefusedError as exc:
             return Refused("gateway", str(exc))
         return Confirmed(self._clock.monotonic() - began, Evidence.ACKNOWLEDGED)
+
+
+def _checked(
+    device: Device, part: DevicePart, values: Mapping[str, PlainValue], transition: float, code: str
+) -> tuple[Setting, ...]:
+    """Return the settings of a command that makes sense."""
+    target = f"{device.id}#{part.id}" if part.id else device.id
+    if not (0 <= transition < math.inf):
+        raise RefusedError(f"a transition of {transition} s", "it must be a finite number of seconds, 0 or more")
+    if len(code) > _LONGEST_CODE:
+        raise RefusedError(f"a code for {target}", f"it has more than {_LONGEST_CODE} characters")
+    for capability, value in values.items():
+        check_setting(target, part.part, capability, value)
+    return tuple(Setting(capability=name, value=Value.of(value)) for name, value in values.items())

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any, ClassVar, Self, Unpack
+from typing import TYPE_CHECKING, Any, ClassVar, Self, Unpack
 
 from homebot.devices.capabilities import CAPABILITIES, EVENTS
-from homebot.devices.command_messages import Setting
-from homebot.devices.commander import Commander
-from homebot.devices.device import Device, DevicePart, Freshness
+from homebot.devices.device import Device, Freshness
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, Term
+from homebot.devices.handles.handles import Handles
 from homebot.devices.handles.tracked_device import TrackedDevice
-from homebot.devices.outcomes import Gone, Outcome
 from homebot.devices.part import Capability
 from homebot.devices.query import CanDo, Not, StateIs
-from homebot.devices.value import PlainValue, Value
-from homebot.errors import RefusedError, UsageError
+from homebot.devices.value import PlainValue
+from homebot.errors import UsageError
 from homebot.folding import fold
 from homebot.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from homebot.devices.outcomes import Outcome
 
 __all__ = ["Handle", "plain_value"]
 
@@ -38,11 +38,11 @@ class Handle:
 
     service_types: ClassVar[frozenset[str]] = frozenset()
 
-    def __init__(self, tracked: TrackedDevice, part_id: str, commander: Commander) -> None:
+    def __init__(self, tracked: TrackedDevice, part_id: str, handles: Handles) -> None:
         """Take what :meth:`homebot.devices.Devices.find` gives; not for use by hand."""
         self._tracked = tracked
         self._part_id = part_id
-        self._commander = commander
+        self._handles = handles
 
     @classmethod
     def where(cls, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
@@ -155,19 +155,8 @@ class Handle:
         Raises:
             RefusedError: It does not support one of these, or not this value; nothing was sent.
         """
-        if not (0 <= transition < math.inf):
-            raise RefusedError(f"a transition of {transition} s", "it must be a finite number of seconds, 0 or more")
-        if len(code) > _LONGEST_CODE:
-            raise RefusedError(f"a code for {self.id}", f"it has more than {_LONGEST_CODE} characters")
-        part = None if self._tracked.is_gone else self._tracked.part(self._part_id)
-        if part is None:
-            return Gone()
-        wanted: list[Setting] = []
-        for capability, value in settings.items():
-            plain = plain_value(value)
-            self._check_settable(part, capability, plain)
-            wanted.append(Setting(capability=capability, value=Value.of(plain)))
-        return await self._commander.perform(self._tracked, part, tuple(wanted), transition, code)
+        plain = {capability: plain_value(value) for capability, value in settings.items()}
+        return await self._handles.commander.perform(self._tracked, self._part_id, plain, transition, code)
 
     def _check_name(self, capability: str) -> None:
         if capability in EVENTS:
@@ -176,23 +165,6 @@ class Handle:
             known = ", ".join(one.name for one in self.capabilities) or "nothing"
             hint = did_you_mean(capability, CAPABILITIES, f"{self.id} tells {known}", cutoff=0.7)
             raise UsageError(f"{capability!r} is not a capability; {hint}")
-
-    def _check_settable(self, part: DevicePart, capability: str, value: PlainValue) -> None:
-        for one in part.part.capabilities:
-            if one.name == capability and one.settable:
-                if not isinstance(value, bool):
-                    self._check_value(one, value)
-                return
-        known = ", ".join(dict.fromkeys(one.name for one in part.part.capabilities if one.settable))
-        raise RefusedError(f"{capability} of {self.id}", f"it takes {known}" if known else "it takes no commands")
-
-    def _check_value(self, capability: Capability, value: PlainValue) -> None:
-        name = capability.name
-        bounds = capability.bounds or (CAPABILITIES[name].bounds if name in CAPABILITIES else ())
-        if isinstance(value, float) and not (math.isfinite(value) and (not bounds or bounds[0] <= value <= bounds[1])):
-            raise RefusedError(f"{value:g} as {name} of {self.id}", f"it takes {_span(bounds, capability)}")
-        if isinstance(value, str) and capability.options and value not in capability.options:
-            raise RefusedError(f"{value[:40]!r} as {name} of {self.id}", f"it takes {', '.join(capability.options)}")
 
     def _flag(self, capability: str) -> bool | None:
         value = self.value(capability)
@@ -252,14 +224,6 @@ class Handle:
 _REACHABLE: Mapping[str, bool | None] = {"yes": True, "no": False, "unknown": None}
 
 
-_LONGEST_CODE = 255
-
-
 def plain_value(value: PlainValue) -> PlainValue:
     """Return *value* with every number a ``float``, as the vocabulary has it."""
     return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else value
-
-
-def _span(bounds: tuple[float, ...], capability: Capability) -> str:
-    unit = capability.unit or (CAPABILITIES[capability.name].unit if capability.name in CAPABILITIES else "")
-    return f"{bounds[0]:g} to {bounds[1]:g} {unit}".rstrip() if bounds else "a finite number"

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 from weakref import WeakValueDictionary
 
-from homebot.devices.commander import Commander
 from homebot.devices.device import Device, DeviceChange, StateChange
 from homebot.devices.handles.tracked_device import TrackedDevice
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES
@@ -15,6 +14,7 @@ from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.graph import Node
 
 if TYPE_CHECKING:
+    from homebot.devices.commander import Commander
     from homebot.devices.handles.handle import Handle
     from homebot.devices.handles.handle_query import HandleQuery
 
@@ -33,12 +33,22 @@ class Handles:
     """
 
     def __init__(self, node: Node) -> None:
-        self._commander = Commander(node)
+        self._node = node
+        self._commander: Commander | None = None
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._tracked: WeakValueDictionary[str, TrackedDevice] = WeakValueDictionary()
         self._watchers: list[Watcher] = []
         node.create_subscription(DeviceChange, DEVICE_CHANGES, self._on_change, 1, from_node=DIRECTORY_NODE)
         node.create_subscription(StateChange, DEVICE_STATES, self._on_state, 1, from_node=DIRECTORY_NODE)
+
+    @property
+    def commander(self) -> Commander:
+        """The commander of the node, which gives their commands."""
+        if self._commander is None:
+            from homebot.devices.commander import Commander  # noqa: PLC0415 - many apps only watch
+
+            self._commander = Commander(self._node)
+        return self._commander
 
     async def find(self, query: HandleQuery[HandleT]) -> tuple[HandleT, ...]:
         """Return the handles that match *query*, sorted by id.
@@ -55,7 +65,7 @@ class Handles:
 
     def of_parts(self, kind: type[HandleT], device: TrackedDevice, parts: list[str]) -> list[HandleT]:
         """Return the handles of *parts* of a device."""
-        return [kind(device, part, self._commander) for part in parts]
+        return [kind(device, part, self) for part in parts]
 
     def track(self, device: Device, sequence: int, *, is_gone: bool = False) -> TrackedDevice:
         """Return the state that all handles of *device* share, updated with this description."""

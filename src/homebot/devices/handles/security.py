@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Self, Unpack
+from typing import TYPE_CHECKING, ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery
-from homebot.devices.outcomes import Outcome
 from homebot.devices.query import StateIs
+
+if TYPE_CHECKING:
+    from homebot.devices.outcomes import Outcome
 
 __all__ = ["AlarmPanel", "DoorLock"]
 

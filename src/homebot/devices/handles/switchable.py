@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar, Self, Unpack
+from typing import TYPE_CHECKING, ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery
-from homebot.devices.outcomes import Outcome
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
+
+if TYPE_CHECKING:
+    from homebot.devices.outcomes import Outcome
 
 __all__ = ["Fan", "Light", "Plug", "Siren", "Switch"]
 

@@ -1,0 +1,103 @@
+"""``homebot do``."""
+
+from __future__ import annotations
+
+import argparse
+import getpass
+import math
+from typing import Final, cast
+
+from homebot.cli.arguments import set_client_command
+from homebot.cli.device_json import json_text
+from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.records import CommandDevicesRecord
+from homebot.cli.table import printable
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.names import COMMAND_DEVICES
+from homebot.errors import PeerError
+
+__all__ = ["add_arguments"]
+
+_EXAMPLES = """\
+  homebot do 'Kitchen lamp' on
+  homebot do 'light in hall' on --level 40 --transition 3
+  homebot do 'window covering' close
+  homebot do Heating heating_setpoint 21
+  homebot do 'Front door' unlock --ask-code
+
+Exit code 0 means that every device is as it was told to be: it confirmed that, or it was so already.
+"""
+
+_LONGEST: Final = 900.0
+"""Seconds; homebot answers sooner, when the time is over in which the slowest device usually does."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot do``."""
+    set_client_command(parser, _do, _EXAMPLES)
+    parser.add_argument(
+        "target", metavar="QUERY", help="the id or the name of a device, or a query as of `homebot find`"
+    )
+    parser.add_argument(
+        "word", metavar="COMMAND", help="a word such as on, off, open, close, lock, or a capability such as level"
+    )
+    parser.add_argument("values", metavar="VALUE", nargs="*", help="the value of a capability")
+    parser.add_argument("--level", metavar="PERCENT", help="brightness, above 0 and up to 100")
+    parser.add_argument("--kelvin", metavar="K", help="colour temperature")
+    parser.add_argument("--color", metavar="HUE,SATURATION", help="hue, 0 to 360, and saturation, 0 to 100")
+    parser.add_argument("--transition", metavar="S", type=_seconds, default=0.0, help="seconds that the change takes")
+    parser.add_argument("--ask-code", action="store_true", help="ask for the code of a lock or an alarm")
+    parser.add_argument("--json", action="store_true", help="print the answer of homebot as JSON")
+
+
+def _do(options: argparse.Namespace) -> int:
+    """Let devices be commanded, and print what became of it."""
+    request = _request(options)
+
+    def run(door: DoorClient) -> int:
+        answer = cast("CommandDevicesRecord", door.call(COMMAND_DEVICES, request, _LONGEST))
+        if options.json:
+            print(json_text(answer))
+        elif not answer["results"]:
+            raise PeerError(answer["message"])
+        else:
+            _print(answer)
+        return 0 if answer["success"] else 1
+
+    return with_client(options, run)
+
+
+def _request(options: argparse.Namespace) -> dict[str, object]:
+    given = {"level": options.level, "color_temperature": options.kelvin, "color": options.color}
+    values = {name: value for name, value in given.items() if value is not None}
+    command = options.word
+    if options.values:
+        values[command] = " ".join(options.values)
+    if options.values or command in CAPABILITIES:
+        command = "set"
+    return {
+        "target": options.target,
+        "command": command,
+        "values": [{"key": name, "value": value} for name, value in values.items()],
+        "transition": options.transition,
+        "code": getpass.getpass("code: ") if options.ask_code else "",
+    }
+
+
+def _print(answer: CommandDevicesRecord) -> None:
+    for one in answer["results"]:
+        print(f"{printable(one['name'])}: {printable(one['result']['text'])}")
+    count = len(answer["results"])
+    if count > 1:
+        done = sum(one["result"]["outcome"] in {"confirmed", "already_so"} for one in answer["results"])
+        print(f"{done} of {count} are as they were told to be")
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not 0 <= seconds <= 86_400:
+        raise argparse.ArgumentTypeError(f"seconds are a number from 0 to 86400, got {text!r}")
+    return seconds

@@ -1,0 +1,173 @@
+"""The service ``/devices/command``: commands in words, by id, name or query."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Iterable
+from typing import Final, TypeAlias, final
+
+import anyio
+
+from homebot.control.spoken_settings import spoken_settings
+from homebot.devices import FIND_DEVICES, QUERY_DEVICES, Device, DevicePart, FindDevices, QueryDevices
+from homebot.devices.command_messages import (
+    CommandDevicesRequest,
+    CommandDevicesResponse,
+    CommandedPart,
+    CommandRequest,
+    CommandResult,
+    Setting,
+    outcome_of,
+    result_of,
+)
+from homebot.devices.outcomes import Refused, worst
+from homebot.devices.query import HasText, NameIs, Or, PartFacets, Query, fits, parse_query, query_terms
+from homebot.devices.query.terms import FactIs
+from homebot.devices.services import FindDevicesRequest, QueryDevicesRequest
+from homebot.devices.value import Value
+from homebot.errors import RefusedError, ServiceError, UsageError
+from homebot.folding import fold
+from homebot.graph import Node
+
+__all__ = ["MOST_DEVICES", "CommandService", "Perform"]
+
+MOST_DEVICES: Final = 1000
+"""Devices that one command may be for."""
+
+UNNAMED_CLIENT: Final = "client"
+"""The issuer of a command that names none."""
+
+Perform: TypeAlias = Callable[[CommandRequest], Awaitable[CommandResult]]
+"""Carries out the command to one part."""
+
+_Target: TypeAlias = tuple[Device, tuple[DevicePart, ...]]
+
+
+class _NoTargetError(Exception):
+    """Nothing is commanded; the text says why."""
+
+
+@final
+class CommandService:
+    """Finds the devices that a command in words is for, and commands all of them at once.
+
+    Args:
+        node: The node whose clients ask the directory.
+        perform: Carries out each command.
+    """
+
+    def __init__(self, node: Node, perform: Perform) -> None:
+        self._perform = perform
+        self._find = node.create_client(FindDevices, FIND_DEVICES)
+        self._query = node.create_client(QueryDevices, QUERY_DEVICES)
+
+    async def serve(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
+        """Carry out *request*; never raises."""
+        try:
+            targets = await self._targets(request.target.strip())
+        except (_NoTargetError, ServiceError, UsageError) as exc:
+            return CommandDevicesResponse(success=False, message=str(exc))
+        commanded: list[CommandedPart] = []
+        async with anyio.create_task_group() as tasks:
+            for device, parts in targets:
+                for part in parts:
+                    tasks.start_soon(self._command, request, device, part, commanded)
+        commanded.sort(key=lambda one: (one.device, one.part))
+        outcomes = tuple(outcome_of(one.result) for one in commanded)
+        return CommandDevicesResponse(
+            success=all(one.succeeded for one in outcomes),
+            outcome=result_of(worst(outcomes)).outcome,
+            results=tuple(commanded),
+        )
+
+    async def _command(
+        self, request: CommandDevicesRequest, device: Device, part: DevicePart, commanded: list[CommandedPart]
+    ) -> None:
+        target = f"{device.id}#{part.id}" if part.id else device.id
+        try:
+            settings = spoken_settings(request.command, request.values, part.part, target)
+        except RefusedError as exc:
+            result = result_of(Refused("device", str(exc)))
+        else:
+            result = await self._perform(
+                CommandRequest(
+                    device=device.id,
+                    part=part.id,
+                    settings=tuple(Setting(capability=name, value=Value.of(value)) for name, value in settings.items()),
+                    transition=request.transition,
+                    code=request.code,
+                    issuer=request.issuer or UNNAMED_CLIENT,
+                    cause=request.cause,
+                )
+            )
+        name = f"{device.name} {part.part.name}" if part.part.name and len(device.parts) > 1 else device.name
+        commanded.append(CommandedPart(device=device.id, name=name, part=part.id, result=result))
+
+    async def _targets(self, target: str) -> list[_Target]:
+        """Return the parts that are meant, those of each device together.
+
+        Raises:
+            _NoTargetError: None are, or too many, or a name that several devices have.
+            UsageError: It is no query.
+            ServiceError: The directory does not answer.
+        """
+        if not target:
+            raise _NoTargetError("give the id or the name of a device, or a query such as 'light in hall'")
+        device_id, _, part_id = target.partition("#")
+        named = await self._devices(Or((FactIs("id", device_id.casefold()), NameIs(fold(target)))))
+        own = [one for one in named if one.id == device_id]
+        if part_id and own:
+            return [(own[0], _part(own[0], part_id))]
+        called = own or named
+        if len(called) > 1:
+            ids = ", ".join(one.id for one in called[:10])
+            raise _NoTargetError(f"{len(called)} devices are called {target}; give the id of one: {ids}")
+        if called:
+            return [(called[0], _main_parts(called[0]))]
+        return await self._fitting(target)
+
+    async def _fitting(self, text: str) -> list[_Target]:
+        query = parse_query(text)
+        answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
+        if not answer.success:
+            raise _NoTargetError(answer.message)
+        if not answer.total:
+            raise _NoTargetError(f"no device fits {text!r}; `homebot find` shows what does")
+        if answer.total > MOST_DEVICES:
+            raise _NoTargetError(f"{answer.total:,} devices fit {text!r}; at most {MOST_DEVICES:,} may be commanded")
+        if isinstance(query, HasText) and answer.total > 1:
+            raise _NoTargetError(f"{answer.total} devices mention {text!r}; give the name of one, or a type")
+        return [(device, _parts(device, query)) for device in await self._devices(query)]
+
+    async def _devices(self, query: Query) -> tuple[Device, ...]:
+        return (await self._find.call(FindDevicesRequest(query=query_terms(query)))).devices
+
+
+def _part(device: Device, part_id: str) -> tuple[DevicePart, ...]:
+    for part in device.parts:
+        if part.id == part_id:
+            return (part,)
+    known = ", ".join(one.id for one in device.parts if one.id) or "one part without an id"
+    raise _NoTargetError(f"{device.id} has no part {part_id}; it has {known}")
+
+
+def _main_parts(device: Device) -> tuple[DevicePart, ...]:
+    """Return the parts that the device is there for and that take commands; else one, which refuses."""
+    if not device.parts:
+        raise _NoTargetError(f"{device.id} takes no commands that homebot knows")
+    return _controls(device.parts) or device.parts[:1]
+
+
+def _parts(device: Device, query: Query) -> tuple[DevicePart, ...]:
+    """Return those of its main parts that fit the query by themselves, where any does."""
+    main = _main_parts(device)
+    facets = PartFacets(device)
+    found: list[DevicePart] = []
+    for part in main:
+        facets.part = part
+        if fits(query, facets):
+            found.append(part)
+    return tuple(found) or main
+
+
+def _controls(parts: Iterable[DevicePart]) -> tuple[DevicePart, ...]:
+    return tuple(one for one in parts if not one.part.category and any(can.settable for can in one.part.capabilities))

@@ -1,0 +1,47 @@
+"""Check of a setting against what a part accepts. Pure."""
+
+from __future__ import annotations
+
+import math
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.part import Capability, Part
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+
+__all__ = ["check_setting"]
+
+
+def check_setting(target: str, part: Part, capability: str, value: PlainValue) -> None:
+    """Refuse *value* for *capability* where the part does not accept it.
+
+    Args:
+        target: The id of the part, for the error.
+        part: The part.
+        capability: The name of the capability.
+        value: The value, in the unit of the vocabulary.
+
+    Raises:
+        RefusedError: The message says what it accepts.
+    """
+    for one in part.capabilities:
+        if one.name == capability and one.settable:
+            if not isinstance(value, bool):
+                _check_value(target, one, value)
+            return
+    known = ", ".join(dict.fromkeys(one.name for one in part.capabilities if one.settable))
+    raise RefusedError(f"{capability} of {target}", f"it takes {known}" if known else "it takes no commands")
+
+
+def _check_value(target: str, capability: Capability, value: PlainValue) -> None:
+    name = capability.name
+    bounds = capability.bounds or (CAPABILITIES[name].bounds if name in CAPABILITIES else ())
+    if isinstance(value, float) and not (math.isfinite(value) and (not bounds or bounds[0] <= value <= bounds[1])):
+        raise RefusedError(f"{value:g} as {name} of {target}", f"it takes {_span(bounds, capability)}")
+    if isinstance(value, str) and capability.options and value not in capability.options:
+        raise RefusedError(f"{value[:40]!r} as {name} of {target}", f"it takes {', '.join(capability.options)}")
+
+
+def _span(bounds: tuple[float, ...], capability: Capability) -> str:
+    unit = capability.unit or (CAPABILITIES[capability.name].unit if capability.name in CAPABILITIES else "")
+    return f"{bounds[0]:g} to {bounds[1]:g} {unit}".rstrip() if bounds else "a finite number"

@@ -1,0 +1,102 @@
+"""``homebot do``: the request that it makes of its arguments, and what it prints of the answer."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+from homebot.cli import main
+from homebot.devices import KeyValue
+from homebot.devices.command_messages import (
+    CommandDevices,
+    CommandDevicesRequest,
+    CommandDevicesResponse,
+    CommandedPart,
+    result_of,
+)
+from homebot.devices.names import COMMAND_DEVICES
+from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome
+from homebot.graph import Node
+
+Text = pytest.CaptureFixture[str]
+
+CONFIRMED = Confirmed(0.12, Evidence.REPORTED, command_id="c-1")
+SILENT = NoAnswer(10.0, command_id="c-2")
+
+
+def answer(*outcomes: Outcome, message: str = "") -> CommandDevicesResponse:
+    results = tuple(
+        CommandedPart(device=f"lamp{number}", name=f"Lamp {number}", part="", result=result_of(one))
+        for number, one in enumerate(outcomes)
+    )
+    is_done = bool(outcomes) and all(one.succeeded for one in outcomes)
+    return CommandDevicesResponse(success=is_done, message=message, results=results)
+
+
+class Service:
+    """Answers what a test says, and keeps what it was asked."""
+
+    def __init__(self, homebot: Any, response: CommandDevicesResponse) -> None:
+        self.requests: list[CommandDevicesRequest] = []
+        self._door = homebot.door
+        self._response = response
+        homebot.do(lambda: Node(homebot.graph, "control").create_service(CommandDevices, COMMAND_DEVICES, self._serve))
+
+    def run(self, *arguments: str) -> int:
+        return main(["--door", self._door, "do", *arguments])
+
+    def _serve(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
+        self.requests.append(request)
+        return self._response
+
+
+def test_one_device_is_one_line(homebot: Any, capsys: Text) -> None:
+    assert Service(homebot, answer(CONFIRMED)).run("Lamp 0", "on") == 0
+    assert capsys.readouterr().out == "Lamp 0: confirmed after 0.12 s (reported)\n"
+
+
+def test_several_devices_end_with_how_many_obeyed(homebot: Any, capsys: Text) -> None:
+    assert Service(homebot, answer(CONFIRMED, SILENT)).run("light in hall", "off") == 1
+    assert capsys.readouterr().out == (
+        "Lamp 0: confirmed after 0.12 s (reported)\nLamp 1: no answer within 10 s\n1 of 2 are as they were told to be\n"
+    )
+
+
+def test_why_nothing_was_commanded_is_told(homebot: Any, capsys: Text) -> None:
+    assert Service(homebot, answer(message="no device fits 'lmap'")).run("lmap", "on") == 1
+    assert capsys.readouterr().err == "homebot: no device fits 'lmap'\n"
+
+
+def test_json_is_the_whole_answer(homebot: Any, capsys: Text) -> None:
+    assert Service(homebot, answer(SILENT)).run("Lamp 0", "on", "--json") == 1
+    found = json.loads(capsys.readouterr().out)
+    assert (found["success"], found["results"][0]["result"]["outcome"]) == (False, "no_answer")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "command", "values"),
+    [
+        (["on"], "on", {}),
+        (["on", "--level", "40", "--kelvin", "2700"], "on", {"level": "40", "color_temperature": "2700"}),
+        (["level", "40"], "set", {"level": "40"}),
+        (["color", "--color", "120,80"], "set", {"color": "120,80"}),
+        (["heating_setpoint", "21", "°C"], "set", {"heating_setpoint": "21 °C"}),
+    ],
+)
+def test_the_request_is_what_the_arguments_say(
+    homebot: Any, arguments: list[str], command: str, values: dict[str, str]
+) -> None:
+    service = Service(homebot, answer(CONFIRMED))
+    service.run("Lamp 0", *arguments, "--transition", "3")
+    (request,) = service.requests
+    assert (request.target, request.command, request.transition) == ("Lamp 0", command, 3.0)
+    assert request.values == tuple(KeyValue(key=name, value=value) for name, value in values.items())
+
+
+def test_seconds_that_are_none_are_refused(homebot: Any, capsys: Text) -> None:
+    with pytest.raises(SystemExit) as ended:
+        Service(homebot, answer(CONFIRMED)).run("Lamp 0", "on", "--transition", "nan")
+    assert ended.value.code == 2
+    assert "seconds are a number from 0 to 86400" in capsys.readouterr().err

@@ -1,0 +1,134 @@
+"""Commands in words: which devices and parts they reach, and what they answer; in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import anyio
+import pytest
+from tests.control.conftest import Home, OpenHome, ignore
+
+from homebot.devices import KeyValue
+from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, CommandDevicesResponse
+from homebot.devices.names import COMMAND_DEVICES
+from homebot.devices.value import PlainValue
+
+pytestmark = pytest.mark.virtual_time
+
+
+async def command(
+    home: Home, target: str, word: str = "set", values: Mapping[str, str] | None = None
+) -> CommandDevicesResponse:
+    """Ask the service, as a client does."""
+    await anyio.sleep(0.01)  # of virtual time, in which the directory takes everything in
+    client = home.app.create_client(CommandDevices, COMMAND_DEVICES)
+    given = tuple(KeyValue(key=name, value=value) for name, value in (values or {}).items())
+    return await client.call(CommandDevicesRequest(target=target, command=word, values=given), timeout=600)
+
+
+def sent(home: Home) -> list[tuple[str, str, PlainValue]]:
+    return sorted((one.key, one.capability, one.value.plain()) for one in home.commands)
+
+
+async def test_a_query_reaches_all_that_fit_and_nothing_else(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        for key, area in (("one", "hall"), ("two", "hall"), ("three", "attic")):
+            home.put(key, "light", "on_off", area=area)
+        home.put("plug", "plug", "on_off", area="hall")
+        answer = await command(home, "light in hall", "on")
+        assert (answer.success, answer.outcome) == (True, "confirmed")
+        assert [one.name for one in answer.results] == ["One", "Two"]
+        assert sent(home) == [("one", "on_off", True), ("two", "on_off", True)]
+
+
+@pytest.mark.parametrize("target", ["lamp", "Lamp", "LAMP"])
+async def test_a_device_is_called_by_its_id_or_its_name(open_home: OpenHome, target: str) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.put("lamplet", "light", "on_off")
+        assert (await command(home, target, "on")).success
+        assert sent(home) == [("lamp", "on_off", True)]
+
+
+async def test_the_worst_outcome_is_that_of_all(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("one", "light", "on_off")
+        home.put("two", "light", "on_off")
+        home.behaviours["two"] = ignore
+        answer = await command(home, "light", "on")
+        assert (answer.success, answer.outcome) == (False, "no_answer")
+        assert [one.result.outcome for one in answer.results] == ["confirmed", "no_answer"]
+
+
+@pytest.mark.parametrize(
+    ("word", "values", "expected"),
+    [
+        ("on", {}, [("on_off", True)]),
+        ("turn_off", {}, [("on_off", False)]),
+        ("on", {"level": "40"}, [("level", 40.0)]),
+        ("on", {"level": "40 %", "kelvin": "2700 K"}, [("color_temperature", 2700.0), ("level", 40.0)]),
+        ("set", {"color": "120,80"}, [("color", (120.0, 80.0))]),
+        ("0.4", {}, [("level", 40.0)]),
+    ],
+)
+async def test_words_and_values_are_settings(
+    open_home: OpenHome, word: str, values: dict[str, str], expected: list[tuple[str, PlainValue]]
+) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level", "color_temperature", "color")
+        answer = await command(home, "lamp", word, values)
+        assert answer.success, answer
+        assert [(name, value) for _, name, value in sent(home)] == expected
+
+
+@pytest.mark.parametrize(
+    ("word", "values", "problem"),
+    [
+        ("banana", {}, "this part takes on, off"),
+        ("on", {"level": "x"}, "'x' as level of lamp was refused: it takes a number in %"),
+        ("on", {"level": "300"}, "300 as level of lamp was refused: it takes 0 to 100 %"),
+        ("on", {"level": "40 lx"}, "'40 lx' as level of lamp was refused"),
+        ("set", {"on_off": "maybe"}, "it takes on or off"),
+        ("set", {"position": "4"}, "position of lamp was refused: it takes on_off, level"),
+    ],
+)
+async def test_what_makes_no_sense_is_refused_and_not_sent(
+    open_home: OpenHome, word: str, values: dict[str, str], problem: str
+) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        answer = await command(home, "lamp", word, values)
+        (one,) = answer.results
+        assert (answer.success, answer.outcome, one.result.policy) == (False, "refused", "device")
+        assert problem in one.result.text
+        assert home.commands == []
+
+
+@pytest.mark.parametrize(
+    ("target", "problem"),
+    [
+        ("", "give the id or the name of a device"),
+        ("lmp", "no device fits 'lmp'"),
+        ("big twin", "2 devices are called big twin; give the id of one: "),
+        ("lamp#left", "lamp has no part left"),
+        ("light in (", ""),
+    ],
+)
+async def test_a_target_that_is_none_or_several_is_told(open_home: OpenHome, target: str, problem: str) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.put("twin1", "light", "on_off", name="Big twin")
+        home.put("twin2", "light", "on_off", name="Big Twin")
+        answer = await command(home, target, "on")
+        assert not answer.success
+        assert answer.results == ()
+        assert problem in answer.message
+        assert answer.message
+        assert home.commands == []
+
+
+async def test_a_sensor_refuses(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lux", "light_sensor", readable=("illuminance",))
+        answer = await command(home, "lux", "on")
+        assert (answer.success, answer.outcome) == (False, "refused")
