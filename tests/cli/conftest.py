@@ -26,6 +26,7 @@ from homebot.devices import (
     QueryDevices,
     RawMessage,
 )
+from homebot.devices.client_rights import SIMULATED_HOUSE_RIGHTS
 from homebot.devices.query import And, read_terms
 from homebot.devices.services import (
     FindDevicesRequest,
@@ -95,7 +96,9 @@ def _running(
         graph = Graph(clock)
         heard: list[str] = []
         RosApi(Node(graph, "rosapi"))
-        door = Door(Node(graph, "rosbridge_websocket"), DoorSettings(port=0, token=token))
+        door = Door(
+            Node(graph, "rosbridge_websocket"), DoorSettings(port=0, token=token), local_rights=SIMULATED_HOUSE_RIGHTS
+        )
         async with (
             (extra or _talker)(graph) as talker,
             Node(graph, "listener") as listener,

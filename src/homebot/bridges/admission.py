@@ -9,13 +9,15 @@ from __future__ import annotations
 import hmac
 import ipaddress
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from urllib.parse import parse_qs, urlsplit
+
+from pydantic import SecretStr
 
 from homebot.addresses import is_loopback
 from homebot.bridges.access_settings import AccessSettings
 
-__all__ = ["is_token", "refusal", "token_of"]
+__all__ = ["name_of_token", "refusal", "token_of"]
 
 _HOST = re.compile(r"[A-Za-z0-9._~%:\[\]-]*")
 """A name or an address, with its port (RFC 9110, section 7.2): addresses in answers begin with it."""
@@ -44,11 +46,13 @@ def token_of(path: str, authorizations: Sequence[str]) -> str:
     return parse_qs(path.partition("?")[2]).get("token", [""])[-1]
 
 
-def is_token(settings: AccessSettings, token: str) -> bool:
-    """Return whether *token* is the right one; takes as long for a wrong one."""
-    if settings.token is None:
-        return True
-    return hmac.compare_digest(token.encode(errors="replace"), settings.token.get_secret_value().encode())
+def name_of_token(tokens: Mapping[str, SecretStr], shown: str) -> str:
+    """Return the name of the token that is *shown*, empty where it is none; takes as long for a wrong one."""
+    told, found = shown.encode(errors="replace"), ""
+    for name, token in tokens.items():
+        if hmac.compare_digest(told, token.get_secret_value().encode()):
+            found = name
+    return found
 
 
 def _is_ours(settings: AccessSettings, host: str) -> bool:

@@ -33,8 +33,10 @@ class ClientErrorLog:
         level: Literal["warning", "error"] = "warning",
         error: BaseException | None = None,
         **facts: str | int,
-    ) -> None:
+    ) -> int | None:
         """Log one line, unless there were 20 of its *kind* in the last ten seconds.
+
+        Returns the number of lines held back before it; None where it is held back itself.
 
         Args:
             kind: What counts together, such as one client's mistakes.
@@ -45,7 +47,7 @@ class ClientErrorLog:
             facts: What is known.
         """
         if (held_back := self._limit.allows(kind)) is None:
-            return
+            return None
         known: dict[str, object] = {
             key: short_text(fact) if isinstance(fact, str) else fact for key, fact in facts.items()
         }
@@ -53,6 +55,7 @@ class ClientErrorLog:
             known["exc_info"] = error
         write = self._log.error if level == "error" else self._log.warning
         write(event, message=f"{short_text(message)}{more_like_this(held_back)}", held_back=held_back, **known)
+        return held_back
 
 
 def short_text(text: str, longest: int = _LONGEST) -> str:

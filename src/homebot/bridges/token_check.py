@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import anyio
+from collections.abc import Mapping
 
-from homebot.bridges.access_settings import AccessSettings
-from homebot.bridges.admission import is_token
+import anyio
+from pydantic import SecretStr
+
+from homebot.bridges.admission import name_of_token
 from homebot.bridges.token_guard import TokenGuard
 from homebot.clock import Clock
 
@@ -16,35 +18,37 @@ class TokenCheck:
     """The check of the tokens that clients of one server show.
 
     Args:
-        settings: The settings of the server, with its token.
+        tokens: The right tokens by name; at least one.
         clock: The clock to live by.
 
     Attributes:
         wrong: Number of wrong tokens.
     """
 
-    def __init__(self, settings: AccessSettings, clock: Clock) -> None:
+    def __init__(self, tokens: Mapping[str, SecretStr], clock: Clock) -> None:
         self.wrong = 0
-        self._settings = settings
+        self._tokens = tokens
         self._clock = clock
         self._guard = TokenGuard()
 
-    async def check(self, address: str, token: str) -> bool | None:
-        """Return whether a client at *address* shows the right token; None where too many from there wait already."""
-        if self._settings.token is None:
-            return True
+    async def check(self, address: str, token: str) -> str | None:
+        """Return the name of the *token* that a client at *address* shows; empty for a wrong one.
+
+        None where too many from there wait already.
+        """
         now = self._clock.monotonic
         wait = self._guard.begin(address, now())
         if wait is None:
             return None
-        is_wrong = False
+        name, is_wrong = "", False
         try:
             await anyio.sleep(wait)
-            is_wrong = not is_token(self._settings, token)
+            name = name_of_token(self._tokens, token)
+            is_wrong = not name
         finally:
             self._guard.end(address, now(), waited=wait > 0, was_wrong=is_wrong)
         self.wrong += is_wrong
-        return not is_wrong
+        return name
 
     def problems(self) -> tuple[str, ...]:
         """Return who guesses, as text for a health report."""

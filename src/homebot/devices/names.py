@@ -5,6 +5,7 @@ from __future__ import annotations
 from homebot.names import escape_token
 
 __all__ = [
+    "ACCESS_REFUSALS",
     "ALIAS_DEVICE",
     "COMMAND_DEVICES",
     "COMMAND_EVENTS",
@@ -59,6 +60,7 @@ COMMAND_DEVICES = "/devices/command"
 COMMAND_EVENTS = "/control/events"
 READ_JOURNAL = "/control/journal"
 JOURNAL_ENTRIES = "/control/journal_entries"
+ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
 
 DIRECTORY_NODE = "/discovery"
 """The node of the directory, the only one that publishes changes of devices."""

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from pydantic import BaseModel, SecretStr
+from pydantic import BaseModel, ConfigDict, SecretStr, ValidationError
 
 from homebot.addresses import is_loopback
 from homebot.apps import App
 from homebot.bridges.access_settings import AccessSettings
-from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
 from homebot.config import Config, FilePath, Table, parse_settings, read_secret
 from homebot.control import ControlSettings
 from homebot.discovery import DirectorySettings
@@ -37,6 +37,20 @@ class DoorTable(DoorSettings):
     """
 
     token_file: FilePath | None = None
+
+
+class TokenTable(BaseModel):
+    """The keys of a table ``[door.tokens.NAME]``.
+
+    Attributes:
+        token_file: File whose first line is the token, for nobody else to read.
+        scope: What a client with the token may do.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    token_file: FilePath
+    scope: Scope
 
 
 GATEWAYS = "homebot.gateways"
@@ -171,9 +185,37 @@ def _discovery(config: Config) -> DirectorySettings:
 
 
 def _door(config: Config) -> DoorSettings:
-    """Return the door's settings, with the token read from where it is kept."""
-    given = parse_settings(DoorTable, config.door, config.source, "door", config.folder)
-    return DoorSettings(**_access(given, given.token_file, config.source, "door", "HOMEBOT_DOOR_TOKEN"))
+    """Return the door's settings, with the tokens read from where they are kept."""
+    source = config.source
+    table = {key: value for key, value in config.door.items() if key != "tokens"}
+    tokens = _tokens(config.door.get("tokens", {}), source, config.folder)
+    given = parse_settings(DoorTable, table, source, "door", config.folder)
+    values = _access(given, given.token_file, source, "door", "HOMEBOT_DOOR_TOKEN", has_other_tokens=bool(tokens))
+    try:
+        return DoorSettings(**{**values, "tokens": tokens})
+    except ValidationError as exc:  # its text would show the secrets
+        raise ConfigError(source, "door.tokens", exc.errors()[0]["msg"].removeprefix("Value error, ")) from None
+
+
+def _tokens(tables: object, source: str, folder: Path) -> dict[str, ClientToken]:
+    """Return the tokens in the tables ``[door.tokens.NAME]``, each read from its file."""
+    if not isinstance(tables, Mapping):
+        raise ConfigError(source, "door.tokens", "must be tables, [door.tokens.NAME]")
+    found = {}
+    for name, table in tables.items():
+        key = f"door.tokens.{name}"
+        if not isinstance(table, Mapping):
+            raise ConfigError(source, key, f"must be a table, [{key}]")
+        given = parse_settings(TokenTable, table, source, key, folder)
+        found[str(name)] = ClientToken(token=_secret(given.token_file, source, key), scope=given.scope)
+    return found
+
+
+def _secret(token_file: Path, source: str, key: str) -> SecretStr:
+    try:
+        return SecretStr(read_secret(token_file))
+    except UsageError as exc:
+        raise ConfigError(source, f"{key}.token_file", str(exc)) from exc
 
 
 def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
@@ -201,17 +243,22 @@ def _places(config: Config) -> Places:
     return read_places(config.places, config.home.name, config.source, "configuration")
 
 
-def _access(table: AccessSettings, token_file: Path | None, source: str, key: str, variable: str) -> dict[str, Any]:
+def _access(
+    table: AccessSettings,
+    token_file: Path | None,
+    source: str,
+    key: str,
+    variable: str,
+    *,
+    has_other_tokens: bool = False,
+) -> dict[str, Any]:
     """Return the values of the *table* of a server, with the token read from where it is kept."""
     values = {name: value for name, value in table if name != "token_file"}
     if token_file is not None:
         if table.token is not None:
             raise ConfigError(source, key, "give token or token_file, not both")
-        try:
-            values["token"] = SecretStr(read_secret(token_file))
-        except UsageError as exc:
-            raise ConfigError(source, f"{key}.token_file", str(exc)) from exc
-    if values["token"] is None and not is_loopback(table.host):
+        values["token"] = _secret(token_file, source, key)
+    if values["token"] is None and not has_other_tokens and not is_loopback(table.host):
         raise ConfigError(
             source,
             f"{key}.host",

@@ -23,6 +23,7 @@ from homebot.bridges.rosbridge import Door
 from homebot.clock import Clock, LoopClock
 from homebot.config import UNNAMED, Config
 from homebot.control import Control
+from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.health import GetHealth
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.discovery import Directory, OwnerFacts
@@ -35,7 +36,7 @@ from homebot.plugins import plugin_names
 from homebot.production_loop import LoopWatch
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
-from homebot.runtime.plan import PlannedComponent, make_plan
+from homebot.runtime.plan import Plan, PlannedComponent, make_plan
 from homebot.runtime.supervisor import Supervisor, Work
 
 if TYPE_CHECKING:
@@ -96,6 +97,7 @@ class Runtime:
         lost_lines: Callable[[], int] = lambda: 0,
     ) -> None:
         self._network = None if house is None else _network_of(house)
+        own_gateways = frozenset(config.gateways)
         if self._network is not None:
             config = config.model_copy(update={"gateways": {**self._network.gateways(), **config.gateways}})
         self._plan = make_plan(config)
@@ -105,6 +107,9 @@ class Runtime:
         if house is not None:
             _check_hosts_house(self._needed, config.source)
         self._simulated = house
+        self._local_rights = LOCAL_RIGHTS
+        if house is not None and not _real_gateways(self._plan, own_gateways):
+            self._local_rights = SIMULATED_HOUSE_RIGHTS
         self._with_door = with_door
         self._context = GatewayContext.of(*services, random=random)
         self._index_file = index_file
@@ -261,7 +266,7 @@ class Runtime:
 
     async def _open_door(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosbridge_websocket") as node:
-            self.door = Door(node, self._plan.door, self._network_services.publish)
+            self.door = Door(node, self._plan.door, self._network_services.publish, self._local_rights)
             node.create_service(GetHealth, "~/health", self.door.health)
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
 
@@ -298,6 +303,18 @@ def _network_of(house: World) -> HouseNetwork:
     from homebot.house.network import HouseNetwork  # noqa: PLC0415 - who has a real house starts sooner without it
 
     return HouseNetwork(house.families())
+
+
+def _real_gateways(plan: Plan, own: frozenset[str]) -> list[str]:
+    """Return the gateways among the configured ones, *own*, that may find devices outside the simulated house."""
+    from homebot.house import SimulatedHouse  # noqa: PLC0415 - as above
+
+    return [
+        one.name
+        for one in plan.gateways
+        if one.name in own
+        and all(service.kind is not SimulatedHouse.Host for service in one.kind.host_services(one.settings))
+    ]
 
 
 def _check_hosts_house(needed: Iterable[HostService[object]], source: str) -> None:

@@ -1,6 +1,6 @@
 """The door: rosbridge v2 (JSON over WebSocket) for everybody outside the process."""
 
 from homebot.bridges.rosbridge.server import Door
-from homebot.bridges.rosbridge.settings import DoorSettings
+from homebot.bridges.rosbridge.settings import ClientToken, DoorSettings, Scope
 
-__all__ = ["Door", "DoorSettings"]
+__all__ = ["ClientToken", "Door", "DoorSettings", "Scope"]

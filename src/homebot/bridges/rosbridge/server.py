@@ -11,6 +11,7 @@ from dataclasses import asdict
 from functools import partial
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Final, cast
+from weakref import WeakKeyDictionary
 
 import anyio
 from anyio.abc import TaskStatus
@@ -24,10 +25,12 @@ from homebot.bridges.admission import refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.connection import DoorConnection
+from homebot.bridges.rosbridge.refusals import Refusals
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import DoorCounters, ExpectedTopics, SharedState
 from homebot.bridges.token_check import TokenCheck
 from homebot.bridges.turns import Turns
+from homebot.devices.client_rights import LOCAL_CLIENT, LOCAL_RIGHTS, ClientRights
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.network_service import NetworkService
 from homebot.errors import ConfigError, LinkError, UsageError
@@ -56,15 +59,21 @@ class Door:
         node: The node that acts in the clients' stead; it must outlive the door.
         settings: Where to listen, whom to let in.
         announce: Told of it as a service of the network, when it listens and when it no longer does.
+        local_rights: The rights of clients without a token, where the settings have no scope for them.
 
     Raises:
         ConfigError: The host is not a loopback one and there is no token.
     """
 
     def __init__(
-        self, node: Node, settings: DoorSettings, announce: Callable[[NetworkService], None] = lambda _: None
+        self,
+        node: Node,
+        settings: DoorSettings,
+        announce: Callable[[NetworkService], None] = lambda _: None,
+        local_rights: ClientRights = LOCAL_RIGHTS,
     ) -> None:
-        if settings.token is None and not is_loopback(settings.host):
+        self._rights = settings.rights(local_rights)
+        if LOCAL_CLIENT in self._rights and not is_loopback(settings.host):
             raise ConfigError(
                 "door",
                 "host",
@@ -77,11 +86,13 @@ class Door:
         self._backlog = DoorBacklog(settings.max_waiting_bytes_of_all)
         self._turns = Turns()
         self._expected = ExpectedTopics(node.graph)
-        self._tokens = TokenCheck(settings, node.graph.clock)
+        self._tokens = TokenCheck(settings.all_tokens(), node.graph.clock)
+        refusals = Refusals(node, self._counters, self._error_log)
         self._shared = SharedState(
-            node, settings, self._turns, self._backlog, self._expected, self._counters, self._error_log
+            node, settings, self._turns, self._backlog, self._expected, self._counters, self._error_log, refusals
         )
         self._sessions: dict[ServerConnection, ClientSession] = {}
+        self._names: WeakKeyDictionary[ServerConnection, str] = WeakKeyDictionary()
         self._arriving: dict[DoorConnection, None] = {}
         self._port = settings.port
         self._announce = announce
@@ -170,10 +181,9 @@ class Door:
         problem = refusal(settings, headers.get_all("Host"), headers.get_all("Origin"))
         if problem is not None:
             return self._turn_away(connection, HTTPStatus.FORBIDDEN, problem)
-        if settings.token is not None:
-            response = await self._check_token(connection, token_of(request.path, headers.get_all("Authorization")))
-            if response is not None:
-                return response
+        response = await self._check_token(connection, token_of(request.path, headers.get_all("Authorization")))
+        if response is not None:
+            return response
         if not any("websocket" in value.lower() for value in headers.get_all("Upgrade")):
             response = connection.respond(HTTPStatus.UPGRADE_REQUIRED, _GREETING)
             response.headers["Upgrade"] = "websocket"
@@ -181,11 +191,18 @@ class Door:
         return None
 
     async def _check_token(self, connection: ServerConnection, token: str) -> Response | None:
-        is_right = await self._tokens.check(_address_of(connection).rpartition(":")[0], token)
-        if is_right is None:
+        """Find out who the client is; return the answer to one that is not let in."""
+        if LOCAL_CLIENT in self._rights and (not token or len(self._rights) == 1):
+            self._names[connection] = LOCAL_CLIENT
+            return None
+        name = await self._tokens.check(_address_of(connection).rpartition(":")[0], token)
+        if name is None:
             problem = "too many wrong tokens from this address; try again in a second"
             return self._turn_away(connection, HTTPStatus.TOO_MANY_REQUESTS, problem)
-        return None if is_right else self._turn_away(connection, HTTPStatus.UNAUTHORIZED, "a valid token is needed")
+        if not name:
+            return self._turn_away(connection, HTTPStatus.UNAUTHORIZED, "a valid token is needed")
+        self._names[connection] = name
+        return None
 
     def _turn_away(self, connection: ServerConnection, status: HTTPStatus, problem: str) -> Response:
         client = _address_of(connection)
@@ -203,7 +220,8 @@ class Door:
         if len(self._sessions) >= self._settings.max_clients:  # several were let in at the same time
             await connection.close(CloseCode.TRY_AGAIN_LATER, "too many clients are connected")
             return
-        from homebot.bridges.rosbridge.session import ClientSession  # noqa: PLC0415 - loaded with the first client
+        from homebot.bridges.rosbridge.access import ClientAccess  # noqa: PLC0415 - loaded with the first client
+        from homebot.bridges.rosbridge.session import ClientSession  # noqa: PLC0415 - likewise
 
         async def send(text: str) -> None:
             with anyio.move_on_after(self._settings.stall_timeout) as limit:
@@ -222,7 +240,9 @@ class Door:
         self._counters.clients += 1
         if isinstance(connection, DoorConnection):
             connection.has_arrived()
-        session = ClientSession(self._shared, _address_of(connection), send, cut)
+        name = self._names[connection]
+        access = ClientAccess(name, self._rights[name])
+        session = ClientSession(self._shared, access, _address_of(connection), send, cut)
         self._sessions[connection] = session
         try:
             await session.run(_texts(connection))

@@ -76,14 +76,16 @@ _MAX_TIMEOUT = 3600.0
 _MOST, _LONGEST = 200, 100  # names compared, and of how many characters: a client may ask again and again
 
 
-async def call_service(node: Node, op: CallService, turns: Turns, answer: Callable[[Frame], None]) -> None:
+async def call_service(node: Node, op: CallService, turns: Turns, issuer: str, answer: Callable[[Frame], None]) -> None:
     """Make the call *op* on the graph of *node* and *answer* it, be it with a failure.
+
+    A field ``issuer`` of the request becomes *issuer*, whatever the client wrote there.
 
     It returns when the handler has ended, which may be after the time limit that the client set: a client that sets
     short ones has no more handlers at work than others. A response of many messages is written in several *turns*.
     """
     try:
-        client, request, problem = _prepare(node, op)
+        client, request, problem = _prepare(node, op, issuer)
     except HomebotError as exc:
         answer(_failure(node, op, exc))
         return
@@ -116,7 +118,7 @@ def _failure(node: Node, op: CallService, error: HomebotError) -> Frame:
     return service_failure(op.service, op.id, problem)
 
 
-def _prepare(node: Node, op: CallService) -> tuple[Client[Any, Any], Message, UsageError | None]:
+def _prepare(node: Node, op: CallService, issuer: str) -> tuple[Client[Any, Any], Message, UsageError | None]:
     """Return a client of the service, the request, and what is wrong with a query in it.
 
     The client is for this call alone: one that is kept would hold the name's type after the server is gone.
@@ -125,8 +127,11 @@ def _prepare(node: Node, op: CallService) -> tuple[Client[Any, Any], Message, Us
     service_type = node.graph.get_service_type(name)
     if service_type is None:
         raise ServiceUnavailableError(name)
-    values, problem = parse_queries(service_type.Request, _values(service_type.Request, op.args))
-    request = message_from_client(service_type.Request, values)
+    request_type: type[Message] = service_type.Request
+    values, problem = parse_queries(request_type, _values(request_type, op.args))
+    if any(field.name == "issuer" for field in fields_of(request_type)):
+        values = {**values, "issuer": issuer}
+    request = message_from_client(request_type, values)
     return node.create_client(service_type, name), request, problem
 
 

@@ -13,6 +13,7 @@ from functools import partial
 import anyio
 from anyio.abc import TaskGroup
 
+from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
 from homebot.bridges.rosbridge.backlog import Backlog
 from homebot.bridges.rosbridge.frame_rate import FrameRate
 from homebot.bridges.rosbridge.outbox import Outbox
@@ -58,6 +59,7 @@ class ClientSession:
 
     Args:
         shared: What it shares with other clients.
+        access: Who it is, and what it may do.
         client: What to call the client in the log.
         send: Takes text to the client, waiting until there is room for it; LinkError when the client is gone.
         cut: Ends the connection at once.
@@ -67,10 +69,16 @@ class ClientSession:
     """
 
     def __init__(
-        self, shared: SharedState, client: str, send: Callable[[str], Awaitable[None]], cut: Callable[[], None]
+        self,
+        shared: SharedState,
+        access: ClientAccess,
+        client: str,
+        send: Callable[[str], Awaitable[None]],
+        cut: Callable[[], None],
     ) -> None:
         self.refused = 0
         self._shared = shared
+        self._access = access
         self._node = shared.node
         self._settings = shared.settings
         self._turns = shared.turns
@@ -131,7 +139,12 @@ class ClientSession:
             self._answer(exc.op, exc.id, exc.target, str(exc))
             return
         try:
+            self._access.check(op, self._node.resolve_name)
             self._do(op, holdings)
+        except MissingRightError as exc:
+            self.refused += 1
+            self._shared.refusals.note(self._access, self._client, op, exc)
+            self._answer(op.op, op.id, op.name, str(exc))
         except HomebotError as exc:
             self._log_error(f": {_refusal(op.op, op.name, str(exc))}", op.op, str(exc))
             self._answer(op.op, op.id, op.name, str(exc))
@@ -194,7 +207,7 @@ class ClientSession:
         try:
             await self._outbox.room()
             await self._turns.turn()
-            await call_service(self._node, op, self._turns, self._outbox.answer)
+            await call_service(self._node, op, self._turns, self._access.issuer, self._outbox.answer)
         finally:
             self._calls -= 1
 

@@ -2,19 +2,57 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import re
+from collections.abc import Mapping
+from typing import Annotated, Final, Self, TypeAlias
 
-from pydantic import Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, model_validator
 
+from homebot.addresses import is_loopback
 from homebot.bridges.access_settings import AccessSettings, Count
+from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_CLIENT, OWNER_CLIENT, ClientRights, read_scope
+from homebot.errors import UsageError
 
-__all__ = ["DoorSettings"]
+__all__ = ["ClientToken", "DoorSettings", "Scope"]
+
+_NAME: Final = re.compile(r"[A-Za-z0-9_-]{1,64}")
+
+
+def _checked(scope: tuple[str, ...]) -> tuple[str, ...]:
+    try:
+        read_scope(scope)
+    except UsageError as exc:
+        raise ValueError(str(exc)) from exc
+    return scope
+
+
+Scope: TypeAlias = Annotated[tuple[str, ...], AfterValidator(_checked)]
+"""Rights, as :func:`homebot.devices.client_rights.read_scope` reads them."""
+
+
+class ClientToken(BaseModel):
+    """A token that belongs to one program.
+
+    Attributes:
+        token: What the program must show.
+        scope: What it may do.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    token: Annotated[SecretStr, Field(min_length=1)]
+    scope: Scope
 
 
 class DoorSettings(AccessSettings):
     """The settings of the door.
 
+    Where there is a ``token``, or others can reach the ``host``, every client has to show one of the tokens.
+
     Attributes:
+        tokens: Tokens of single programs, by the names of these. The ``token`` has every right.
+        scope: What a client without a token may do; None for the default, which reads and commands every device but
+            those of :mod:`homebot.devices.always_ask`.
         max_frame_bytes: Largest frame taken from a client; a larger one closes its connection.
         queue_depth: Messages of one topic that may wait for a slow client (on a keyed topic: of each key); then the
             oldest is dropped and counted.
@@ -30,6 +68,8 @@ class DoorSettings(AccessSettings):
     """
 
     port: Annotated[int, Field(ge=0, le=65535)] = 9090
+    tokens: Mapping[str, ClientToken] = Field(default_factory=dict)
+    scope: Scope | None = None
     max_frame_bytes: Count = 1_048_576
     queue_depth: Count = 1000
     max_waiting_bytes: Count = 8_388_608
@@ -39,3 +79,35 @@ class DoorSettings(AccessSettings):
     max_frames_per_second: Count = 1000
     max_calls: Count = 100
     stall_timeout: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 60.0
+
+    @model_validator(mode="after")
+    def _check_tokens(self) -> Self:
+        for name in self.tokens:
+            if not _NAME.fullmatch(name) or name in {LOCAL_CLIENT, OWNER_CLIENT}:
+                raise ValueError(
+                    f"a token cannot be called {name[:64]!r}: use letters, digits, - and _, but not {LOCAL_CLIENT} or "
+                    f"{OWNER_CLIENT}"
+                )
+        by_secret: dict[str, str] = {}
+        for name, token in self.all_tokens().items():
+            if (other := by_secret.setdefault(token.get_secret_value(), name)) != name:
+                raise ValueError(f"the tokens {other} and {name} are the same; each needs a secret of its own")
+        return self
+
+    def all_tokens(self) -> Mapping[str, SecretStr]:
+        """Return every token by its name; that of the ``token`` is ``owner``."""
+        named = {name: one.token for name, one in self.tokens.items()}
+        return named if self.token is None else {OWNER_CLIENT: self.token, **named}
+
+    def rights(self, local: ClientRights) -> Mapping[str, ClientRights]:
+        """Return the rights of each client by its name; without ``local`` where every client has to show a token.
+
+        Args:
+            local: The rights of clients without a token, where the settings say nothing of them.
+        """
+        found = {name: read_scope(one.scope) for name, one in self.tokens.items()}
+        if self.token is not None:
+            return {OWNER_CLIENT: ALL_RIGHTS, **found}
+        if found and not is_loopback(self.host):
+            return found
+        return {LOCAL_CLIENT: local if self.scope is None else read_scope(self.scope), **found}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import final
+from typing import TYPE_CHECKING, final
 
 import anyio
 from anyio.abc import TaskStatus
@@ -14,6 +14,9 @@ from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.turns import Turns
 from homebot.graph import EntityKind, Graph, Node
+
+if TYPE_CHECKING:
+    from homebot.bridges.rosbridge.refusals import Refusals
 
 __all__ = ["DoorCounters", "ExpectedTopics", "SharedState", "operation_text"]
 
@@ -27,6 +30,7 @@ class DoorCounters:
         turned_away: Connections that were not: too many, a foreign page, a wrong token.
         frames: Frames that clients sent.
         requests_refused: Of those, what was refused.
+        rights_missing: Of those, what the client had no right to.
         slowed_down: Frames that had to wait because their client sends too many.
         clients_cut: Clients cut off because they took no bytes.
     """
@@ -35,6 +39,7 @@ class DoorCounters:
     turned_away: int = 0
     frames: int = 0
     requests_refused: int = 0
+    rights_missing: int = 0
     slowed_down: int = 0
     clients_cut: int = 0
 
@@ -104,6 +109,7 @@ class SharedState:
         expected: Topics to come.
         counters: What is counted.
         error_log: Logs what clients do wrong.
+        refusals: Notes what clients had no right to.
     """
 
     node: Node
@@ -113,6 +119,7 @@ class SharedState:
     expected: ExpectedTopics
     counters: DoorCounters
     error_log: ClientErrorLog
+    refusals: Refusals
 
     def held_by_all(self) -> int:
         """Return how many entities all clients together hold on the graph."""

@@ -79,7 +79,7 @@ class ThingDirectoryBridge:
         self._settings = settings
         self._announce = announce
         self._error_log = ClientErrorLog(node)
-        self._tokens = TokenCheck(settings, node.graph.clock)
+        self._tokens = TokenCheck({} if settings.token is None else {"token": settings.token}, node.graph.clock)
         self._turns = Turns()
         self._server = BoundedServer(settings, self._handle, node.graph.clock, self._log_error)
         version = token_hex(4)
@@ -158,14 +158,15 @@ class ThingDirectoryBridge:
         hosts, origins = exchange.headers("Host"), exchange.headers("Origin")
         problem, status, headers = refusal(self._settings, hosts, origins), HTTPStatus.FORBIDDEN, {}
         if problem is None:
-            is_right = await self._tokens.check(
-                exchange.address, token_of(exchange.target, exchange.headers("Authorization"))
-            )
-            if is_right:
+            if self._settings.token is None:
+                return
+            token = token_of(exchange.target, exchange.headers("Authorization"))
+            name = await self._tokens.check(exchange.address, token)
+            if name:
                 return
             status, problem = HTTPStatus.UNAUTHORIZED, "a valid token is needed"
             headers = {"WWW_Authenticate": "Bearer"}
-            if is_right is None:
+            if name is None:
                 status, problem = HTTPStatus.TOO_MANY_REQUESTS, "too many wrong tokens from this address"
                 headers = {"Retry_After": "1"}
         self._server.counters.turned_away += 1

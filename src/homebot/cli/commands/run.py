@@ -172,7 +172,7 @@ def with_tokens(config: Config) -> Config:
 
 def _with_token(table: Table, variable: str) -> Table:
     token = os.environ.get(variable)
-    return table if not token or table.keys() & {"token", "token_file"} else {**table, "token": token}
+    return table if not token or table.keys() & {"token", "token_file", "tokens"} else {**table, "token": token}
 
 
 def _base(options: argparse.Namespace) -> tuple[Config, World | None]:

@@ -1,0 +1,159 @@
+"""Access of clients of the door: the right that each operation needs. No I/O.
+
+homebot's own topics and services are those below the namespaces of its nodes. Reading them is harmless, and so are the
+services that only answer; on the others a client could pass for a gateway, the directory or the control layer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
+
+from homebot.bridges.rosbridge.protocol import (
+    Advertise,
+    AdvertiseService,
+    CallService,
+    Operation,
+    PublishOperation,
+    SubscribeOperation,
+)
+from homebot.devices.client_rights import LOCAL_CLIENT, ClientRights, Right, issuer_of_client
+from homebot.devices.names import (
+    COMMAND_DEVICES,
+    EXPORT_PLACES,
+    FIND_DEVICES,
+    GET_CHANGES,
+    GET_INDEX_DATA,
+    GET_PLACES,
+    PERFORM_COMMAND,
+    QUERY_DEVICES,
+    READ_JOURNAL,
+)
+from homebot.errors import PeerError
+
+__all__ = ["ClientAccess", "MissingRightError", "right_to_call", "right_to_publish"]
+
+_OWN: Final = frozenset(
+    {
+        "broker",
+        "control",
+        "devices",
+        "discovery",
+        "gateway",
+        "getIndexData",
+        "homebot",
+        "network_services",
+        "parameter_events",
+        "rosapi",
+        "rosbridge_websocket",
+        "rosout",
+        "subscribe_to_mqtt_topic",
+        "thing_directory",
+    }
+)
+"""First tokens of the names that are homebot's own."""
+
+_READING: Final = frozenset(
+    {
+        EXPORT_PLACES,
+        FIND_DEVICES,
+        GET_CHANGES,
+        GET_INDEX_DATA,
+        GET_PLACES,
+        QUERY_DEVICES,
+        READ_JOURNAL,
+        "/subscribe_to_mqtt_topic",
+    }
+)
+_READING_OF_GATEWAYS: Final = frozenset({"read_tag", "scan", "subscribe_to_topic"})
+_ACTING: Final = frozenset({COMMAND_DEVICES, PERFORM_COMMAND})
+_SETTING_PARAMETERS: Final = frozenset({"/rosapi/delete_param", "/rosapi/set_param"})
+
+
+class MissingRightError(PeerError):
+    """A client asked for what it has no right to.
+
+    Attributes:
+        right: The right that is missing.
+    """
+
+    def __init__(self, right: Right, problem: str) -> None:
+        super().__init__(problem)
+        self.right = right
+
+
+@dataclass(frozen=True, slots=True)
+class ClientAccess:
+    """Name and rights of a client.
+
+    Attributes:
+        name: The name of its token, or ``local`` without one.
+        rights: Its rights.
+    """
+
+    name: str
+    rights: ClientRights
+
+    @property
+    def issuer(self) -> str:
+        """The issuer of its commands."""
+        return issuer_of_client(self.name)
+
+    def check(self, op: Operation, resolve: Callable[[str], str]) -> None:
+        """Refuse *op* where the client has no right to it; *resolve* makes full names of names.
+
+        Raises:
+            MissingRightError: The client lacks a right; the message says which, and how to get it.
+            InvalidNameError: The name is illegal.
+        """
+        match op:
+            case PublishOperation() | Advertise():
+                right = right_to_publish(resolve(op.topic))
+            case AdvertiseService():
+                right = right_to_publish(resolve(op.service))
+            case CallService():
+                right = right_to_call(resolve(op.service))
+            case SubscribeOperation():
+                right = Right.READ
+            case _:  # ends what was begun, or concerns the client alone
+                return
+        if not self.rights.has(right):
+            raise MissingRightError(right, self._problem(right))
+
+    def _problem(self, right: Right) -> str:
+        wanted = "act: all" if right is Right.ACT else right.value
+        who = "a client without a token" if self.name == LOCAL_CLIENT else f"the token {self.name}"
+        table = "[door.tokens.NAME], with a token_file," if self.name == LOCAL_CLIENT else f"[door.tokens.{self.name}]"
+        return (
+            f"the right {right.value} is missing; {who} has: {self.rights.text}. To give it, write "
+            f'scope = ["{wanted}"] in the table {table} of homebot.toml'
+        )
+
+
+@lru_cache(maxsize=1024)
+def right_to_publish(name: str) -> Right:
+    """Return the right that it takes to publish on the topic, or to provide the service, with the full *name*."""
+    return Right.RAW if _is_own(name) else Right.ACT
+
+
+@lru_cache(maxsize=1024)
+def right_to_call(name: str) -> Right:
+    """Return the right that it takes to call the service with the full *name*."""
+    *path, last = name.split("/")[1:]
+    if last == "health":
+        return Right.READ
+    if name in _ACTING or not _is_own(name):
+        return Right.ACT
+    if path and path[0] == "gateway":
+        if last == "send_command":
+            return Right.RAW
+        if last in _READING_OF_GATEWAYS:
+            return Right.READ
+    is_reading = name in _READING or (path == ["rosapi"] and name not in _SETTING_PARAMETERS)
+    return Right.READ if is_reading else Right.MANAGE
+
+
+def _is_own(name: str) -> bool:
+    return name.split("/", 2)[1] in _OWN

@@ -1,0 +1,71 @@
+"""Refusals for want of a right: counted, logged with a limit, and published on the graph."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, final
+
+from homebot.bridges.client_error_log import ClientErrorLog, short_text
+from homebot.bridges.rosbridge.shared_state import DoorCounters, operation_text
+from homebot.devices.names import ACCESS_REFUSALS
+from homebot.graph import Node, Publisher, QoSProfile
+from homebot.messages import Time
+
+if TYPE_CHECKING:
+    from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
+    from homebot.bridges.rosbridge.protocol import Operation
+    from homebot.devices.access_messages import AccessRefused
+
+__all__ = ["Refusals"]
+
+_QOS: Final = QoSProfile(depth=100)
+_LONGEST_NAME: Final = 247
+
+
+@final
+class Refusals:
+    """Notes each refusal for want of a right. Of one client 20 in ten seconds are logged and published, all counted.
+
+    Args:
+        node: The node of the door.
+        counters: Where they are counted.
+        error_log: Where they are logged.
+    """
+
+    def __init__(self, node: Node, counters: DoorCounters, error_log: ClientErrorLog) -> None:
+        self._node = node
+        self._counters = counters
+        self._error_log = error_log
+        self._publisher: Publisher[AccessRefused] | None = None
+
+    def note(self, access: ClientAccess, address: str, op: Operation, error: MissingRightError) -> None:
+        """Note that *op* of the client at *address* was refused with *error*."""
+        self._counters.requests_refused += 1
+        self._counters.rights_missing += 1
+        held_back = self._error_log.log(
+            f"rights of {access.issuer}",
+            "door.right_missing",
+            f"{access.issuer} ({address}): {operation_text(op.op, op.name)} was refused: {error}",
+            client=access.issuer,
+            address=address,
+            op=op.op,
+            target=op.name,
+            right=error.right.value,
+        )
+        if held_back is None:
+            return
+        from homebot.devices.access_messages import AccessRefused  # noqa: PLC0415 - loaded with the first refusal
+
+        if self._publisher is None:
+            self._publisher = self._node.create_publisher(AccessRefused, ACCESS_REFUSALS, _QOS)
+        self._publisher.publish(
+            AccessRefused(
+                issuer=access.issuer,
+                address=address,
+                operation=op.op,
+                target=short_text(op.name, _LONGEST_NAME),
+                right=error.right.value,
+                reason=str(error),
+                refused_at=Time.from_seconds(self._node.graph.clock.now()),
+                held_back=held_back,
+            )
+        )

@@ -1,0 +1,32 @@
+"""Messages about requests of programs outside that were refused."""
+
+from __future__ import annotations
+
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.message import Message, UInt32
+
+__all__ = ["AccessRefused"]
+
+
+class AccessRefused(Message):
+    """A client of the rosbridge server asked for what it has no right to.
+
+    Attributes:
+        issuer: The client, as ``client:NAME``.
+        address: Its address and port.
+        operation: What it asked for, by rosbridge's names, for example ``publish``.
+        target: The topic or service, as the client wrote it; at most 247 characters of it.
+        right: The right that is missing.
+        reason: The refusal that the client was sent.
+        refused_at: The time of the refusal.
+        held_back: Refusals of this client before this one of which there was no message.
+    """
+
+    issuer: str
+    address: str
+    operation: str
+    target: str
+    right: str
+    reason: str
+    refused_at: Time
+    held_back: UInt32 = 0

@@ -1,0 +1,52 @@
+"""Devices that a person has to allow by name: who commands them by mistake lets somebody in, floods or burns. Pure.
+
+A switch or plug that drives such a device is known by its name alone, where that has an English word for it, or by the
+tag ``always_ask``, which the owner may give to any device.
+"""
+
+from __future__ import annotations
+
+from homebot.devices.device import Device, DevicePart
+from homebot.folding import fold, words_of
+
+__all__ = ["ALWAYS_ASK", "always_asks", "is_declared"]
+
+ALWAYS_ASK = frozenset({"closure", "door_lock", "water_heater", "water_valve", "x_alarm_panel"})
+"""Device types of the class: garage doors and gates, locks, boilers, valves, alarm panels."""
+
+_CAPABILITIES = frozenset({"alarm", "lock", "valve", "water_heater_mode"})
+_OVENS = frozenset({"cooker", "cooktop", "hob", "kiln", "oven", "stove"})
+_ENDINGS = frozenset({"boiler", "gate", "lock", "valve"})
+_RELAYS = frozenset({"plug", "switch", "x_unknown"})
+_HARMLESS = frozenset({"light"})
+_TAG = fold("always_ask")
+
+
+def always_asks(device: Device, part: DevicePart) -> bool:
+    """Return whether *part* of *device* is of the class.
+
+    So is every other part of a device with such a part, but for lights: a garage door often has a button beside its
+    cover, and a lamp.
+    """
+    if is_declared(part) or _is_named(device, part) or _TAG in map(fold, device.tags):
+        return True
+    return part.part.service_type not in _HARMLESS and any(map(is_declared, device.parts))
+
+
+def is_declared(part: DevicePart) -> bool:
+    """Return whether the type of *part*, its announced type, or a capability that can be set says so."""
+    told = part.part
+    if told.service_type in ALWAYS_ASK or not _OVENS.isdisjoint(words_of(told.advertised)):
+        return True
+    return any(one.settable and one.name in _CAPABILITIES for one in told.capabilities)
+
+
+def _is_named(device: Device, part: DevicePart) -> bool:
+    """Return whether *part* is a relay whose name says what it drives: ``Oven``, ``Front gate``, ``Garage door``."""
+    if part.part.service_type not in _RELAYS:
+        return False
+    for name in (device.name, *device.names, part.part.name):
+        words = words_of(name)
+        if not _OVENS.isdisjoint(words) or (words and words[-1] in _ENDINGS) or words[-2:] == ("garage", "door"):
+            return True
+    return False

@@ -1,0 +1,181 @@
+"""Rights of programs outside, as the owner writes them: ``read``, ``act: light in hall``, ``manage``, ``raw``. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from enum import Enum
+
+from homebot.devices.device import Device, DevicePart
+from homebot.devices.query.terms import And, FactIs, HasText, NameIs, Not, Or, Query, TypeIs
+from homebot.errors import UsageError
+from homebot.similar import did_you_mean
+
+__all__ = [
+    "ALL_RIGHTS",
+    "LOCAL_CLIENT",
+    "LOCAL_RIGHTS",
+    "OWNER_CLIENT",
+    "SIMULATED_HOUSE_RIGHTS",
+    "ClientRights",
+    "Right",
+    "issuer_of_client",
+    "read_scope",
+]
+
+LOCAL_CLIENT = "local"
+"""The name of clients without a token."""
+
+OWNER_CLIENT = "owner"
+"""The name of clients with the one token that has no name of its own."""
+
+
+_KNOWN = "known are read, act: QUERY, act: all, manage, raw"
+
+
+class Right(Enum):
+    """One right of a client: the first word of what is written in a ``scope``."""
+
+    READ = "read"
+    """Subscribe to topics, and call services that change nothing."""
+
+    ACT = "act"
+    """Command devices, and speak with apps and other clients."""
+
+    MANAGE = "manage"
+    """Change homebot itself: its parameters, its index."""
+
+    RAW = "raw"
+    """Speak as homebot's own parts, and to gateways, below every check."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClientRights:
+    """The rights of one client.
+
+    Attributes:
+        reads: Whether it has :attr:`Right.READ`.
+        acts_on: The devices that it may command: those that fit any of these. One that always asks
+            (:mod:`homebot.devices.always_ask`) must be asked for by its type or its name: to fit ``in hall`` is not
+            enough.
+        acts_on_all: Whether it may command each and every device.
+        manages: Whether it has :attr:`Right.MANAGE`.
+        is_raw: Whether it has :attr:`Right.RAW`.
+    """
+
+    reads: bool = False
+    acts_on: tuple[Query, ...] = ()
+    acts_on_all: bool = False
+    manages: bool = False
+    is_raw: bool = False
+
+    def has(self, right: Right) -> bool:
+        """Return whether *right* is among them; to act, on any device."""
+        match right:
+            case Right.READ:
+                return self.reads
+            case Right.ACT:
+                return self.acts_on_all or bool(self.acts_on)
+            case Right.MANAGE:
+                return self.manages
+            case Right.RAW:
+                return self.is_raw
+
+    def may_command(self, device: Device, part: DevicePart) -> bool:
+        """Return whether *part* of *device* may be commanded."""
+        if self.acts_on_all:
+            return True
+        from homebot.devices.always_ask import always_asks, is_declared  # noqa: PLC0415 - needed with the first command
+        from homebot.devices.query.matching import PartFacets, fits  # noqa: PLC0415 - likewise
+
+        facets = PartFacets(device)
+        facets.part = part
+        asks, declared = always_asks(device, part), is_declared(part)
+
+        def names_it(query: Query) -> bool:
+            match query:
+                case And(terms) | Or(terms):
+                    return any(map(names_it, terms))
+                case TypeIs():
+                    return declared and fits(query, facets)
+                case NameIs() | FactIs("id" | "name"):
+                    return fits(query, facets)
+                case _:
+                    return False
+
+        return any(fits(query, facets) and (not asks or names_it(query)) for query in self.acts_on)
+
+    @property
+    def text(self) -> str:
+        """Their names, for people."""
+        return ", ".join(one.value for one in Right if self.has(one)) or "none"
+
+
+LOCAL_RIGHTS = ClientRights(reads=True, acts_on=(And(()),), manages=True)
+"""Those of a client without a token: it commands every device but those that always ask."""
+
+SIMULATED_HOUSE_RIGHTS = replace(LOCAL_RIGHTS, is_raw=True)
+"""The same where no real device can be reached."""
+
+ALL_RIGHTS = ClientRights(reads=True, acts_on_all=True, manages=True, is_raw=True)
+"""Those of the one token that has no name of its own."""
+
+
+def issuer_of_client(name: str) -> str:
+    """Return the issuer of the commands of the client *name*."""
+    return f"client:{name}"
+
+
+def read_scope(scope: Iterable[str]) -> ClientRights:
+    """Return the rights that *scope* lists.
+
+    Raises:
+        UsageError: One of them is none; the message names it and says what would be.
+    """
+    found: dict[Right, list[str]] = {}
+    for text in scope:
+        word, _, query = (one.strip() for one in text.partition(":"))
+        right = next((one for one in Right if one.value == word), None)
+        if right is None:
+            hint = did_you_mean(word or "?", [one.value for one in Right], _KNOWN)
+            raise UsageError(f"{text!r} is no right; {hint}")
+        if bool(query) is not (right is Right.ACT):
+            problem = "needs a query, or all: 'act: light in hall'" if right is Right.ACT else "takes no query"
+            raise UsageError(f"{text!r}: {word} {problem}")
+        found.setdefault(right, []).append(query)
+    wanted = found.get(Right.ACT, [])
+    return ClientRights(
+        reads=Right.READ in found,
+        acts_on=tuple(_parse(query) for query in wanted if query != "all"),
+        acts_on_all="all" in wanted,
+        manages=Right.MANAGE in found,
+        is_raw=Right.RAW in found,
+    )
+
+
+def _parse(text: str) -> Query:
+    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - for those who have scopes
+
+    try:
+        query = parse_query(text)
+    except UsageError as exc:
+        raise UsageError(f"'act: {text}': {exc}") from exc
+    if word := _free_text(query):
+        raise UsageError(
+            f"'act: {text}': {word!r} is neither a type nor a capability, and searched words may fit anything; write "
+            'name="…" or id="…" for one device'
+        )
+    return query
+
+
+def _free_text(query: Query) -> str:
+    """Return a word of *query* that is searched for in all texts of devices; empty where there is none."""
+    match query:
+        case HasText(word):
+            return word
+        case And(terms) | Or(terms):
+            return next(filter(None, map(_free_text, terms)), "")
+        case Not(term):
+            return _free_text(term)
+        case _:
+            return ""

@@ -1,0 +1,315 @@
+"""What clients of the door may do, by their token: over a real WebSocket."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+import anyio
+import pytest
+from pydantic import SecretStr, ValidationError
+from structlog.testing import capture_logs
+from tests.patience import PATIENCE
+from websockets.exceptions import InvalidStatus
+
+from homebot.bridges.rosbridge import ClientToken, DoorSettings
+from homebot.bridges.rosbridge.access import right_to_call, right_to_publish
+from homebot.devices import RawCommand
+from homebot.devices.access_messages import AccessRefused
+from homebot.devices.client_rights import LOCAL_RIGHTS, Right
+from homebot.devices.command_messages import CommandRequest, CommandResult, PerformCommand
+from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
+from homebot.devices.health import HealthRequest
+from homebot.devices.names import ACCESS_REFUSALS, PERFORM_COMMAND
+from homebot.messages import String
+from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
+
+OUT = "/gateway/mqtt/out"
+RAW_COMMAND = {"address": "home/locks/front/in", "payload": "unlock"}
+COMMAND = {
+    "device": "locks/front",
+    "part": "",
+    "settings": [{"capability": "lock", "value": {"type": 3, "text": "unlocked"}}],
+    "issuer": "client:owner",
+}
+
+
+def settings(*scope: str, **fields: Any) -> DoorSettings:
+    """A door with the token ``robot-secret``, whose name is ``robot``, and what else is given."""
+    robot = ClientToken(token=SecretStr("robot-secret"), scope=scope)
+    return DoorSettings(port=0, tokens={"robot": robot}, **fields)
+
+
+@asynccontextmanager
+async def robot(open_house: Any, *scope: str) -> AsyncIterator[tuple[Any, Any]]:
+    """A house, and a client with a token of this scope."""
+    async with open_house(settings(*scope)) as house, house.peer(Authorization="Bearer robot-secret") as peer:
+        yield house, peer
+
+
+async def refusal(peer: Any, op: str, **fields: object) -> str:
+    """What the client is told when it asks for what it may not."""
+    await peer.send(op, id="asked", **fields)
+    frame = await peer.receive()
+    assert (frame["op"], frame["level"], frame["id"]) == ("status", "error", "asked")
+    return str(frame["msg"])
+
+
+@pytest.mark.parametrize(
+    ("topic", "ros_type"),
+    [
+        (OUT, "homebot/msg/RawCommand"),
+        ("gateway/mqtt/out", "homebot/msg/RawCommand"),
+        ("~/refusals", "homebot/msg/AccessRefused"),
+        ("/gateway/mqtt/received_topics", "homebot/msg/Sighting"),
+        ("/gateway/mqtt/readings", "homebot/msg/Report"),
+        ("/gateway/mqtt/state", "homebot/msg/GatewayState"),
+        ("/gateway/mqtt/offer_commands", "homebot/msg/Command"),
+        ("/discovery/changes", "homebot/msg/DeviceChange"),
+        ("/discovery/states", "homebot/msg/StateChange"),
+        ("/control/events", "homebot/msg/CommandEvent"),
+        ("/network_services", "homebot/msg/NetworkService"),
+        ("/rosout", "rcl_interfaces/msg/Log"),
+        ("/parameter_events", "rcl_interfaces/msg/ParameterEvent"),
+    ],
+)
+async def test_a_client_without_the_right_raw_publishes_on_no_topic_of_homebot(
+    open_house: Any, topic: str, ros_type: str
+) -> None:
+    """It can neither command behind the control layer nor forge a sighting, a reading or an event."""
+    async with open_house() as house, house.peer() as peer:
+        before = house.entities()
+        told = await refusal(peer, "advertise", topic=topic, type=ros_type)
+        assert told == await refusal(peer, "publish", topic=topic, msg={})
+        assert house.entities() - before == {("publisher", ACCESS_REFUSALS)}
+    assert told == (
+        "the right raw is missing; a client without a token has: read, act, manage. To give it, write "
+        'scope = ["raw"] in the table [door.tokens.NAME], with a token_file, of homebot.toml'
+    )
+
+
+@pytest.mark.parametrize("service", ["/control/perform", "/devices/command", "/gateway/mqtt/send_command", "/rosapi/x"])
+async def test_a_client_without_the_right_raw_takes_the_place_of_no_service_of_homebot(
+    open_house: Any, service: str
+) -> None:
+    """Whoever served it would get the commands of all apps, with their codes."""
+    async with open_house() as house, house.peer() as peer:
+        told = await refusal(peer, "advertise_service", service=service, type="std_srvs/Trigger")
+    assert told.startswith("the right raw is missing; ")
+
+
+async def test_a_client_with_the_right_raw_publishes_on_the_topics_of_gateways(open_house: Any) -> None:
+    async with robot(open_house, "raw", "read") as (house, peer):
+        commands = house.node("mqtt").create_subscription(RawCommand, OUT)
+        await peer.send("publish", topic=OUT, msg=RAW_COMMAND)
+        await peer.send("advertise", topic="/gateway/mqtt/received_topics", type="homebot/msg/Sighting")
+        with anyio.fail_after(PATIENCE):
+            assert (await commands.receive()).payload == "unlock"
+        await peer.settle()
+        assert ("publisher", "/gateway/mqtt/received_topics") in house.entities()
+
+
+async def test_the_right_raw_is_none_to_read_or_to_manage(open_house: Any) -> None:
+    async with robot(open_house, "raw") as (_, peer):
+        read = await refusal(peer, "subscribe", topic="/discovery/changes")
+        answer = await peer.call("/rosapi/set_param", name="/a:b", value="1")
+    assert read.startswith("the right read is missing; the token robot has: raw. ")
+    assert answer["result"] is False
+    assert answer["values"].startswith("the right manage is missing; ")
+
+
+async def test_a_client_that_may_only_read_publishes_nothing_and_commands_nothing(open_house: Any) -> None:
+    async with robot(open_house, "read") as (house, peer):
+        house.node("listener").create_subscription(String, "/chatter")
+        house.node("app").create_service(Trigger, "/app/go", lambda _: SuccessResponse(success=True, message=""))
+        assert (await peer.call("/rosapi/topics"))["result"] is True
+        told = await refusal(peer, "publish", topic="/chatter", msg={"data": "x"})
+        answers = [await peer.call(name) for name in ("/app/go", "/control/perform", "/devices/command")]
+    assert told == (
+        "the right act is missing; the token robot has: read. To give it, write "
+        'scope = ["act: all"] in the table [door.tokens.robot] of homebot.toml'
+    )
+    assert [(one["result"], one["values"]) for one in answers] == [(False, told)] * 3
+
+
+async def test_a_client_that_may_act_on_something_speaks_with_apps(open_house: Any) -> None:
+    async with robot(open_house, "act: light in hall") as (house, peer):
+        heard = house.node("listener").create_subscription(String, "/chatter")
+        house.node("app").create_service(Trigger, "/app/go", lambda _: SuccessResponse(success=True, message=""))
+        await peer.send("publish", topic="/chatter", msg={"data": "x"})
+        assert (await peer.call("/app/go"))["result"] is True
+        with anyio.fail_after(PATIENCE):
+            assert (await heard.receive()).data == "x"
+
+
+async def test_a_client_without_the_right_raw_does_not_send_commands_by_a_gateway(open_house: Any) -> None:
+    sent: list[Command] = []
+
+    def send(command: Command) -> SendCommandResponse:
+        sent.append(command)
+        return SendCommandResponse(success=True)
+
+    async with robot(open_house, "read", "act: all", "manage") as (house, peer):
+        house.node("mqtt").create_service(SendCommand, "/gateway/mqtt/send_command", send)
+        answer = await peer.call("/gateway/mqtt/send_command", key="k", part="", capability="lock")
+    assert (answer["result"], sent) == (False, [])
+    assert answer["values"].startswith("the right raw is missing; the token robot has: read, act, manage. ")
+
+
+@pytest.mark.parametrize(
+    ("token", "issuer"), [("", "client:local"), ("robot-secret", "client:robot"), ("owner-secret", "client:owner")]
+)
+async def test_a_command_is_issued_by_the_client_that_gave_it_whatever_it_wrote(
+    open_house: Any, token: str, issuer: str
+) -> None:
+    issuers: list[str] = []
+
+    def perform(request: CommandRequest) -> CommandResult:
+        issuers.append(request.issuer)
+        return CommandResult(command_id="1", outcome="gone", text="")
+
+    owner = {"token": SecretStr("owner-secret")} if token == "owner-secret" else {}
+    headers = {"Authorization": f"Bearer {token}"} if token else {}
+    async with open_house(settings("act: all", **owner)) as house, house.peer(**headers) as peer:
+        house.node("control").create_service(PerformCommand, PERFORM_COMMAND, perform)
+        forged = await peer.call(PERFORM_COMMAND, **COMMAND)
+        silent = await peer.call(PERFORM_COMMAND, **{key: one for key, one in COMMAND.items() if key != "issuer"})
+        assert (forged["result"], silent["result"]) == (True, True)
+    assert issuers == [issuer, issuer]
+
+
+async def test_a_request_of_a_service_without_an_issuer_stays_as_it_is(open_house: Any) -> None:
+    requests: list[TriggerRequest] = []
+
+    def answer(request: TriggerRequest) -> SuccessResponse:
+        requests.append(request)
+        return SuccessResponse(success=True, message="")
+
+    async with open_house() as house, house.peer() as peer:
+        house.node("app").create_service(Trigger, "/app/go", answer)
+        assert (await peer.call("/app/go"))["result"] is True
+    assert requests == [TriggerRequest()]
+
+
+async def test_each_refusal_is_counted_and_logged_and_told_on_the_graph(open_house: Any) -> None:
+    with capture_logs() as lines:
+        async with robot(open_house, "read") as (house, peer):
+            refusals = house.node("journal").create_subscription(AccessRefused, ACCESS_REFUSALS)
+            await refusal(peer, "publish", topic=OUT, msg=RAW_COMMAND)
+            with anyio.fail_after(PATIENCE):
+                told = await refusals.receive()
+            counts = {one.name: one.count for one in house.door.health(HealthRequest()).counts}
+    assert (told.issuer, told.operation, told.target, told.right) == ("client:robot", "publish", OUT, "raw")
+    assert told.address.startswith("127.0.0.1:")
+    assert told.reason.startswith("the right raw is missing; ")
+    assert (counts["rights_missing"], counts["requests_refused"]) == (1, 1)
+    line = next(one for one in lines if one["event"] == "door.right_missing")
+    assert f"publishing on {OUT} was refused: the right raw is missing" in line["message"]
+    assert "secret" not in f"{lines}{told}"
+
+
+async def test_a_flood_of_refusals_is_counted_in_full_and_told_in_part(open_house: Any) -> None:
+    with capture_logs() as lines:
+        async with open_house() as house, house.peer() as peer:
+            refusals = house.node("journal").create_subscription(AccessRefused, ACCESS_REFUSALS, qos_profile=1000)
+            for _ in range(200):
+                await refusal(peer, "publish", topic=OUT, msg=RAW_COMMAND)
+            counts = {one.name: one.count for one in house.door.health(HealthRequest()).counts}
+            told = sum(1 for _ in iter(refusals.take, None))
+    assert counts["rights_missing"] == 200
+    assert told == sum(line["event"] == "door.right_missing" for line in lines) < 100
+
+
+async def test_beside_named_tokens_a_local_client_needs_none(open_house: Any) -> None:
+    async with open_house(settings("raw")) as house, house.peer() as peer:
+        await peer.settle()
+        assert (await refusal(peer, "publish", topic=OUT, msg={})).startswith("the right raw is missing; a client")
+
+
+async def test_a_wrong_token_is_turned_away_where_there_are_named_ones(open_house: Any) -> None:
+    """It does not fall back to what clients without a token may do."""
+    async with open_house(settings("read")) as house:
+        with pytest.raises(InvalidStatus) as caught:
+            async with house.peer(Authorization="Bearer wrong"):
+                pytest.fail("let in")
+    assert caught.value.response.status_code == 401
+
+
+async def test_where_there_is_a_token_without_a_name_every_client_needs_one(open_house: Any) -> None:
+    door = settings("read", token=SecretStr("owner-secret"))
+    async with open_house(door) as house:
+        with pytest.raises(InvalidStatus):
+            async with house.peer():
+                pytest.fail("let in")
+        async with house.peer(Authorization="Bearer robot-secret") as peer:
+            await peer.settle()
+
+
+async def test_the_token_without_a_name_has_every_right(open_house: Any) -> None:
+    door = DoorSettings(port=0, token=SecretStr("owner-secret"))
+    async with open_house(door) as house, house.peer(Authorization="Bearer owner-secret") as peer:
+        commands = house.node("mqtt").create_subscription(RawCommand, OUT)
+        await peer.send("publish", topic=OUT, msg=RAW_COMMAND)
+        with anyio.fail_after(PATIENCE):
+            await commands.receive()
+
+
+async def test_the_scope_of_the_door_is_what_a_client_without_a_token_may_do(open_house: Any) -> None:
+    async with open_house(DoorSettings(port=0, scope=("read",))) as house, house.peer() as peer:
+        await peer.settle()
+        told = await refusal(peer, "publish", topic="/chatter", msg={})
+    assert told.startswith("the right act is missing; a client without a token has: read. ")
+
+
+def test_where_others_can_connect_a_client_without_a_token_has_no_rights() -> None:
+    door = settings("read", host="0.0.0.0")  # noqa: S104  # the case under test
+    assert set(door.rights(LOCAL_RIGHTS)) == {"robot"}
+
+
+@pytest.mark.parametrize("name", ["local", "owner", "", "a b", "a" * 65, "a/b"])
+def test_a_token_has_a_name_of_its_own(name: str) -> None:
+    with pytest.raises(ValidationError, match="a token cannot be called"):
+        DoorSettings(tokens={name: ClientToken(token=SecretStr("s"), scope=("read",))})
+
+
+def test_each_token_has_a_secret_of_its_own_which_no_error_shows() -> None:
+    one = ClientToken(token=SecretStr("hunter2"), scope=("read",))
+    with pytest.raises(ValidationError, match="the tokens owner and robot are the same") as caught:
+        DoorSettings(token=SecretStr("hunter2"), tokens={"robot": one})
+    assert "hunter2" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("service", "right"),
+    [
+        ("/getIndexData", Right.READ),
+        ("/discovery/query", Right.READ),
+        ("/discovery/places", Right.READ),
+        ("/control/journal", Right.READ),
+        ("/gateway/mqtt/health", Right.READ),
+        ("/gateway/mqtt/subscribe_to_topic", Right.READ),
+        ("/gateway/nfc/read_tag", Right.READ),
+        ("/rosapi/get_param", Right.READ),
+        ("/light_service/health", Right.READ),
+        ("/devices/command", Right.ACT),
+        ("/control/perform", Right.ACT),
+        ("/my_app/go", Right.ACT),
+        ("/rosapi/set_param", Right.MANAGE),
+        ("/discovery/forget", Right.MANAGE),
+        ("/discovery/merge", Right.MANAGE),
+        ("/discovery/place", Right.MANAGE),
+        ("/gateway/nfc/write_tag", Right.MANAGE),
+        ("/gateway/matter/commission", Right.MANAGE),
+        ("/control/to_come", Right.MANAGE),
+        ("/gateway/mqtt/send_command", Right.RAW),
+    ],
+)
+def test_each_service_needs_one_right(service: str, right: Right) -> None:
+    """One of homebot's own that is not known here is taken for one that changes it."""
+    assert right_to_call(service) is right
+
+
+def test_a_name_that_only_begins_like_one_of_homebot_is_none() -> None:
+    assert right_to_publish("/gateways/out") is Right.ACT
+    assert right_to_publish("/gateway") is Right.RAW

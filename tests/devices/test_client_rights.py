@@ -1,0 +1,111 @@
+"""What a program outside may command, by the scope that the owner wrote."""
+
+from __future__ import annotations
+
+import pytest
+from tests.devices.handles.conftest import device, part
+
+from homebot.devices.always_ask import always_asks
+from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, Right, read_scope
+from homebot.devices.device import Device
+from homebot.errors import UsageError
+
+HALL_LAMP = device("hall-lamp", part("light", "on_off"), area="Hall")
+KITCHEN_LAMP = device("kitchen-lamp", part("light", "on_off"), area="Kitchen")
+HALL_LOCK = device("hall-lock", part("door_lock", "lock"), area="Hall")
+GARAGE = device(
+    "garage",
+    part("closure", "movement", part_id="door", tag="garage_door"),
+    part("generic_switch", "push", part_id="button"),
+    part("light", "on_off", part_id="lamp"),
+    area="Garage",
+)
+VALVE = device("main-valve", part("water_valve", "valve"))
+ALARM = device("alarm", part("x_alarm_panel", "alarm"))
+OVEN = device("oven", part("x_unknown", "on_off", advertised="oven"))
+ODD_LOCK = device("odd", part("x_setting", "lock"))
+OVEN_PLUG = device("oven plug", part("plug", "on_off"), area="Kitchen")
+GATE_RELAY = device("front gate", part("switch", "on_off"))
+TAGGED = device("saw", part("plug", "on_off")).model_copy(update={"tags": ("always-ask",)})
+ASKING = [HALL_LOCK, GARAGE, VALVE, ALARM, OVEN, ODD_LOCK, OVEN_PLUG, GATE_RELAY, TAGGED]
+
+
+def may(rights: ClientRights, one: Device, number: int = 0) -> bool:
+    return rights.may_command(one, one.parts[number])
+
+
+@pytest.mark.parametrize("one", ASKING, ids=lambda one: one.id)
+def test_a_device_that_lets_in_or_floods_or_burns_always_asks(one: Device) -> None:
+    assert always_asks(one, one.parts[0])
+    assert not may(LOCAL_RIGHTS, one)
+    assert not may(read_scope(["act: with on_off or with lock or not light"]), one)
+    assert may(read_scope(["act: all"]), one)
+    assert may(read_scope([f'act: name="{one.name}"']), one)
+    assert may(read_scope([f'act: id="{one.id}"']), one)
+    assert may(ALL_RIGHTS, one)
+
+
+@pytest.mark.parametrize("name", ["Gate light", "Lock monitor", "Plug", "Garage", "Door"])
+def test_a_plug_of_another_name_does_not(name: str) -> None:
+    one = device(name, part("plug", "on_off"))
+    assert not always_asks(one, one.parts[0])
+    assert may(LOCAL_RIGHTS, one)
+
+
+def test_what_is_built_into_a_garage_door_asks_but_for_its_lamp() -> None:
+    """Its button opens it as well."""
+    assert [may(LOCAL_RIGHTS, GARAGE, number) for number in range(3)] == [False, False, True]
+
+
+def test_a_type_and_a_room_are_what_a_client_may_command() -> None:
+    rights = read_scope(["act: light in hall"])
+    assert [may(rights, one) for one in (HALL_LAMP, KITCHEN_LAMP, HALL_LOCK)] == [True, False, False]
+
+
+def test_a_room_alone_holds_no_lock() -> None:
+    """A lock has to be asked for by its type or its name."""
+    rights = read_scope(["act: in hall"])
+    assert [may(rights, one) for one in (HALL_LAMP, HALL_LOCK)] == [True, False]
+    assert may(read_scope(["act: lock in hall"]), HALL_LOCK)
+    assert not may(read_scope(["act: lock in kitchen"]), HALL_LOCK)
+
+
+def test_a_type_that_is_asked_for_elsewhere_does_not_help_a_room() -> None:
+    """The lock fits by its room, the word lock by the kitchen alone."""
+    assert not may(read_scope(["act: in hall or (lamp and in kitchen)"]), HALL_LOCK)
+    assert not may(read_scope(["act: not lamp"]), HALL_LOCK)
+
+
+def test_several_queries_add_up() -> None:
+    rights = read_scope(["act: light in hall", "act: lock"])
+    assert [may(rights, one) for one in (HALL_LAMP, KITCHEN_LAMP, HALL_LOCK)] == [True, False, True]
+
+
+def test_without_a_right_to_act_nothing_may_be_commanded() -> None:
+    assert not may(read_scope(["read", "manage", "raw"]), HALL_LAMP)
+    assert not may(ClientRights(), HALL_LAMP)
+
+
+def test_a_scope_has_the_rights_that_it_lists() -> None:
+    rights = read_scope([" read ", "act:light in hall", "raw"])
+    assert [one for one in Right if rights.has(one)] == [Right.READ, Right.ACT, Right.RAW]
+    assert (rights.text, ClientRights().text) == ("read, act, raw", "none")
+
+
+@pytest.mark.parametrize(
+    ("right", "problem"),
+    [
+        ("", "'' is no right; known are read"),
+        ("raed", "'raed' is no right; did you mean read"),
+        ("act", "'act': act needs a query, or all: 'act: light in hall'"),
+        ("act:", "'act:': act needs a query"),
+        ("read: light", "'read: light': read takes no query"),
+        ("act: (light", "'act: (light': "),
+        ("act: ligth in hall", "'act: ligth in hall': 'ligth' is neither a type nor a capability"),
+        ("act: not (lamp or foo)", "'foo' is neither a type nor a capability"),
+    ],
+)
+def test_what_is_no_right_is_refused_with_what_would_be(right: str, problem: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        read_scope(["read", right])
+    assert problem in str(caught.value)

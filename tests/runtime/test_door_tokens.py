@@ -1,0 +1,88 @@
+"""The tokens of programs outside, as they are configured."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from homebot.cli.commands.run import with_tokens
+from homebot.config import parse_config
+from homebot.devices.client_rights import LOCAL_RIGHTS
+from homebot.errors import ConfigError
+from homebot.runtime.plan import make_plan
+
+
+def secret_file(folder: Path, name: str = "robot.token", text: str = "hunter2\n") -> str:
+    file = folder / name
+    file.touch(mode=0o600)
+    file.write_text(text)
+    return name
+
+
+def test_a_named_token_comes_from_its_file(tmp_path: Path) -> None:
+    tables = {"robot": {"token_file": secret_file(tmp_path), "scope": ["read", "act: light in hall"]}}
+    settings = make_plan(parse_config({"door": {"tokens": tables}}, "homebot.toml", tmp_path)).door
+    assert settings.tokens["robot"].token.get_secret_value() == "hunter2"
+    rights = settings.rights(LOCAL_RIGHTS)
+    assert (rights["local"], rights["robot"].text) == (LOCAL_RIGHTS, "read, act")
+
+
+def test_a_named_token_is_enough_to_listen_for_others(tmp_path: Path) -> None:
+    tables = {"robot": {"token_file": secret_file(tmp_path), "scope": ["read"]}}
+    config = parse_config({"door": {"host": "0.0.0.0", "tokens": tables}}, "homebot.toml", tmp_path)  # noqa: S104
+    assert set(make_plan(config).door.rights(LOCAL_RIGHTS)) == {"robot"}
+
+
+def test_the_token_of_the_environment_is_not_one_more_beside_named_ones(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """There it is that of the command line: it must not get every right by that."""
+    monkeypatch.setenv("HOMEBOT_DOOR_TOKEN", "hunter2")
+    tables = {"robot": {"token_file": secret_file(tmp_path), "scope": ["read"]}}
+    config = with_tokens(parse_config({"door": {"tokens": tables}}, "homebot.toml", tmp_path))
+    assert set(make_plan(config).door.rights(LOCAL_RIGHTS)) == {"local", "robot"}
+
+
+@pytest.mark.parametrize(
+    ("table", "problem"),
+    [
+        ({"tokens": 1}, "homebot.toml: door.tokens: must be tables, [door.tokens.NAME]"),
+        ({"tokens": {"robot": 1}}, "homebot.toml: door.tokens.robot: must be a table, [door.tokens.robot]"),
+        ({"tokens": {"robot": {"scope": ["read"]}}}, "homebot.toml: door.tokens.robot.token_file: is missing"),
+        ({"tokens": {"robot": {"token_file": "robot.token"}}}, "homebot.toml: door.tokens.robot.scope: is missing"),
+        (
+            {"tokens": {"robot": {"token_file": "robot.token", "scope": ["raed"]}}},
+            "homebot.toml: door.tokens.robot.scope: 'raed' is no right; did you mean read or raw?",
+        ),
+        (
+            {"tokens": {"robot": {"token_file": "robot.token", "scope": ["act: ligth"]}}},
+            "homebot.toml: door.tokens.robot.scope: 'act: ligth': 'ligth' is neither a type nor a capability",
+        ),
+        (
+            {"tokens": {"robot": {"token_file": "robot.token", "scop": ["read"], "scope": []}}},
+            "homebot.toml: door.tokens.robot.scop: unknown key; did you mean scope?",
+        ),
+        (
+            {"tokens": {"robot": {"token_file": "gone", "scope": []}}},
+            "homebot.toml: door.tokens.robot.token_file: ",
+        ),
+        (
+            {"tokens": {"local": {"token_file": "robot.token", "scope": []}}},
+            "homebot.toml: door.tokens: a token cannot be called 'local'",
+        ),
+        (
+            {"token": "hunter2", "tokens": {"robot": {"token_file": "robot.token", "scope": []}}},
+            "homebot.toml: door.tokens: the tokens owner and robot are the same; each needs a secret of its own",
+        ),
+        ({"scope": ["act"]}, "homebot.toml: door.scope: 'act': act needs a query, or all: 'act: light in hall'"),
+    ],
+)
+def test_a_mistake_is_found_at_the_start_and_names_its_key(
+    tmp_path: Path, table: dict[str, object], problem: str
+) -> None:
+    secret_file(tmp_path)
+    with pytest.raises(ConfigError) as caught:
+        make_plan(parse_config({"door": table}, "homebot.toml", tmp_path))
+    assert str(caught.value).startswith(problem)
+    assert "hunter2" not in str(caught.value)
