@@ -16,6 +16,9 @@ cancellation that is not the node's own but that of a task which the callback aw
 
 An exception in one of the node's tasks ends the ``async with`` block: the node has crashed, and whoever runs it decides
 what happens next. The block raises that exception itself, or an exception group where there were several.
+
+It is longer than 400 lines because one class offers all that a node can do, as rclpy's does; each mechanism is in
+a file of its own.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Bluetooth in one process: virtual controllers on one link, and a bleak backend to it.
+"""Bluetooth in one process: virtual controllers on one link; a hub uses it through bleak.
 
-The one file that imports bumble, and so longer than others: radio and backend share its types. Devices advertise and
+It and :mod:`homebot.house.virtual_bleak`, the backend of bleak, are the files that import bumble. Devices advertise and
 serve GATT as on a radio, but nothing is lost and distance does not count. The virtual controller reports a constant
 -50 dBm, so that BlueZ, and filters, would see what no radio shows: each signal gets a strength of its own here,
 around that of its device.
@@ -14,25 +14,13 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from random import Random
 from typing import TYPE_CHECKING, Any
-from uuid import UUID
 
 import anyio
-from bleak.backends.characteristic import BleakGATTCharacteristic
-from bleak.backends.client import BaseBleakClient
-from bleak.backends.device import BLEDevice
-from bleak.backends.scanner import AdvertisementData, BaseBleakScanner
-from bleak.backends.service import BleakGATTService, BleakGATTServiceCollection
-from bleak.exc import (
-    BleakBluetoothNotAvailableError,
-    BleakBluetoothNotAvailableReason,
-    BleakDeviceNotFoundError,
-    BleakError,
-)
-from bleak.uuids import normalize_uuid_str
+from bleak.exc import BleakBluetoothNotAvailableError, BleakBluetoothNotAvailableReason
 from bumble import core
 from bumble.controller import Controller
-from bumble.core import AdvertisingData, BaseBumbleError, PhysicalTransport
-from bumble.device import AdvertisingType, Device, Peer
+from bumble.core import AdvertisingData, PhysicalTransport
+from bumble.device import AdvertisingType, Device
 from bumble.gatt import Characteristic, CharacteristicValue, Service
 from bumble.hci import (
     Address,
@@ -47,10 +35,9 @@ from bumble.link import LocalLink
 from bumble.ll import AdvertisingPdu, AdvExtInd, AdvInd
 from bumble.transport.common import AsyncPipeSink
 
-from homebot.isolation import is_cancelled
+from homebot.house.virtual_bleak import VirtualClient, VirtualScanner
 
 if TYPE_CHECKING:
-    from bumble.device import Advertisement as BumbleAdvertisement
     from bumble.device import Connection
 
 __all__ = ["GattValue", "VirtualPeripheral", "VirtualRadio"]
@@ -59,25 +46,6 @@ HUB = "F0:F0:F0:F0:F0:FF"
 RSSI = -60.0
 JITTER = 3.0
 """Both in dB: how strongly a device is received, and how much that varies from packet to packet."""
-
-CONNECT_WITHIN = 5.0
-MTU = 247
-_PROPERTIES = (
-    (Characteristic.Properties.READ, "read"),
-    (Characteristic.Properties.WRITE_WITHOUT_RESPONSE, "write-without-response"),
-    (Characteristic.Properties.WRITE, "write"),
-    (Characteristic.Properties.NOTIFY, "notify"),
-    (Characteristic.Properties.INDICATE, "indicate"),
-)
-_SHORT_SERVICES = (
-    AdvertisingData.Type.INCOMPLETE_LIST_OF_16_BIT_SERVICE_CLASS_UUIDS,
-    AdvertisingData.Type.COMPLETE_LIST_OF_16_BIT_SERVICE_CLASS_UUIDS,
-)
-_LONG_SERVICES = (
-    AdvertisingData.Type.INCOMPLETE_LIST_OF_128_BIT_SERVICE_CLASS_UUIDS,
-    AdvertisingData.Type.COMPLETE_LIST_OF_128_BIT_SERVICE_CLASS_UUIDS,
-)
-_NAMES = (AdvertisingData.Type.SHORTENED_LOCAL_NAME, AdvertisingData.Type.COMPLETE_LOCAL_NAME)
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,9 +141,9 @@ class VirtualRadio:
         self._hub = _device(self._controller, "hub", HUB)
         self._rssi: dict[str, float] = {}
         self._is_plugged = True
-        self.scanners: set[_VirtualScanner] = set()
-        self.scanner: type[object] = type("VirtualScanner", (_VirtualScanner,), {"radio": self})
-        self.client: type[object] = type("VirtualClient", (_VirtualClient,), {"radio": self})
+        self.scanners: set[VirtualScanner] = set()
+        self.scanner: type[object] = type("VirtualScanner", (VirtualScanner,), {"radio": self})
+        self.client: type[object] = type("VirtualClient", (VirtualClient,), {"radio": self})
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[VirtualRadio]:
@@ -311,187 +279,8 @@ class _Link(LocalLink):
             destination.on_link_acl_data(connection.self_address, transport, data)
 
 
-class _VirtualScanner(BaseBleakScanner):
-    """bleak's scanner on a virtual adapter."""
-
-    radio: VirtualRadio
-
-    def __init__(
-        self, detection_callback: Any, service_uuids: list[str] | None, mode: str = "active", **_: Any
-    ) -> None:
-        super().__init__(detection_callback, service_uuids)
-        self._is_active = mode == "active"
-
-    async def start(self) -> None:
-        hub = self.radio.hub()
-        self.seen_devices = {}
-        hub.on("advertisement", self._hear)
-        self.radio.scanners.add(self)
-        await hub.start_scanning(active=self._is_active, filter_duplicates=False)
-
-    async def stop(self) -> None:
-        self.radio.scanners.discard(self)
-        hub = self.radio.hub()
-        hub.remove_listener("advertisement", self._hear)
-        await hub.stop_scanning()
-
-    def _hear(self, heard: BumbleAdvertisement) -> None:
-        self.hear(heard.address, heard.data.ad_structures)
-
-    def hear(self, sender: Address, fields: Sequence[tuple[int, bytes]]) -> None:
-        """Report an advertisement to bleak."""
-        if not self.radio.is_plugged:
-            return
-        address = sender.to_string(with_type_qualifier=False)
-        data = _advertisement_data(fields, self.radio.strength(address))
-        if not self.is_allowed_uuid(data.service_uuids):
-            return
-        device = self.create_or_update_device(address, address, data.local_name, {"address": sender}, data)
-        self.call_detection_callbacks(device, data)
-
-
-class _VirtualClient(BaseBleakClient):
-    """bleak's client on a virtual adapter."""
-
-    radio: VirtualRadio
-
-    def __init__(
-        self,
-        address_or_ble_device: BLEDevice | str,
-        *,
-        disconnected_callback: Callable[[], None] | None,
-        timeout: float,
-        **_: Any,
-    ) -> None:
-        super().__init__(
-            address_or_ble_device, disconnected_callback=disconnected_callback, timeout=min(timeout, CONNECT_WITHIN)
-        )
-        known = address_or_ble_device.details["address"] if isinstance(address_or_ble_device, BLEDevice) else None
-        self._peer_address = known or Address(self.address)
-        self._connection: Connection | None = None
-        self._peer: Peer | None = None
-        self._subscribed: dict[int, Callable[[bytes], None]] = {}
-
-    @property
-    def name(self) -> str:
-        return self.address
-
-    @property
-    def mtu_size(self) -> int:
-        return MTU
-
-    @property
-    def is_connected(self) -> bool:
-        return self._connection is not None
-
-    async def connect(self, pair: bool, **_: Any) -> None:  # noqa: FBT001 - bleak's signature
-        del pair
-        hub = self.radio.hub()
-        try:
-            connection = await hub.connect(self._peer_address, timeout=self._timeout)
-        except (BaseBumbleError, TimeoutError) as exc:
-            raise BleakDeviceNotFoundError(self.address, f"no connection was made: {exc!r}") from exc
-        except asyncio.CancelledError:
-            self.radio.stop_connecting()
-            raise
-        self._connection = connection
-        connection.on("disconnection", self._lose)
-        self._peer = Peer(connection)
-        await _answer(self._peer.request_mtu(MTU))
-        self.services = await _answer(_discover(self._peer))
-
-    def _lose(self, reason: int) -> None:
-        del reason
-        self._connection = None
-        if self._disconnected_callback is not None:
-            self._disconnected_callback()
-
-    async def disconnect(self) -> None:
-        if self._connection is not None:
-            await self._connection.disconnect()
-
-    async def pair(self, *_: Any, **__: Any) -> None:
-        raise NotImplementedError("the virtual radio does not pair")  # as bleak's backends that cannot
-
-    async def unpair(self) -> None:
-        raise NotImplementedError("the virtual radio does not pair")  # as bleak's backends that cannot
-
-    async def read_gatt_char(self, characteristic: BleakGATTCharacteristic, **_: Any) -> bytearray:
-        self._check()
-        return bytearray(await _answer(characteristic.obj.read_value()))
-
-    async def read_gatt_descriptor(self, descriptor: Any, **_: Any) -> bytearray:
-        self._check()
-        return bytearray(await _answer(descriptor.obj.read_value()))
-
-    async def write_gatt_char(
-        self,
-        characteristic: BleakGATTCharacteristic,
-        data: Any,
-        response: bool,  # noqa: FBT001 - bleak's signature
-    ) -> None:
-        self._check()
-        await _answer(characteristic.obj.write_value(bytes(data), with_response=response))
-
-    async def write_gatt_descriptor(self, descriptor: Any, data: Any) -> None:
-        self._check()
-        await _answer(descriptor.obj.write_value(bytes(data), with_response=True))
-
-    async def start_notify(
-        self, characteristic: BleakGATTCharacteristic, callback: Callable[[bytearray], None], **_: Any
-    ) -> None:
-        self._check()
-
-        def hear(value: bytes) -> None:
-            callback(bytearray(value))
-
-        self._subscribed[characteristic.handle] = hear
-        await _answer(characteristic.obj.subscribe(hear, prefer_notify="notify" in characteristic.properties))
-
-    async def stop_notify(self, characteristic: BleakGATTCharacteristic) -> None:
-        self._check()
-        await _answer(characteristic.obj.unsubscribe(self._subscribed.pop(characteristic.handle)))
-
-    def _check(self) -> None:
-        if self._connection is None:
-            raise BleakError("Not connected")
-
-
 def _device(controller: Controller, name: str, address: str) -> Device:
     return Device(name=name, address=Address(address), host=Host(controller, AsyncPipeSink(controller)))
-
-
-async def _answer(request: Any) -> Any:
-    try:
-        return await request
-    except (BaseBumbleError, TimeoutError) as exc:
-        raise BleakError(f"no answer: {exc!r}") from exc
-    except asyncio.CancelledError as exc:
-        if is_cancelled():
-            raise
-        raise BleakError("the connection was lost") from exc  # bumble cancels what waits for an answer
-
-
-async def _discover(peer: Peer) -> BleakGATTServiceCollection:
-    found = BleakGATTServiceCollection()
-    for one in await peer.discover_services():
-        service = BleakGATTService(one, one.handle, _uuid(one.uuid))
-        found.add_service(service)
-        for each in await one.discover_characteristics():
-            names: list[Any] = [name for bit, name in _PROPERTIES if bit & each.properties]
-            found.add_characteristic(
-                BleakGATTCharacteristic(each, each.handle, _uuid(each.uuid), names, lambda: MTU - 3, service)
-            )
-    return found
-
-
-def _uuid(uuid: core.UUID) -> str:
-    text = uuid.to_hex_str("-").lower()
-    return normalize_uuid_str(text) if len(text) <= 8 else text
-
-
-def _uuid_of(raw: bytes) -> str:
-    return str(UUID(bytes=raw[::-1])) if len(raw) == 16 else normalize_uuid_str(raw[::-1].hex())
 
 
 def _characteristic(value: GattValue) -> Any:
@@ -515,28 +304,3 @@ def _characteristic(value: GattValue) -> Any:
             write=None if write is None else (lambda _, data: write(bytes(data))),
         ),
     )
-
-
-def _advertisement_data(fields: Sequence[tuple[int, bytes]], rssi: int) -> AdvertisementData:
-    name: str | None = None
-    tx_power: int | None = None
-    manufacturer: dict[int, bytes] = {}
-    service_data: dict[str, bytes] = {}
-    services: list[str] = []
-    for kind, value in fields:
-        if kind == AdvertisingData.Type.MANUFACTURER_SPECIFIC_DATA:
-            manufacturer[int.from_bytes(value[:2], "little")] = value[2:]
-        elif kind == AdvertisingData.Type.SERVICE_DATA_16_BIT_UUID:
-            service_data[_uuid_of(value[:2])] = value[2:]
-        elif kind == AdvertisingData.Type.SERVICE_DATA_128_BIT_UUID:
-            service_data[_uuid_of(value[:16])] = value[16:]
-        elif kind in _SHORT_SERVICES:
-            services += [_uuid_of(value[at : at + 2]) for at in range(0, len(value), 2)]
-        elif kind in _LONG_SERVICES:
-            services += [_uuid_of(value[at : at + 16]) for at in range(0, len(value), 16)]
-        elif kind in _NAMES:
-            name = value.decode(errors="replace")
-        elif kind == AdvertisingData.Type.TX_POWER_LEVEL:
-            tx_power = int.from_bytes(value, "little", signed=True)
-    # the virtual controller answers a scan with a copy of the advertisement
-    return AdvertisementData(name, manufacturer, service_data, list(dict.fromkeys(services)), tx_power, rssi, ())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import final
 
 from homebot.discovery.device_table import DeviceTable
@@ -14,6 +13,7 @@ from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.decisions import OWNER, MergeDecisions
 from homebot.discovery.merging.identity import IdentityGraph
 from homebot.discovery.merging.parts import CONFIRM, NO_IDS
+from homebot.discovery.merging.regrouping import Regrouped, regroup
 from homebot.discovery.merging.trust import EndpointKey, command_endpoints, endpoint_of, judge
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.source_record import SourceKey, SourceRecord
@@ -22,8 +22,7 @@ from homebot.discovery.topics.use import topic_use
 from homebot.errors import RefusedError
 from homebot.messages import Time
 
-__all__ = ["DeviceMerger", "Regrouped", "regroup"]
-
+__all__ = ["DeviceMerger"]
 
 _MAX_EVIDENCE = 16
 
@@ -356,60 +355,6 @@ class DeviceMerger:
                 if owner and owner != entry.id and owner in table.entries:
                     return owner
         return ""
-
-
-@dataclass(frozen=True, slots=True)
-class Regrouped:
-    """One device as it is to be.
-
-    Attributes:
-        keys: Its announcements, the oldest first.
-        keeps: The device that it was before; None for a new one.
-        gone: Devices that are no more, because they are this one.
-        parents: Devices that some of the announcements were thought to be about, and that live on.
-    """
-
-    keys: tuple[SourceKey, ...]
-    keeps: Entry | None
-    gone: tuple[Entry, ...]
-    parents: tuple[Entry, ...]
-
-
-def regroup(
-    groups: Iterable[frozenset[SourceKey]], owners: Mapping[SourceKey, Entry], sources: Mapping[SourceKey, SourceRecord]
-) -> tuple[Regrouped, ...]:
-    """Return the devices that *groups* of announcements are about.
-
-    A device goes with its oldest announcement; of several that become one, the one with the oldest lives on.
-
-    Args:
-        groups: The announcements of each device.
-        owners: What they were thought to be about; new ones have none.
-        sources: The announcements; the one with the smaller number is older.
-    """
-
-    def age(key: SourceKey) -> int:
-        return sources[key].number
-
-    ordered = sorted((tuple(sorted(group, key=age)) for group in groups), key=lambda keys: age(keys[0]))
-    found: list[tuple[tuple[SourceKey, ...], Entry | None, list[Entry]]] = []
-    kept: set[str] = set()
-    for keys in ordered:
-        entries = list(dict.fromkeys(owners[key] for key in keys if key in owners))
-        members = frozenset(keys)
-        keeps = next((one for one in entries if one.id not in kept and next(iter(one.sources)) in members), None)
-        if keeps is not None:
-            kept.add(keeps.id)
-        found.append((keys, keeps, entries))
-    return tuple(
-        Regrouped(
-            keys,
-            keeps,
-            gone=tuple(one for one in entries if one.id not in kept and keeps is not None),
-            parents=tuple(one for one in entries if one.id in kept and one is not keeps),
-        )
-        for keys, keeps, entries in found
-    )
 
 
 def _first_seen(sources: Mapping[SourceKey, SourceRecord]) -> Time:

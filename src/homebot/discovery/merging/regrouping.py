@@ -1,0 +1,65 @@
+"""The devices that groups of announcements become, given those that they were thought to be about. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from homebot.discovery.entry import Entry
+from homebot.discovery.source_record import SourceKey, SourceRecord
+
+__all__ = ["Regrouped", "regroup"]
+
+
+@dataclass(frozen=True, slots=True)
+class Regrouped:
+    """One device as it is to be.
+
+    Attributes:
+        keys: Its announcements, the oldest first.
+        keeps: The device that it was before; None for a new one.
+        gone: Devices that are no more, because they are this one.
+        parents: Devices that some of the announcements were thought to be about, and that live on.
+    """
+
+    keys: tuple[SourceKey, ...]
+    keeps: Entry | None
+    gone: tuple[Entry, ...]
+    parents: tuple[Entry, ...]
+
+
+def regroup(
+    groups: Iterable[frozenset[SourceKey]], owners: Mapping[SourceKey, Entry], sources: Mapping[SourceKey, SourceRecord]
+) -> tuple[Regrouped, ...]:
+    """Return the devices that *groups* of announcements are about.
+
+    A device goes with its oldest announcement; of several that become one, the one with the oldest lives on.
+
+    Args:
+        groups: The announcements of each device.
+        owners: What they were thought to be about; new ones have none.
+        sources: The announcements; the one with the smaller number is older.
+    """
+
+    def age(key: SourceKey) -> int:
+        return sources[key].number
+
+    ordered = sorted((tuple(sorted(group, key=age)) for group in groups), key=lambda keys: age(keys[0]))
+    found: list[tuple[tuple[SourceKey, ...], Entry | None, list[Entry]]] = []
+    kept: set[str] = set()
+    for keys in ordered:
+        entries = list(dict.fromkeys(owners[key] for key in keys if key in owners))
+        members = frozenset(keys)
+        keeps = next((one for one in entries if one.id not in kept and next(iter(one.sources)) in members), None)
+        if keeps is not None:
+            kept.add(keeps.id)
+        found.append((keys, keeps, entries))
+    return tuple(
+        Regrouped(
+            keys,
+            keeps,
+            gone=tuple(one for one in entries if one.id not in kept and keeps is not None),
+            parents=tuple(one for one in entries if one.id in kept and one is not keeps),
+        )
+        for keys, keeps, entries in found
+    )
