@@ -237,8 +237,9 @@ class Entry:
         if self._description is None:
             sources = tuple(self.sources.values())
             self._description = _describe(sources, topics, self.known_ids, self.owner)
-            if self.owner is not None and (stated := self.owner.of(self.id, sources)):
-                self._description = _with_stated(self._description, stated, self.owner.plan)
+            owner = self.owner
+            if owner is not None and not owner.is_empty and (stated := owner.of(self.id, sources)):
+                self._description = _with_stated(self._description, stated, owner.plan)
             if self.known_ids:
                 self.known_ids = lost_ids(self.known_ids, self._description.merged.places)
         return self._description

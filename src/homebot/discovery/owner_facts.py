@@ -11,8 +11,8 @@ Of two statements on one fact a command outranks an import, an import the config
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Collection, Container, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias, final
 
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -30,6 +30,21 @@ MAX_STATEMENTS = 100_000
 
 _Facts: TypeAlias = tuple[OwnerFact, ...]
 _NONE: _Facts = ()
+
+
+@dataclass(slots=True, eq=False)
+class _Statement:
+    """Facts that commands and imports state of the device of some announcements, or of some names.
+
+    Attributes:
+        facts: The facts.
+        keys: The announcements.
+        names: The ids and hardware addresses.
+    """
+
+    facts: _Facts
+    keys: dict[SourceKey, None] = field(default_factory=dict)
+    names: dict[str, None] = field(default_factory=dict)
 
 
 class _StatementRecord(BaseModel):
@@ -59,10 +74,11 @@ class OwnerFacts:
 
     Attributes:
         plan: The rooms of the configuration and those that were imported.
+        is_empty: Whether nothing was ever stated of a device, so that there is nothing to ask for.
         is_unsaved: Whether something was stated that is not in the index file.
     """
 
-    __slots__ = ("_by_key", "_by_name", "_configured", "_imported", "_known_as", "is_unsaved", "plan")
+    __slots__ = ("_by_key", "_by_name", "_configured", "_imported", "_known_as", "is_empty", "is_unsaved", "plan")
 
     def __init__(self, home: str = UNNAMED, places: Places | None = None, read_at: float = 0.0) -> None:
         given = places or Places()
@@ -74,19 +90,20 @@ class OwnerFacts:
             for name in names
         }
         self._imported: tuple[HouseRoom, ...] = ()
-        self._by_key: dict[SourceKey, _Facts] = {}
-        self._by_name: dict[str, _Facts] = {}
+        self._by_key: dict[SourceKey, _Statement] = {}
+        self._by_name: dict[str, _Statement] = {}
         self._known_as: dict[SourceKey, str] = {}
+        self.is_empty = not self._configured
 
     def of(self, device_id: str, sources: Collection[SourceRecord]) -> _Facts:
         """Return the facts of a device, each once: its room, its aliases, those that are shown first first, its tags.
+
+        Only to be asked for where it :attr:`is_empty` no longer.
 
         Args:
             device_id: Its id.
             sources: Its announcements.
         """
-        if not (self._configured or self._by_key or self._by_name):
-            return _NONE
         stated = self.stated(device_id, sources)
         found = (*stated, *self._configured_of(device_id, sources)) if self._configured else stated
         return _once(found) if found else _NONE
@@ -94,12 +111,13 @@ class OwnerFacts:
     def stated(self, device_id: str, sources: Collection[SourceRecord]) -> _Facts:
         """Return the facts that commands and imports stated of a device: those of commands first, later ones first."""
         by_key = self._by_key
-        found = list(dict.fromkeys(by_key[source.key] for source in sources if source.key in by_key))
-        if not found:
-            found = [self._by_name[name] for name in _names(device_id, sources) if name in self._by_name]
+        found = dict.fromkeys(by_key[source.key] for source in sources if source.key in by_key)
+        if not found and self._by_name:
+            by_name = self._by_name
+            found = dict.fromkeys(by_name[name] for name in _names(device_id, sources) if name in by_name)
         if not found:
             return _NONE
-        return _once(sorted((fact for facts in found for fact in facts), key=_rank))
+        return _once(sorted((fact for statement in found for fact in statement.facts), key=_rank))
 
     def known_as(self, key: SourceKey) -> str:
         """Return the name by which the configuration states something of an announcement; empty for none."""
@@ -116,47 +134,56 @@ class OwnerFacts:
         Raises:
             RefusedError: There are too many statements.
         """
-        stated = tuple(facts)
-        keys = [source.key for source in sources]
-        new = sum(key not in self._by_key for key in keys) + (device_id not in self._by_name)
-        if stated:
+        stated = _Statement(tuple(facts), {source.key: None for source in sources}, {device_id: None})
+        if stated.facts:
+            new = sum(key not in self._by_key for key in stated.keys) + (device_id not in self._by_name)
             self.check_room(new)
-        replaced = {id(self._by_key[key]) for key in keys if key in self._by_key}
-        replaced |= {id(self._by_name[name]) for name in _names(device_id, sources) if name in self._by_name}
-        for key in keys:
-            self._by_key.pop(key, None)
-        replaced -= {id(one) for one in self._by_key.values()}  # what others were split off with stays theirs
-        self._by_name = {name: one for name, one in self._by_name.items() if id(one) not in replaced}
+        replaced = [self._by_key.pop(key) for key in stated.keys if key in self._by_key]
+        replaced += [self._by_name[name] for name in _names(device_id, sources) if name in self._by_name]
+        for statement in replaced:
+            for key in stated.keys:
+                statement.keys.pop(key, None)
+            statement.names.pop(device_id, None)
+            if not statement.keys:  # else it is of a device that was split off
+                for name in statement.names:
+                    self._by_name.pop(name, None)
         self._by_name.pop(device_id, None)
-        if stated:
-            self._by_name[device_id] = stated
-            self._by_key.update(dict.fromkeys(keys, stated))
+        if stated.facts:
+            self._put(stated)
         self.is_unsaved = True
 
-    def put_unknown(self, names: Iterable[str], facts: Iterable[OwnerFact]) -> None:
+    def put_unknown(self, names: Iterable[str], facts: Iterable[OwnerFact], present: Container[SourceKey]) -> None:
         """Keep *facts* of a device that is not there yet.
 
         Args:
             names: The id, or the hardware addresses, that it will have.
             facts: The facts.
+            present: The announcements of devices that are there.
 
         Raises:
             RefusedError: There are too many statements.
         """
-        stated, known_by = tuple(facts), tuple(names)
-        self.check_room(sum(name not in self._by_name for name in known_by))
-        self._by_name.update(dict.fromkeys(known_by, stated))
+        stated = _Statement(tuple(facts), names=dict.fromkeys(names))
+        self.check_room(sum(name not in self._by_name for name in stated.names))
+        for name in stated.names:
+            if (before := self._by_name.get(name)) is not None:
+                before.names.pop(name)
+                stated.keys.update((key, None) for key in before.keys if key not in present)
+                for key in stated.keys:
+                    before.keys.pop(key, None)
+        self._put(stated)
         self.is_unsaved = True
 
     def unknown(self, known: Collection[str]) -> Iterator[tuple[str, _Facts]]:
         """Yield each name of which something is stated that is not among the *known* ids and hardware addresses."""
         for name in dict.fromkeys((*self._by_name, *self._configured)):
             if name not in known:
-                yield name, _once((*self._by_name.get(name, ()), *self._configured.get(name, ())))
+                yield name, _once((*self.stated_of((name,)), *self._configured.get(name, ())))
 
-    def stated_of(self, name: str) -> _Facts:
-        """Return the facts that an import stated of a device that is not there yet."""
-        return self._by_name.get(name, _NONE)
+    def stated_of(self, names: Iterable[str]) -> _Facts:
+        """Return the facts that commands and imports stated of a device that is not there now, by its *names*."""
+        statements = dict.fromkeys(self._by_name[name] for name in names if name in self._by_name)
+        return _once(sorted((fact for statement in statements for fact in statement.facts), key=_rank))
 
     def import_rooms(self, rooms: Iterable[HouseRoom], source: str) -> None:
         """Add *rooms* to the plan.
@@ -180,51 +207,38 @@ class OwnerFacts:
 
     def adopt(self, device_id: str, sources: Iterable[SourceRecord]) -> None:
         """Note under which id a device appears, so that what is stated of it stays with its announcements."""
-        if not (self._configured or self._by_name):
-            return
         for source in sources:
-            names = _names(device_id, (source,))
+            names = tuple(_names(device_id, (source,)))
             configured = next((name for name in names if name in self._configured), "")
             if configured and self._known_as.get(source.key) != configured and self._has_room():
                 self._known_as[source.key] = configured
                 self.is_unsaved = True
-            if source.key not in self._by_key and self._has_room():
-                stated = next((self._by_name[name] for name in names if name in self._by_name), _NONE)
-                if stated:
-                    self._by_key[source.key] = stated
-                    self.is_unsaved = True
+            stated = next((self._by_name[name] for name in names if name in self._by_name), None)
+            if stated is not None and source.key not in self._by_key:
+                self._add_key(stated, source.key)
 
     def inherit(self, sibling: SourceKey, key: SourceKey) -> None:
         """Give the announcement *key* what is stated of *sibling*, which is of the same device."""
-        if sibling in self._by_key and key not in self._by_key and self._has_room():
-            self._by_key[key] = self._by_key[sibling]
-            self.is_unsaved = True
+        if sibling in self._by_key and key not in self._by_key:
+            self._add_key(self._by_key[sibling], key)
         if sibling in self._known_as and key not in self._known_as and self._has_room():
             self._known_as[key] = self._known_as[sibling]
             self.is_unsaved = True
 
     def record(self) -> str:
         """Return all but the configuration as text, for the index file."""
-        keys: dict[int, list[SourceKey]] = {}
-        names: dict[int, list[str]] = {}
-        statements: dict[int, _Facts] = {}
-        for key, facts in self._by_key.items():
-            keys.setdefault(id(facts), []).append(key)
-            statements[id(facts)] = facts
-        for name, facts in self._by_name.items():
-            names.setdefault(id(facts), []).append(name)
-            statements[id(facts)] = facts
+        statements = dict.fromkeys((*self._by_key.values(), *self._by_name.values()))
         record = {
             "statements": [
                 {
                     "facts": [
-                        {"name": one.name, "value": one.value, "source": one.source, "said_at": one.said_at}
-                        for one in facts
+                        {"name": fact.name, "value": fact.value, "source": fact.source, "said_at": fact.said_at}
+                        for fact in one.facts
                     ],
-                    "announcements": keys.get(number, []),
-                    "names": names.get(number, []),
+                    "announcements": list(one.keys),
+                    "names": list(one.names),
                 }
-                for number, facts in statements.items()
+                for one in statements
             ],
             "rooms": [{"name": one.name, "floor": one.floor, "doors": one.doors} for one in self._imported],
             "known_as": [[*key, name] for key, name in self._known_as.items()],
@@ -243,9 +257,9 @@ class OwnerFacts:
         except ValidationError as exc:
             raise WireError(f"no places: {exc.errors()[0]['msg']}", record[:100].encode(errors="replace")) from exc
         for statement in read.statements:
-            if len(self._by_key) + len(self._by_name) < MAX_STATEMENTS:
-                self._by_key.update(dict.fromkeys(statement.announcements, statement.facts))
-                self._by_name.update(dict.fromkeys(statement.names, statement.facts))
+            if self._has_room():
+                keys, names = dict.fromkeys(statement.announcements), dict.fromkeys(statement.names)
+                self._put(_Statement(statement.facts, keys, names))
         self._known_as = {(gateway, key): name for gateway, key, name in read.known_as[:MAX_STATEMENTS]}
         self._imported = read.rooms
         problem: ConfigError | None = None
@@ -264,6 +278,17 @@ class OwnerFacts:
         names = dict.fromkeys(_names(device_id, sources))
         names |= dict.fromkeys(self._known_as[source.key] for source in sources if source.key in self._known_as)
         return tuple(fact for name in names for fact in self._configured.get(name, ()))
+
+    def _put(self, statement: _Statement) -> None:
+        self._by_key.update(dict.fromkeys(statement.keys, statement))
+        self._by_name.update(dict.fromkeys(statement.names, statement))
+        self.is_empty = False
+
+    def _add_key(self, statement: _Statement, key: SourceKey) -> None:
+        if self._has_room():
+            statement.keys[key] = None
+            self._by_key[key] = statement
+            self.is_unsaved = True
 
     def _has_room(self) -> bool:
         return len(self._by_key) + len(self._by_name) + len(self._known_as) < MAX_STATEMENTS

@@ -132,14 +132,13 @@ class PlacesEditor:
         return ""
 
     def _check_typo(self, room: str) -> None:
-        plan, table = self._table.owner.plan, self._table
-        known = [*(one.name for one in plan.rooms), *plan.floors]
-        known += {area for entry in table.entries.values() if (area := entry.to_device(table.topics).area)}
+        plan = self._table.owner.plan
+        known = {fold(one): one for one in (*(one.name for one in plan.rooms), *plan.floors)}
+        known = {area: area for area in self._table.postings.values_of("area")} | known
         spelled = fold(room)
-        if all(fold(one) != spelled for one in known):
-            meant = sorted({one for one in known if is_typo(spelled, fold(one))})
-            if meant:
-                raise UsageError(f"there is no room {room!r}; did you mean {' or '.join(meant)}?")
+        meant = sorted(name for key, name in known.items() if is_typo(spelled, key)) if spelled not in known else ()
+        if meant:
+            raise UsageError(f"there is no room {room!r}; did you mean {' or '.join(meant)}?")
 
     def _entry(self, device_id: str) -> Entry:
         entry = self._table.entries.get(device_id)

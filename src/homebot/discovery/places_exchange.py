@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Generator, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import final
 
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.places_editor import PlacesEditor
+from homebot.discovery.source_record import SourceKey
 from homebot.errors import ConfigError
 from homebot.folding import fold
-from homebot.places import OwnerFact, Places, places_text, read_places
+from homebot.places import HousePlan, OwnerFact, Places, places_text, read_places
 from homebot.toml_file import parse_toml
 
-__all__ = ["Imported", "PlacesExchange"]
+__all__ = ["Imported", "PlacesExchange", "parse_places"]
 
-_SOURCE = "the places file"
+SOURCE = "the places file"
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,12 +48,16 @@ class PlacesExchange:
         self._table = table
         self._editor = editor
 
-    def export_text(self) -> str:
-        """Return all rooms, and all that the owner states of devices, as the text of a places file."""
+    def export_text(self) -> Generator[None, None, str]:
+        """Return all rooms, and all that the owner states of devices, as the text of a places file.
+
+        Others may have their turn at each step.
+        """
         owner = self._table.owner
         devices: list[tuple[str, tuple[OwnerFact, ...], tuple[str, ...]]] = []
         known: set[str] = set()
-        for entry in self._table.entries.values():
+        for entry in tuple(self._table.entries.values()):
+            yield
             sources = entry.sources.values()
             known.add(entry.id)
             known.update(one for source in sources for one in source.sighting.identifiers)
@@ -62,76 +67,110 @@ class PlacesExchange:
         devices += [(name, facts, ()) for name, facts in owner.unknown(known)]
         return places_text(owner.plan.home, owner.plan.rooms, sorted(devices, key=lambda one: one[0]))
 
-    def import_text(self, text: str, now: float, *, replaces: bool = False) -> Imported:
-        """Take over the text of a places file: all of it or, with a mistake in it, nothing.
+    def take(self, places: Places, *, replaces: bool = False) -> Generator[None, None, Imported]:
+        """Take over the content of a places file: all of it or, where it does not fit, nothing.
 
-        It adds rooms, aliases and tags. The room of a device that was stated here before stays.
+        It adds rooms, aliases and tags. The room of a device that was stated here before stays. Others may have their
+        turn at each step.
 
         Args:
-            text: The text.
-            now: Seconds since the Unix epoch.
+            places: The content.
             replaces: Whether the file's room of a device wins over one that was stated here before.
 
         Raises:
-            ConfigError: The first mistake; names the key and the value.
-            RefusedError: There are too many statements; nothing was taken over.
+            ConfigError: Its rooms do not fit those of the house; names the key and the value.
+            RefusedError: There are too many statements.
         """
         owner = self._table.owner
-        read = read_places(_places_table(text), owner.plan.home, _SOURCE, "import", now)
-        by_identifier = self._by_identifier()
-        entries = {names: self._known_by(names, by_identifier) for names in read.devices}
-        owner.check_room(_count(read, entries))
-        added = [f"room {room.name}" for room in read.rooms if owner.plan.room(room.name) is None]
-        before = owner.plan.rooms
-        if read.rooms:
-            owner.import_rooms(read.rooms, _SOURCE)
+        by_identifier = yield from self._by_identifier(frozenset(name for names in places.devices for name in names))
+        owner.check_room(sum(self._count(names, by_identifier) for names in places.devices))
+        before = owner.plan
+        added = [f"room {room.name}" for room in places.rooms if before.room(room.name) is None]
+        if places.rooms:
+            owner.import_rooms(places.rooms, SOURCE)
         kept: list[str] = []
-        for names, facts in read.devices.items():
-            for entry in entries[names]:
-                stated = self._editor.stated(entry)
-                in_use = owner.of(entry.id, entry.sources.values())
-                merged = _merge(entry.id, stated, facts, in_use, kept, replaces=replaces)
-                if merged != stated:
-                    self._editor.state(entry, merged, "a places file was imported")
-                    added.append(entry.id)
-            if not entries[names]:
-                stated = owner.stated_of(names[0])
-                merged = _merge(names[0], stated, facts, stated, kept, replaces=replaces)
-                if merged != stated:
-                    owner.put_unknown(names, merged)
-                    added.append(f"{names[0]}, which is not there yet")
-        if owner.plan.rooms != before:
-            self._editor.restate(tuple(self._table.entries.values()), "the rooms of the house changed")
+        for names, facts in places.devices.items():
+            yield
+            entries = self._known_by(names, by_identifier)
+            added += [entry.id for entry in entries if self._take_device(entry, facts, kept, replaces=replaces)]
+            if not entries and self._take_unknown(names, facts, kept, replaces=replaces):
+                added.append(f"{names[0]}, which is not there yet")
+        if owner.plan.rooms != before.rooms:
+            yield from self._restate(before, owner.plan)
         return Imported(tuple(added), tuple(kept))
 
-    def _by_identifier(self) -> dict[str, list[Entry]]:
-        found: dict[str, list[Entry]] = {}
-        for key, source in self._table.sources.items():
-            for identifier in source.sighting.identifiers:
-                found.setdefault(identifier, []).append(self._table.owners[key])
+    def _count(self, names: tuple[str, ...], by_identifier: Mapping[str, list[SourceKey]]) -> int:
+        """Return how many statements a device of the file takes at most."""
+        return max(len(names), sum(1 + len(entry.sources) for entry in self._known_by(names, by_identifier)))
+
+    def _take_device(self, entry: Entry, facts: tuple[OwnerFact, ...], kept: list[str], *, replaces: bool) -> bool:
+        """Take over the facts of a device; return whether any is new."""
+        stated = self._editor.stated(entry)
+        in_use = self._table.owner.of(entry.id, entry.sources.values())
+        merged = _merge(entry.id, stated, facts, in_use, kept, replaces=replaces)
+        if merged != stated:
+            self._editor.state(entry, merged, "a places file was imported")
+        return merged != stated
+
+    def _take_unknown(
+        self, names: tuple[str, ...], facts: tuple[OwnerFact, ...], kept: list[str], *, replaces: bool
+    ) -> bool:
+        """Take over the facts of a device that is not there yet; return whether any is new."""
+        owner = self._table.owner
+        stated = owner.stated_of(names)
+        merged = _merge(names[0], stated, facts, stated, kept, replaces=replaces)
+        if merged != stated:
+            owner.put_unknown(names, merged, self._table.owners)
+        return merged != stated
+
+    def _restate(self, before: HousePlan, now: HousePlan) -> Iterator[None]:
+        for entry in tuple(self._table.entries.values()):
+            yield
+            area = entry.to_device(self._table.topics).area
+            if area and before.locate(area) != now.locate(area) and self._table.entries.get(entry.id) is entry:
+                self._editor.restate((entry,), "the rooms of the house changed")
+
+    def _by_identifier(self, wanted: frozenset[str]) -> Generator[None, None, dict[str, list[SourceKey]]]:
+        """Return the announcements that have the identifiers *wanted*."""
+        found: dict[str, list[SourceKey]] = {}
+        for key, source in tuple(self._table.sources.items()):
+            yield
+            for identifier in wanted.intersection(source.sighting.identifiers):
+                found.setdefault(identifier, []).append(key)
         return found
 
-    def _known_by(self, names: tuple[str, ...], by_identifier: Mapping[str, list[Entry]]) -> tuple[Entry, ...]:
+    def _known_by(self, names: tuple[str, ...], by_identifier: Mapping[str, list[SourceKey]]) -> tuple[Entry, ...]:
         """Return the device of that id, or those with one of these hardware addresses."""
-        entries = self._table.entries
-        if names[0] in entries:
-            return (entries[names[0]],)
-        return tuple(dict.fromkeys(entry for name in names for entry in by_identifier.get(name, ())))
+        if names[0] in self._table.entries:
+            return (self._table.entries[names[0]],)
+        owners = self._table.owners
+        keys = (key for name in names for key in by_identifier.get(name, ()) if key in owners)
+        return tuple(dict.fromkeys(owners[key] for key in keys))
+
+
+def parse_places(text: str, home: str, now: float) -> Places:
+    """Return the content of a places file.
+
+    Args:
+        text: Its text.
+        home: The name of the home.
+        now: Seconds since the Unix epoch.
+
+    Raises:
+        ConfigError: The first mistake; names the key and the value.
+    """
+    return read_places(_places_table(text), home, SOURCE, "import", now)
 
 
 def _places_table(text: str) -> Mapping[str, object]:
-    tables = parse_toml(text, _SOURCE)
+    tables = parse_toml(text, SOURCE)
     for name in tables:
         if name != "places":
-            raise ConfigError(_SOURCE, name, "unknown key; known is places")
+            raise ConfigError(SOURCE, name, "unknown key; known is places")
     places = tables.get("places", {})
     if not isinstance(places, dict):
-        raise ConfigError(_SOURCE, "places", f"must be a table, got {places!r}")
+        raise ConfigError(SOURCE, "places", f"must be a table, got {places!r}")
     return places
-
-
-def _count(read: Places, entries: Mapping[tuple[str, ...], tuple[Entry, ...]]) -> int:
-    return sum(max(len(names), 1 + sum(len(one.sources) for one in entries[names])) for names in read.devices)
 
 
 def _merge(

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from functools import partial
+from typing import TypeVar
 
-from homebot.clock import Clock
+from anyio import to_thread
+
+from homebot.clock import Clock, TimeSlice
 from homebot.devices.names import ALIAS_DEVICE, EXPORT_PLACES, GET_PLACES, IMPORT_PLACES, PLACE_DEVICE, TAG_DEVICE
 from homebot.devices.places import (
     AliasDevice,
@@ -32,6 +36,11 @@ from homebot.errors import ConfigError, RefusedError, UsageError
 from homebot.graph import Node
 
 __all__ = ["PlacesServices"]
+
+T = TypeVar("T")
+
+_SHORT = 4000
+"""Characters of a places file that is read at once, in some milliseconds; a long one takes a second, in a thread."""
 
 
 class PlacesServices:
@@ -98,16 +107,32 @@ class PlacesServices:
         rooms = tuple(RoomInfo(name=room.name, floor=room.floor, doors=room.doors) for room in plan.rooms)
         return GetPlacesResponse(home=plan.home, rooms=rooms)
 
-    def _export(self, _: ExportPlacesRequest) -> ExportPlacesResponse:
-        return ExportPlacesResponse(text=self._index.places_exchange.export_text())
+    async def _export(self, _: ExportPlacesRequest) -> ExportPlacesResponse:
+        return ExportPlacesResponse(text=await self._in_turns(self._index.places_exchange.export_text()))
 
-    def _import(self, request: ImportPlacesRequest) -> ImportPlacesResponse:
-        exchange = self._index.places_exchange
+    async def _import(self, request: ImportPlacesRequest) -> ImportPlacesResponse:
+        from homebot.discovery.places_exchange import parse_places  # noqa: PLC0415 - with the first file
+
+        index = self._index
         try:
-            imported = exchange.import_text(request.text, self._clock.now(), replaces=request.replaces)
+            parse = partial(parse_places, request.text, index.owner.plan.home, self._clock.now())
+            places = parse() if len(request.text) <= _SHORT else await to_thread.run_sync(parse)
+            imported = await self._in_turns(index.places_exchange.take(places, replaces=request.replaces))
         except ConfigError as exc:
             return ImportPlacesResponse(success=False, message=f"{exc.key}: {exc.reason}" if exc.key else exc.reason)
         except RefusedError as exc:
             return ImportPlacesResponse(success=False, message=str(exc))
         self._publish_all()
         return ImportPlacesResponse(success=True, added=imported.added, kept=imported.kept)
+
+    async def _in_turns(self, work: Generator[None, None, T]) -> T:
+        """Return the result of *work*, between whose steps others have their turn every few milliseconds."""
+        turns = TimeSlice(self._clock)
+        while True:
+            try:
+                next(work)
+            except StopIteration as done:
+                result: T = done.value
+                return result
+            if turns.is_over:
+                await turns.pause()

@@ -99,7 +99,7 @@ class PartFacets:
     def areas(self) -> tuple[str, ...]:
         """The room of its device and the areas that this is in, folded; empty where no room is known."""
         device = self._device
-        return tuple([fold(area) for area in (device.area, *device.outer_areas)]) if device.area else ()
+        return tuple(map(fold, (device.area, *device.outer_areas))) if device.area else ()
 
     @property
     def tags(self) -> frozenset[str]:

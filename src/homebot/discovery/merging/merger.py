@@ -69,7 +69,8 @@ class DeviceMerger:
         entry = Entry(device_id, _first_seen(sources), "unconfirmed", sources, known_ids=NO_IDS)
         if tombstone is not None and is_back:
             entry.trusted = frozenset(tombstone.trusted)
-        table.owner.adopt(device_id, sources.values())
+        if not table.owner.is_empty:
+            table.owner.adopt(device_id, sources.values())
         table.entries[device_id] = entry
         for key, source in sources.items():
             table.owners[key] = entry
@@ -90,7 +91,8 @@ class DeviceMerger:
         """
         entry.sources[source.key] = source
         self._table.owners[source.key] = entry
-        self._table.owner.inherit(sibling, source.key)
+        if not self._table.owner.is_empty:
+            self._table.owner.inherit(sibling, source.key)
         self.describe(entry, source)
         if entry.freshness == "unconfirmed":
             self._liveness.extend(entry, source, self._liveness.now)
