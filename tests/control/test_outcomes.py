@@ -211,3 +211,18 @@ async def test_a_whole_floor_is_confirmed_at_once(open_home: OpenHome) -> None:
         assert anyio.current_time() - began < 1.5
         assert len(outcomes) == 200
         assert all(isinstance(one, Confirmed) for one in outcomes)
+
+
+async def test_a_network_that_is_lost_after_the_first_try_may_have_carried_it(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = obey_after(9.0)
+
+        async def pull_the_cable() -> None:
+            await anyio.sleep(1)
+            home.gateway.set_unavailable("the cable is out")
+
+        lamp = await home.handle(Light)
+        home.tasks.start_soon(pull_the_cable)
+        assert isinstance(await lamp.turn_on(), Confirmed)
+        assert len(home.commands) == 1

@@ -141,9 +141,11 @@ class CommandExecutor:
             is_refused = number > 0 and self._judge.refusal(command) is not None  # by what changed meanwhile
             if not is_refused:
                 self._journal.sent(command, number)
-                if (problem := await self._send(command)) is not None:
+                problem = await self._send(command, began + limit - clock.monotonic())
+                if problem is not None and number == 0:
                     return problem
-                self._journal.acknowledged(command)
+                if problem is None:
+                    self._journal.acknowledged(command)
             until = began + limit * (number + 1) / tries
             while not pending.is_over and (left := _until(until, pending, began) - clock.monotonic()) > 0:
                 with anyio.move_on_after(left):
@@ -152,12 +154,12 @@ class CommandExecutor:
                 break
         return pending.outcome(clock.monotonic())
 
-    async def _send(self, command: IssuedCommand) -> Outcome | None:
-        """Send the settings in their order; return the outcome where that fails."""
+    async def _send(self, command: IssuedCommand, seconds: float) -> Outcome | None:
+        """Send the settings in their order, to be done in so many *seconds*; return the outcome where that fails."""
         try:
             for capability, value in command.settings.items():
                 await self._sender.send(
-                    command.device, command.part, capability, value, command.transition, command.code
+                    command.device, command.part, capability, value, command.transition, command.code, seconds
                 )
         except LinkError as exc:
             return NoAnswer(0.0, str(exc), command_id=command.id)

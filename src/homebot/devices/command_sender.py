@@ -25,7 +25,14 @@ class CommandSender:
         self._clients: dict[str, Client[Command, SendCommandResponse]] = {}
 
     async def send(
-        self, device: Device, part: DevicePart, capability: str, value: PlainValue, transition: float, code: str = ""
+        self,
+        device: Device,
+        part: DevicePart,
+        capability: str,
+        value: PlainValue,
+        transition: float,
+        code: str = "",
+        expires_after: float = 0.0,
     ) -> None:
         """Set *capability* to *value* within *transition* seconds; return when the network has accepted the command.
 
@@ -49,7 +56,13 @@ class CommandSender:
             response = await self._call(
                 route.gateway,
                 Command(
-                    key=route.key, part=route.part, capability=capability, value=sent, transition=transition, code=code
+                    key=route.key,
+                    part=route.part,
+                    capability=capability,
+                    value=sent,
+                    transition=transition,
+                    code=code,
+                    expires_after=expires_after,
                 ),
             )
             if response is None:

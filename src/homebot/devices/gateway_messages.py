@@ -140,6 +140,7 @@ class Command(Message):
         value: The value, in the unit of the vocabulary.
         transition: Seconds that the change takes, where the device supports that.
         code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
+        expires_after: Seconds after which the network is not to deliver it any more, where it can tell; 0 for never.
     """
 
     model_config = ConfigDict(hide_input_in_errors=True)
@@ -150,6 +151,7 @@ class Command(Message):
     value: Value
     transition: float = 0.0
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
+    expires_after: Annotated[float, Field(ge=0.0)] = 0.0
 
 
 class SendCommandResponse(Message):

@@ -203,9 +203,14 @@ class House:
             for one in _drain(self.reports)
         ]
 
-    async def command(self, key: str, part: str, capability: str, value: PlainValue) -> SendCommandResponse:
+    async def command(
+        self, key: str, part: str, capability: str, value: PlainValue, expires_after: float = 0.0
+    ) -> SendCommandResponse:
         client = self.watcher.create_client(SendCommand, self.gateway.names.send_command)
-        return await client.call(Command(key=key, part=part, capability=capability, value=Value.of(value)))
+        wanted = Value.of(value)
+        return await client.call(
+            Command(key=key, part=part, capability=capability, value=wanted, expires_after=expires_after)
+        )
 
     async def health(self) -> HealthResponse:
         return await self.watcher.create_client(GetHealth, self.gateway.names.health).call(HealthRequest())

@@ -295,6 +295,17 @@ async def test_a_device_is_asked_for_its_state_once_its_topics_are_subscribed_to
         assert [one.topic for one in await house.heard()] == ["lamp1/get"]
 
 
+@pytest.mark.parametrize(("seconds", "expiry"), [(0.0, None), (0.2, 1), (2.5, 3)])
+async def test_a_command_expires_at_the_broker(make_house: MakeHouse, seconds: float, expiry: int | None) -> None:
+    """So that none is obeyed minutes later, by a device that was away."""
+    async with make_house() as house:
+        await house.devices.subscribe(MqttSubscription("+/+/set", qos=1))
+        await house.announce("lamp1")
+        assert (await house.command(LAMP, "lamp", "on_off", True, seconds)).success
+        (message,) = await house.heard()
+        assert (message.qos, message.properties.expiry) == (1, expiry)
+
+
 async def test_a_thousand_devices_are_not_asked_within_a_second(make_house: MakeHouse) -> None:
     async with make_house() as house:
         await house.listen("+/get")

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from typing import Final
+
 from homebot.conventions.description import Publication, TakesCode
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
@@ -11,10 +14,13 @@ from homebot.gateways.announced.command_server import FindPart
 from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.message import MqttMessage
+from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.topics import validate_topic
 
 __all__ = ["CommandPublisher"]
+
+_LEAST_QOS: Final = 1
+"""Of commands, so that the broker says that it has them."""
 
 
 class CommandPublisher:
@@ -40,7 +46,7 @@ class CommandPublisher:
         self._secrets = secrets
 
     async def perform(self, command: Command) -> None:
-        """Publish *command*; return when the broker has it.
+        """Publish *command*; return when the broker has it. A broker that speaks MQTT 5 forgets it when it expires.
 
         Raises:
             UnableError: No part is described that can do that; nothing was sent.
@@ -57,8 +63,10 @@ class CommandPublisher:
             raise UnableError(str(exc)) from exc
         if command.code:
             publications = tuple(self._secrets.keep(one) for one in publications)
+        expiry = _expiry(command)
         for one in publications:
-            await self._connection.publish(one.topic, one.payload, qos=one.qos, retain=one.retain)
+            qos = max(one.qos, _LEAST_QOS)
+            await self._connection.publish(one.topic, one.payload, qos=qos, retain=one.retain, properties=expiry)
 
     def _written(
         self, announced_part: AnnouncedPart, capability: str, value: PlainValue, transition: float, code: str = ""
@@ -89,3 +97,10 @@ class CommandPublisher:
             raise RefusedError(
                 f"a command to {announced_part.stored.key[:100]}", f"it did not announce {topic} as a command topic"
             )
+
+
+def _expiry(command: Command) -> MessageProperties:
+    """Return the properties of a message that expires with *command*: no command is obeyed minutes later."""
+    if not command.expires_after:
+        return NO_PROPERTIES
+    return MessageProperties(expiry=max(1, math.ceil(command.expires_after)))
