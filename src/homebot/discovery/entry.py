@@ -25,7 +25,7 @@ from homebot.discovery.liveness import ReportInterval
 from homebot.discovery.merging.parts import NO_IDS, MergedParts, PartIds, lost_ids, main_part, merge_parts
 from homebot.discovery.merging.trust import NOBODY_TRUSTED, EndpointKey
 from homebot.discovery.owner_facts import OwnerFacts
-from homebot.discovery.reachability import offline_parts, reachability
+from homebot.discovery.reachability import NOT_REPORTED, offline_parts, reachability
 from homebot.discovery.source_record import SourceKey, SourceRecord, StoredValue, preference
 from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
@@ -175,7 +175,11 @@ class Entry:
 
     def reachability(self) -> Reachability:
         """Return whether it can be reached, as its parts are together."""
-        return reachability(self._believed().values())
+        sources = self._believed().values()
+        for source in sources:
+            if source.reach:
+                return reachability(sources)
+        return NOT_REPORTED
 
     def endpoint_reach(self) -> tuple[str, ...]:
         """Return whether it can be reached at each of its gateways; nothing where there is only one."""

@@ -2,30 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import TypeAlias
 
 from homebot.devices import Reachability
 from homebot.discovery.source_record import Reach, SourceKey, SourceRecord
 
-__all__ = ["offline_parts", "reachability"]
+__all__ = ["NOT_REPORTED", "offline_parts", "reachability"]
 
 _SourceReach: TypeAlias = tuple[SourceRecord, str, Reach | None]
 """Reachability of a part, as one announcement has it."""
 
-_NOT_REPORTED = Reachability()
+NOT_REPORTED = Reachability()
+"""Reachability of a device of which no announcement reports it."""
 
 
-def reachability(sources: Collection[SourceRecord]) -> Reachability:
+def reachability(sources: Iterable[SourceRecord]) -> Reachability:
     """Return whether a device can be reached: what its parts are together.
 
     One that can be reached is enough. Where some deny it, none affirms it, and others, of which nothing is known,
     reported since, it is unknown.
     """
-    for source in sources:
-        if source.reach:
-            return _combined(_source_reaches(sources))
-    return _NOT_REPORTED
+    return _combined(_source_reaches(sources))
 
 
 def offline_parts(
@@ -61,7 +59,7 @@ def _source_reaches(sources: Iterable[SourceRecord]) -> list[_SourceReach]:
 def _combined(reports: list[_SourceReach]) -> Reachability:
     known = [(source, part, one) for source, part, one in reports if one is not None]
     if not known:
-        return _NOT_REPORTED
+        return NOT_REPORTED
     for state, value in (("yes", True), ("no", False), ("unknown", None)):
         answers = [one for one in known if one[2].value is value]
         if not answers:
@@ -77,7 +75,7 @@ def _combined(reports: list[_SourceReach]) -> Reachability:
         kept = "" if reach.live else ", in a retained message"
         why = f"{label} is {'online' if value else 'offline'}, according to it or its last will{kept}"
         return Reachability(state="yes" if state == "yes" else "no", since=reach.since, why=why)
-    return _NOT_REPORTED
+    return NOT_REPORTED
 
 
 def _reported_later(reports: list[_SourceReach], since: float) -> SourceRecord | None:
