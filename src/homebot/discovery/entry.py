@@ -3,42 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from homebot.devices import (
     Device,
-    DevicePart,
     Endpoint,
-    Fact,
     Freshness,
-    KeyValue,
     Reachability,
     State,
 )
-from homebot.devices.device import OWNER
-from homebot.devices.device_types import wanted_types
 from homebot.devices.value import PlainValue
-from homebot.discovery.endpoints import Addresses, addresses, endpoint_reach, endpoints, last_seen, sorted_routes
+from homebot.discovery.description import DeviceDescription, describe_device, with_stated_facts
+from homebot.discovery.endpoints import Addresses, endpoint_reach, endpoints, last_seen, sorted_routes
 from homebot.discovery.liveness import ReportInterval
-from homebot.discovery.merging.parts import NO_IDS, MergedParts, PartIds, lost_ids, main_part, merge_parts
+from homebot.discovery.merging.parts import NO_IDS, MergedParts, PartIds, lost_ids
 from homebot.discovery.merging.trust import NOBODY_TRUSTED, EndpointKey
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.reachability import NOT_REPORTED, offline_parts, reachability
 from homebot.discovery.source_record import SourceKey, SourceRecord, StoredValue, preference
 from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
-from homebot.places import NO_AREAS, HousePlan, OwnerFact
 
 if TYPE_CHECKING:
     from homebot.discovery.echoes import Echoes
     from homebot.discovery.merging.agreement import Agreement
 
-__all__ = ["MAX_FACTS", "Entry"]
-
-MAX_FACTS = 200
-"""Facts of one device that are published; those of the preferred announcements first."""
+__all__ = ["Entry"]
 
 
 @dataclass(slots=True, eq=False)
@@ -90,7 +82,7 @@ class Entry:
     agreement: Agreement | None = None
     echoes: Echoes | None = None
     owner: OwnerFacts | None = None
-    _description: _Description | None = None
+    _description: DeviceDescription | None = None
     _device: Device | None = None
 
     def best(self) -> SourceRecord:
@@ -237,13 +229,13 @@ class Entry:
             return self.sources
         return {key: source for key, source in self.sources.items() if not source.is_claimed} or self.sources
 
-    def _described(self, topics: TopicOwnership) -> _Description:
+    def _described(self, topics: TopicOwnership) -> DeviceDescription:
         if self._description is None:
             sources = tuple(self.sources.values())
-            self._description = _describe(sources, topics, self.known_ids, self.owner)
+            self._description = describe_device(sources, topics, self.known_ids, self.owner)
             owner = self.owner
             if owner is not None and not owner.is_empty and (stated := owner.of(self.id, sources)):
-                self._description = _with_stated(self._description, stated, owner.plan)
+                self._description = with_stated_facts(self._description, stated, owner.plan)
             if self.known_ids:
                 self.known_ids = lost_ids(self.known_ids, self._description.merged.places)
         return self._description
@@ -271,78 +263,6 @@ class Entry:
         return newest
 
 
-@dataclass(slots=True)  # not frozen, which would take a microsecond more for every announcement
-class _Description:
-    """The part of a record that follows from the announcements, and from what the owner states."""
-
-    name: str
-    names: tuple[str, ...]
-    service_type: str
-    service_types: tuple[str, ...]
-    area: str
-    identifiers: tuple[str, ...]
-    metadata: tuple[KeyValue, ...]
-    facts: tuple[Fact, ...]
-    addresses: tuple[Addresses, ...]
-    merged: MergedParts
-    outer_areas: tuple[str, ...]
-    tags: tuple[str, ...] = ()
-
-
-def _describe(
-    sources: tuple[SourceRecord, ...], topics: TopicOwnership, known_ids: PartIds, owner: OwnerFacts | None
-) -> _Description:
-    ordered = sorted(sources, key=preference) if len(sources) > 1 else sources
-    merged = merge_parts(ordered, topics, known_ids)
-    main = main_part(merged.believed)
-    first = ordered[0].sighting
-    is_single = len(ordered) == 1
-    believed = ordered if is_single else [source for source in ordered if not source.is_claimed] or ordered
-    area, outer_areas = first.area if first.area or is_single else _area(believed), NO_AREAS
-    if area and owner is not None:
-        area, outer_areas = owner.plan.locate(area)
-    return _Description(
-        name=first.name,
-        names=(first.name,) if is_single else tuple(dict.fromkeys(source.sighting.name for source in believed)),
-        service_type=first.service_type if main is None or first.is_plain_text else main.part.service_type,
-        service_types=_service_types(believed, merged.believed),
-        area=area,
-        outer_areas=outer_areas,
-        identifiers=tuple(dict.fromkeys(first.identifiers)) if is_single else _identifiers(ordered),
-        metadata=first.metadata if is_single else _metadata(ordered),
-        facts=_facts(ordered),
-        addresses=addresses(ordered, main),
-        merged=merged,
-    )
-
-
-def _with_stated(described: _Description, stated: tuple[OwnerFact, ...], plan: HousePlan) -> _Description:
-    """Return what is announced of a device with what the owner states of it, which outranks that."""
-    values = {name: tuple(fact.value for fact in stated if fact.name == name) for name in ("area", "name", "tag")}
-    names = tuple(dict.fromkeys((*values["name"], described.name, *described.names)))
-    facts = tuple(
-        Fact.of_checked(
-            name=fact.name,
-            value=fact.value,
-            gateway="",
-            convention=OWNER,
-            key=fact.source,
-            said_at=Time.from_seconds(fact.said_at),
-        )
-        for fact in stated
-    )
-    area, outer_areas = plan.locate(values["area"][0]) if values["area"] else (described.area, described.outer_areas)
-    return replace(
-        described,
-        name=names[0],
-        names=names,
-        area=area,
-        outer_areas=outer_areas,
-        tags=values["tag"],
-        facts=(*facts, *described.facts)[:MAX_FACTS],
-    )
-
-
 def _states(merged: MergedParts, newest: Mapping[tuple[int, str], StoredValue]) -> tuple[State, ...]:
     return tuple(
         [
@@ -357,72 +277,6 @@ def _states(merged: MergedParts, newest: Mapping[tuple[int, str], StoredValue]) 
             for (place, capability), stored in newest.items()
         ]
     )
-
-
-def _area(sources: Sequence[SourceRecord]) -> str:
-    return next((source.sighting.area for source in sources if source.sighting.area), "")
-
-
-def _identifiers(sources: Sequence[SourceRecord]) -> tuple[str, ...]:
-    found: dict[str, None] = {}
-    for source in sources:
-        found.update(dict.fromkeys(source.sighting.identifiers))
-    return tuple(found)
-
-
-def _service_types(sources: Sequence[SourceRecord], parts: tuple[DevicePart, ...]) -> tuple[str, ...]:
-    if len(parts) == 1:
-        part = parts[0].part
-        found = [part.service_type, part.advertised] if part.advertised else [part.service_type]
-    elif parts:
-        shown = [one.part for one in parts if not one.part.category] or [one.part for one in parts]
-        found = [one.service_type for one in shown] + [one.advertised for one in shown if one.advertised]
-    else:
-        words = [one.sighting.service_type for one in sources]
-        meant = [wanted_types(one) for one in words]
-        found = [min(types) for types in meant if len(types) == 1] + words
-    return tuple(dict.fromkeys(found))
-
-
-def _metadata(sources: Sequence[SourceRecord]) -> tuple[KeyValue, ...]:
-    found: dict[str, KeyValue] = {}
-    for source in sources:
-        for one in source.sighting.metadata:
-            found.setdefault(one.key, one)
-    return tuple(found.values())[:MAX_FACTS]
-
-
-def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
-    """Return each value once for each gateway and convention, by the first announcement that has it."""
-    if len(sources) == 1:
-        return tuple(_facts_of(sources[0]))[:MAX_FACTS]
-    found: dict[tuple[str, str, str, str], Fact] = {}
-    for source in sources:
-        for fact in _facts_of(source):
-            found.setdefault((fact.name, fact.value, fact.gateway, fact.convention), fact)
-        if len(found) >= MAX_FACTS:
-            break
-    return tuple(found.values())[:MAX_FACTS]
-
-
-def _facts_of(source: SourceRecord) -> list[Fact]:
-    sighting, first_said = source.sighting, source.facts
-    gateway, key, convention = sighting.gateway, sighting.key, sighting.convention
-    said = {("name", sighting.name): None, ("area", sighting.area): None}
-    for one in sighting.metadata:
-        said[one.key, one.value] = None
-    return [
-        Fact.of_checked(
-            name=name,
-            value=value,
-            gateway=gateway,
-            convention=convention,
-            key=key,
-            said_at=first_said[name][1] if name in first_said and first_said[name][0] == value else source.first_seen,
-        )
-        for name, value in said
-        if value
-    ]
 
 
 def _weight(stored: StoredValue) -> tuple[bool, float, int, int]:

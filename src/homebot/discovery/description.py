@@ -1,0 +1,177 @@
+"""Description of a device: what follows from its announcements, and from what the owner states of it. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from homebot.devices import DevicePart, Fact, KeyValue
+from homebot.devices.device import OWNER
+from homebot.devices.device_types import wanted_types
+from homebot.discovery.endpoints import Addresses, addresses
+from homebot.discovery.merging.parts import MergedParts, PartIds, main_part, merge_parts
+from homebot.discovery.owner_facts import OwnerFacts
+from homebot.discovery.source_record import SourceRecord, preference
+from homebot.discovery.topics.ownership import TopicOwnership
+from homebot.messages import Time
+from homebot.places import NO_AREAS, HousePlan, OwnerFact
+
+__all__ = ["MAX_FACTS", "DeviceDescription", "describe_device", "with_stated_facts"]
+
+MAX_FACTS = 200
+"""Facts of one device that are published; those of the preferred announcements first."""
+
+
+@dataclass(slots=True)  # not frozen, which would take a microsecond more for every announcement
+class DeviceDescription:
+    """The part of a device's record that follows from the announcements, and from what the owner states.
+
+    Attributes:
+        addresses: The addresses of its endpoints.
+        merged: Its parts.
+
+    The others are those of :class:`homebot.devices.Device`.
+    """
+
+    name: str
+    names: tuple[str, ...]
+    service_type: str
+    service_types: tuple[str, ...]
+    area: str
+    identifiers: tuple[str, ...]
+    metadata: tuple[KeyValue, ...]
+    facts: tuple[Fact, ...]
+    addresses: tuple[Addresses, ...]
+    merged: MergedParts
+    outer_areas: tuple[str, ...]
+    tags: tuple[str, ...] = ()
+
+
+def describe_device(
+    sources: tuple[SourceRecord, ...], topics: TopicOwnership, known_ids: PartIds, owner: OwnerFacts | None
+) -> DeviceDescription:
+    """Return the description of a device that was announced.
+
+    Args:
+        sources: Its announcements, at least one.
+        topics: Says which of them may use which command topic.
+        known_ids: Ids that its parts had.
+        owner: Where rooms are, as the owner states; None where nothing is stated.
+    """
+    ordered = sorted(sources, key=preference) if len(sources) > 1 else sources
+    merged = merge_parts(ordered, topics, known_ids)
+    main = main_part(merged.believed)
+    first = ordered[0].sighting
+    is_single = len(ordered) == 1
+    believed = ordered if is_single else [source for source in ordered if not source.is_claimed] or ordered
+    area, outer_areas = first.area if first.area or is_single else _area(believed), NO_AREAS
+    if area and owner is not None:
+        area, outer_areas = owner.plan.locate(area)
+    return DeviceDescription(
+        name=first.name,
+        names=(first.name,) if is_single else tuple(dict.fromkeys(source.sighting.name for source in believed)),
+        service_type=first.service_type if main is None or first.is_plain_text else main.part.service_type,
+        service_types=_service_types(believed, merged.believed),
+        area=area,
+        outer_areas=outer_areas,
+        identifiers=tuple(dict.fromkeys(first.identifiers)) if is_single else _identifiers(ordered),
+        metadata=first.metadata if is_single else _metadata(ordered),
+        facts=_facts(ordered),
+        addresses=addresses(ordered, main),
+        merged=merged,
+    )
+
+
+def with_stated_facts(
+    described: DeviceDescription, stated: tuple[OwnerFact, ...], plan: HousePlan
+) -> DeviceDescription:
+    """Return what is announced of a device with what the owner states of it, which outranks that."""
+    values = {name: tuple(fact.value for fact in stated if fact.name == name) for name in ("area", "name", "tag")}
+    names = tuple(dict.fromkeys((*values["name"], described.name, *described.names)))
+    facts = tuple(
+        Fact.of_checked(
+            name=fact.name,
+            value=fact.value,
+            gateway="",
+            convention=OWNER,
+            key=fact.source,
+            said_at=Time.from_seconds(fact.said_at),
+        )
+        for fact in stated
+    )
+    area, outer_areas = plan.locate(values["area"][0]) if values["area"] else (described.area, described.outer_areas)
+    return replace(
+        described,
+        name=names[0],
+        names=names,
+        area=area,
+        outer_areas=outer_areas,
+        tags=values["tag"],
+        facts=(*facts, *described.facts)[:MAX_FACTS],
+    )
+
+
+def _area(sources: Sequence[SourceRecord]) -> str:
+    return next((source.sighting.area for source in sources if source.sighting.area), "")
+
+
+def _identifiers(sources: Sequence[SourceRecord]) -> tuple[str, ...]:
+    found: dict[str, None] = {}
+    for source in sources:
+        found.update(dict.fromkeys(source.sighting.identifiers))
+    return tuple(found)
+
+
+def _service_types(sources: Sequence[SourceRecord], parts: tuple[DevicePart, ...]) -> tuple[str, ...]:
+    if len(parts) == 1:
+        part = parts[0].part
+        found = [part.service_type, part.advertised] if part.advertised else [part.service_type]
+    elif parts:
+        shown = [one.part for one in parts if not one.part.category] or [one.part for one in parts]
+        found = [one.service_type for one in shown] + [one.advertised for one in shown if one.advertised]
+    else:
+        words = [one.sighting.service_type for one in sources]
+        meant = [wanted_types(one) for one in words]
+        found = [min(types) for types in meant if len(types) == 1] + words
+    return tuple(dict.fromkeys(found))
+
+
+def _metadata(sources: Sequence[SourceRecord]) -> tuple[KeyValue, ...]:
+    found: dict[str, KeyValue] = {}
+    for source in sources:
+        for one in source.sighting.metadata:
+            found.setdefault(one.key, one)
+    return tuple(found.values())[:MAX_FACTS]
+
+
+def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
+    """Return each value once for each gateway and convention, by the first announcement that has it."""
+    if len(sources) == 1:
+        return tuple(_facts_of(sources[0]))[:MAX_FACTS]
+    found: dict[tuple[str, str, str, str], Fact] = {}
+    for source in sources:
+        for fact in _facts_of(source):
+            found.setdefault((fact.name, fact.value, fact.gateway, fact.convention), fact)
+        if len(found) >= MAX_FACTS:
+            break
+    return tuple(found.values())[:MAX_FACTS]
+
+
+def _facts_of(source: SourceRecord) -> list[Fact]:
+    sighting, first_said = source.sighting, source.facts
+    gateway, key, convention = sighting.gateway, sighting.key, sighting.convention
+    said = {("name", sighting.name): None, ("area", sighting.area): None}
+    for one in sighting.metadata:
+        said[one.key, one.value] = None
+    return [
+        Fact.of_checked(
+            name=name,
+            value=value,
+            gateway=gateway,
+            convention=convention,
+            key=key,
+            said_at=first_said[name][1] if name in first_said and first_said[name][0] == value else source.first_seen,
+        )
+        for name, value in said
+        if value
+    ]
