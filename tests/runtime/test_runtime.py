@@ -16,7 +16,10 @@ from tests.patience import PATIENCE
 
 from homebot.apps import App
 from homebot.config import Config, parse_config
-from homebot.devices import DEVICE_CHANGES, DeviceChange
+from homebot.devices import DEVICE_CHANGES, DeviceChange, Devices
+from homebot.devices.handles import Light
+from homebot.devices.names import PLACE_DEVICE
+from homebot.devices.places import PlaceDevice
 from homebot.errors import ConfigError, UsageError
 from homebot.graph import Node
 from homebot.house import thesis_world
@@ -391,3 +394,42 @@ async def test_a_whole_home_runs_in_memory_and_in_virtual_time() -> None:
                     pass
             await anyio.sleep(600)
             assert broker.stats.messages_received >= 3 * 600 / 2
+
+
+@pytest.mark.virtual_time
+async def test_what_the_owner_states_is_there_from_the_first_and_after_a_restart(tmp_path: Path) -> None:
+    """By the configuration, before the lamp is known, and by a service, kept in the index file."""
+    tables = config(
+        home={"name": "villa"},
+        gateways={"mqtt": {"root": "home425"}},
+        places={
+            "rooms": {"Hall": {"floor": "Downstairs"}},
+            "devices": {"lights/philips165": {"room": "Hall", "tags": ["night"]}},
+        },
+    )
+    for is_again in (False, True):
+        async with (
+            MemoryBroker() as broker,
+            Runtime(
+                tables,
+                house=thesis_world(),
+                with_door=False,
+                services=[HostedBroker.in_memory(broker)],
+                index_file=tmp_path / "index.sqlite",
+            ) as runtime,
+            Node(runtime.graph, "asker") as asker,
+        ):
+            devices, lamps = Devices(asker), set[str]()
+            async for change in devices.follow(Light):
+                lamps.add(change.handle.device.id)
+                if len(lamps) == 2:
+                    break
+            stated = await devices.find(Light, area="downstairs", tag="night")
+            assert [one.device.id for one in stated] == ["lights/philips165"]
+            found = await devices.find(Light, area="villa")
+            if is_again:
+                assert sorted(one.device.id for one in found) == ["lights/philips165", "lights/roomlights405"]
+                break
+            assert [one.device.id for one in found] == ["lights/philips165"]
+            place = asker.create_client(PlaceDevice, PLACE_DEVICE)
+            assert (await place.call(PlaceDevice.Request(device="lights/roomlights405", room="hall"))).room == "Hall"
