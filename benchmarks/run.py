@@ -31,9 +31,10 @@ BENCHMARKS = (
     "states",
     "command_line",
     "walks",
+    "outcomes",
     "discovery",
 )
-FILES = {"discovery": "discovery_criteria"}
+FILES = {"discovery": "discovery_criteria", "outcomes": "command_outcomes"}
 """The files of benchmarks that are called otherwise."""
 
 HOME_ASSISTANT_PYTHON = Path(__file__).parent.parent / ".venv-bench-ha/bin/python"

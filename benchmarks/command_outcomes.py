@@ -1,0 +1,128 @@
+"""Commands to devices with faults: how often one fails and nobody is told; in a simulated house, in virtual time.
+
+The same commands are given to the same lamps twice: fire and forget, as most programs do, and through handles, whose
+outcome is held against what the lamp did. A failure is silent where the outcome, or what was reported of it within the
+settle time, says that the lamp obeyed and it did not.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import anyio
+
+from homebot.devices import Devices
+from homebot.devices.command_messages import CommandEvent
+from homebot.devices.handles import Light
+from homebot.devices.names import COMMAND_EVENTS
+from homebot.devices.outcomes import Outcome
+from homebot.graph import Node
+from homebot.house import World
+from homebot.house.description import load_world
+from homebot.house.devices import SimulatedLamp
+from homebot.house.dialects import DIALECTS
+from homebot.house.faults import unwrap
+from homebot.testing import VirtualTimeLoop, virtual_house_of
+from plan import Plan
+from report import Report
+
+__all__ = ["run"]
+
+FAULTS = {
+    "none": "",
+    "lossy, 20 %": "lossy = { share = 0.2 }",
+    "slow, 5 to 7.5 s": "slow = {}",
+    "deaf": "deaf = {}",
+    "liar": "liar = {}",
+    "stuck": "stuck = {}",
+    "reverter, 5 s": "reverter = { after = 5.0 }",
+}
+COMMANDS = 20
+GAP = 40.0  # seconds between two commands to a lamp
+HEADINGS = ("fault", "commands", "silent, forgotten", "silent, homebot", "detected", "false alarms", "told after")
+
+
+@dataclass
+class Count:
+    """What became of the commands to lamps with one fault."""
+
+    commands: int = 0
+    failed: int = 0
+    silent: int = 0
+    false_alarms: int = 0
+    told_after: list[float] = field(default_factory=list)
+
+
+def run(plan: Plan) -> Report:
+    rows = [HEADINGS]
+    for fault, settings in FAULTS.items():
+        forgotten, told = Count(), Count()
+        for dialect in sorted(DIALECTS):
+            for found, forgets in ((forgotten, True), (told, False)):
+                with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
+                    runner.run(_measure(_world(dialect, settings), plan.count(COMMANDS), found, forgets=forgets))
+        rows.append(_row(fault, forgotten, told))
+    lamps = f"A lamp of each dialect: {', '.join(sorted(DIALECTS))}. No second device sees them, so a liar is believed."
+    return Report("Commands to devices with faults", (), (lamps,), rows)
+
+
+def _row(fault: str, forgotten: Count, told: Count) -> tuple[str, ...]:
+    detected = f"{1 - told.silent / told.failed:.0%}" if told.failed else "-"
+    times = sorted(told.told_after)
+    return (
+        fault,
+        str(told.commands),
+        f"{forgotten.silent / forgotten.commands:.1%}",
+        f"{told.silent / told.commands:.1%}",
+        detected,
+        str(told.false_alarms),
+        f"{times[len(times) // 2]:.1f} s" if times else "-",
+    )
+
+
+def _world(dialect: str, fault: str) -> World:
+    lamp = f'devices.lamp = {{ kind = "lamp", room = "hall", dialect = "{dialect}", faults = {{ {fault} }} }}'
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "house.toml"
+        file.write_text(f"rooms.hall = {{}}\n{lamp}\n")
+        return load_world(file)
+
+
+async def _measure(world: World, count: int, found: Count, *, forgets: bool) -> None:
+    real = unwrap(world.devices["lamp"].device)
+    assert isinstance(real, SimulatedLamp)
+    reverted: dict[str, float] = {}
+
+    def note_event(event: CommandEvent) -> None:
+        reverted[event.result.command_id] = anyio.current_time()
+
+    async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "app") as node:
+        node.create_subscription(CommandEvent, COMMAND_EVENTS, note_event, 1000)
+        devices = Devices(node)
+        await anyio.sleep(60)
+        (lamp,) = await devices.find(Light)
+        for number in range(count):
+            wanted = number % 2 == 0
+            began = anyio.current_time()
+            outcome = None if forgets else await (lamp.turn_on() if wanted else lamp.turn_off())
+            if forgets:
+                await devices.tell(lamp.device, "on" if wanted else "off")
+            ended = anyio.current_time()
+            await anyio.sleep(began + GAP - ended)
+            _note(found, outcome, reverted, began, ended, obeyed=real.is_on is wanted)
+
+
+def _note(
+    found: Count, outcome: Outcome | None, reverted: dict[str, float], began: float, ended: float, *, obeyed: bool
+) -> None:
+    found.commands += 1
+    found.failed += not obeyed
+    reverted_at = None if outcome is None else reverted.get(outcome.command_id)
+    told = outcome is not None and (not outcome.succeeded or reverted_at is not None)
+    found.silent += not obeyed and not told
+    found.false_alarms += obeyed and told
+    if told and not obeyed:
+        found.told_after.append((reverted_at or ended) - began)
