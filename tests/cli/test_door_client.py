@@ -166,3 +166,24 @@ async def test_answers_that_come_in_another_order_reach_who_asked() -> None:
 
     async with answering(answer) as port:
         assert await to_thread.run_sync(use, port, both) == ({"of": "call:1"}, {"of": "call:2"})
+
+
+@pytest.mark.parametrize(
+    ("frame", "error"),
+    [
+        (
+            {"op": "status", "level": "error", "id": "publishing on /t", "msg": "the right raw is missing; …"},
+            RefusedError,
+        ),
+        (
+            {"op": "service_response", "id": "call:1", "result": False, "values": "the right act is missing; …"},
+            PeerError,
+        ),
+    ],
+)
+async def test_a_missing_right_is_told_with_how_to_show_a_token_that_has_it(
+    frame: dict[str, object], error: type[HomebotError]
+) -> None:
+    async with answering(lambda _connection, _text: [json.dumps(frame)]) as port:
+        with pytest.raises(error, match="; then use --token-file FILE or HOMEBOT_DOOR_TOKEN"):
+            await to_thread.run_sync(use, port, lambda door: door.call("/s"))

@@ -35,6 +35,7 @@ _OPEN_TIMEOUT: Final = 5.0
 _CLOSE_TIMEOUT: Final = 1.0
 _SKIP_AT_MOST: Final = 1.0  # seconds
 _GRACE: Final = 2.0  # seconds by which the server's own time limit may be late
+_NO_RIGHT: Final = "the right "  # what a refusal for want of a right begins with
 
 
 class ReceivedMessage(NamedTuple):
@@ -135,7 +136,7 @@ class DoorClient:
                 raise ServiceTimeoutError(service, timeout) from None
             values = answer.get("values")
             if not answer.get("result") or not isinstance(values, dict):
-                text = str(values)
+                text = _with_hint(str(values))
                 raise PeerError(text if text.startswith("service ") else f"service {service} failed: {text}")
             return values
 
@@ -244,7 +245,7 @@ class DoorClient:
         match frame.get("op"):
             case "status":
                 # Our identifiers say in words what was asked for; the server repeats them.
-                raise RefusedError(str(frame.get("id", "a frame")), str(frame.get("msg")))
+                raise RefusedError(str(frame.get("id", "a frame")), _with_hint(str(frame.get("msg"))))
             case "publish":
                 lost = frame.get("lost", 0) + (len(self._waiting) == _MAX_WAITING)
                 self._waiting.append(ReceivedMessage(str(frame.get("topic")), frame.get("msg") or {}, lost))
@@ -315,6 +316,11 @@ def _reason(response: Response) -> str:
     text = (response.body or b"").decode(errors="replace").strip()[:200] or f"HTTP status {response.status_code}"
     hint = "; give it with --token-file or HOMEBOT_DOOR_TOKEN" if response.status_code == 401 else ""
     return f"{text}{hint}"
+
+
+def _with_hint(problem: str) -> str:
+    """Return the server's *problem*; where a right is missing, with how to show the token that has it."""
+    return f"{problem}; then use --token-file FILE or HOMEBOT_DOOR_TOKEN" if problem.startswith(_NO_RIGHT) else problem
 
 
 def _begin(text: bytes) -> str:

@@ -96,6 +96,7 @@ class CommandService:
                     transition=request.transition,
                     code=request.code,
                     issuer=request.issuer or UNNAMED_CLIENT,
+                    scope=request.scope,
                     cause=request.cause,
                 )
             )

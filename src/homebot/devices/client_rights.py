@@ -59,6 +59,7 @@ class ClientRights:
             (:mod:`homebot.devices.always_ask`) must be asked for by its type or its name: to fit ``in hall`` is not
             enough.
         acts_on_all: Whether it may command each and every device.
+        act_scope: The last two as they were written, for commands; empty for all that does not always ask.
         manages: Whether it has :attr:`Right.MANAGE`.
         is_raw: Whether it has :attr:`Right.RAW`.
     """
@@ -66,6 +67,7 @@ class ClientRights:
     reads: bool = False
     acts_on: tuple[Query, ...] = ()
     acts_on_all: bool = False
+    act_scope: tuple[str, ...] = ()
     manages: bool = False
     is_raw: bool = False
 
@@ -117,7 +119,7 @@ LOCAL_RIGHTS = ClientRights(reads=True, acts_on=(And(()),), manages=True)
 SIMULATED_HOUSE_RIGHTS = replace(LOCAL_RIGHTS, is_raw=True)
 """The same where no real device can be reached."""
 
-ALL_RIGHTS = ClientRights(reads=True, acts_on_all=True, manages=True, is_raw=True)
+ALL_RIGHTS = ClientRights(reads=True, acts_on_all=True, act_scope=("act: all",), manages=True, is_raw=True)
 """Those of the one token that has no name of its own."""
 
 
@@ -148,6 +150,7 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
         reads=Right.READ in found,
         acts_on=tuple(_parse(query) for query in wanted if query != "all"),
         acts_on_all="all" in wanted,
+        act_scope=tuple(f"act: {query}" for query in wanted),
         manages=Right.MANAGE in found,
         is_raw=Right.RAW in found,
     )

@@ -33,6 +33,7 @@ OutcomeKind: TypeAlias = Literal[
 ]
 
 _MOST_SETTINGS = 20
+_MOST_SCOPES = 100
 
 
 class Setting(Message):
@@ -57,6 +58,9 @@ class CommandRequest(Message):
         transition: Seconds that the change takes, where the device supports that.
         code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
         issuer: Who gives the command: the name of the node, or ``client:NAME`` for a client of the door.
+        scope: The rights of a client of the door, by its token: ``read``, ``act: all``, ``act: light in hall``; empty
+            where it has no token. The door sets it, whatever the client sends. Of a node it is passed over: the rights
+            of apps are in the configuration.
         cause: The id of what led to it, such as a report; empty for a person's wish.
         trigger: The same with its facts, as far as the issuer knows them.
     """
@@ -69,6 +73,7 @@ class CommandRequest(Message):
     transition: float = 0.0
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
     issuer: str
+    scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
     cause: str = ""
     trigger: Trigger = NO_TRIGGER
 
@@ -134,6 +139,7 @@ class CommandDevicesRequest(Message):
         transition: Seconds that the change takes, where a device supports that.
         code: The code that an alarm or a lock requires; a secret.
         issuer: Who gives the command; for clients of the door it is set by the door.
+        scope: As for :class:`CommandRequest`.
         cause: The id of what led to it; may be empty.
     """
 
@@ -145,6 +151,7 @@ class CommandDevicesRequest(Message):
     transition: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
     issuer: str = ""
+    scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
     cause: str = ""
 
 

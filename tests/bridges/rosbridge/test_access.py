@@ -32,6 +32,7 @@ COMMAND = {
     "part": "",
     "settings": [{"capability": "lock", "value": {"type": 3, "text": "unlocked"}}],
     "issuer": "client:owner",
+    "scope": ["act: all"],
 }
 
 
@@ -158,25 +159,36 @@ async def test_a_client_without_the_right_raw_does_not_send_commands_by_a_gatewa
 
 
 @pytest.mark.parametrize(
-    ("token", "issuer"), [("", "client:local"), ("robot-secret", "client:robot"), ("owner-secret", "client:owner")]
+    ("token", "issuer", "scope"),
+    [
+        ("", "client:local", ()),
+        ("robot-secret", "client:robot", ("act: light in hall", "act: lock")),
+        ("owner-secret", "client:owner", ("act: all",)),
+    ],
 )
 async def test_a_command_is_issued_by_the_client_that_gave_it_whatever_it_wrote(
-    open_house: Any, token: str, issuer: str
+    open_house: Any, token: str, issuer: str, scope: tuple[str, ...]
 ) -> None:
-    issuers: list[str] = []
+    """Its rights travel with it: those that it claims count as little."""
+    seen: list[tuple[str, tuple[str, ...]]] = []
 
     def perform(request: CommandRequest) -> CommandResult:
-        issuers.append(request.issuer)
+        seen.append((request.issuer, request.scope))
         return CommandResult(command_id="1", outcome="gone", text="")
 
     owner = {"token": SecretStr("owner-secret")} if token == "owner-secret" else {}
     headers = {"Authorization": f"Bearer {token}"} if token else {}
-    async with open_house(settings("act: all", **owner)) as house, house.peer(**headers) as peer:
+    async with (
+        open_house(settings("act: light in hall", "read", "act: lock", **owner)) as house,
+        house.peer(**headers) as peer,
+    ):
         house.node("control").create_service(PerformCommand, PERFORM_COMMAND, perform)
         forged = await peer.call(PERFORM_COMMAND, **COMMAND)
-        silent = await peer.call(PERFORM_COMMAND, **{key: one for key, one in COMMAND.items() if key != "issuer"})
+        silent = await peer.call(
+            PERFORM_COMMAND, **{key: one for key, one in COMMAND.items() if key not in {"issuer", "scope"}}
+        )
         assert (forged["result"], silent["result"]) == (True, True)
-    assert issuers == [issuer, issuer]
+    assert seen == [(issuer, scope), (issuer, scope)]
 
 
 async def test_a_request_of_a_service_without_an_issuer_stays_as_it_is(open_house: Any) -> None:

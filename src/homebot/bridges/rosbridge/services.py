@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
     AdvertiseService,
@@ -76,16 +77,18 @@ _MAX_TIMEOUT = 3600.0
 _MOST, _LONGEST = 200, 100  # names compared, and of how many characters: a client may ask again and again
 
 
-async def call_service(node: Node, op: CallService, turns: Turns, issuer: str, answer: Callable[[Frame], None]) -> None:
+async def call_service(
+    node: Node, op: CallService, turns: Turns, access: ClientAccess, answer: Callable[[Frame], None]
+) -> None:
     """Make the call *op* on the graph of *node* and *answer* it, be it with a failure.
 
-    A field ``issuer`` of the request becomes *issuer*, whatever the client wrote there.
+    In a request with an ``issuer``, that and its ``scope`` are those of *access*, whatever the client wrote there.
 
     It returns when the handler has ended, which may be after the time limit that the client set: a client that sets
     short ones has no more handlers at work than others. A response of many messages is written in several *turns*.
     """
     try:
-        client, request, problem = _prepare(node, op, issuer)
+        client, request, problem = _prepare(node, op, access)
     except HomebotError as exc:
         answer(_failure(node, op, exc))
         return
@@ -118,7 +121,7 @@ def _failure(node: Node, op: CallService, error: HomebotError) -> Frame:
     return service_failure(op.service, op.id, problem)
 
 
-def _prepare(node: Node, op: CallService, issuer: str) -> tuple[Client[Any, Any], Message, UsageError | None]:
+def _prepare(node: Node, op: CallService, access: ClientAccess) -> tuple[Client[Any, Any], Message, UsageError | None]:
     """Return a client of the service, the request, and what is wrong with a query in it.
 
     The client is for this call alone: one that is kept would hold the name's type after the server is gone.
@@ -129,8 +132,10 @@ def _prepare(node: Node, op: CallService, issuer: str) -> tuple[Client[Any, Any]
         raise ServiceUnavailableError(name)
     request_type: type[Message] = service_type.Request
     values, problem = parse_queries(request_type, _values(request_type, op.args))
-    if any(field.name == "issuer" for field in fields_of(request_type)):
-        values = {**values, "issuer": issuer}
+    names = {field.name for field in fields_of(request_type)}
+    if "issuer" in names:
+        own = {"issuer": access.issuer, "scope": list(access.rights.act_scope)}
+        values = {**values, **{name: value for name, value in own.items() if name in names}}
     request = message_from_client(request_type, values)
     return node.create_client(service_type, name), request, problem
 

@@ -207,7 +207,7 @@ class ClientSession:
         try:
             await self._outbox.room()
             await self._turns.turn()
-            await call_service(self._node, op, self._turns, self._access.issuer, self._outbox.answer)
+            await call_service(self._node, op, self._turns, self._access, self._outbox.answer)
         finally:
             self._calls -= 1
 
