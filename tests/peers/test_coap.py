@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import anyio
 import pytest
-from tests.gateways.contract import KEPT, running
+from tests.gateways.coap.watched import watched_gateway
 from tests.patience import PATIENCE
 from tests.peers.network import INTERFACE, Lan, Machine, Program, missing_programs
 
-from homebot.devices import Sighting
-from homebot.devices.gateway_messages import Command, Report, SendCommand
-from homebot.devices.value import PlainValue, Value
-from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
-from homebot.graph import Graph, Node
 from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 
@@ -42,45 +37,6 @@ async def lamp(host: str, port: int = 5683, directory: str = "") -> AsyncIterato
         tasks.start_soon(device.live)
         yield device, told
         tasks.cancel_scope.cancel()
-
-
-class Watcher:
-    """What a gateway publishes."""
-
-    def __init__(self, node: Node, gateway: CoapGateway) -> None:
-        self._node = node
-        self.gateway = gateway
-        self.sightings = node.create_subscription(Sighting, gateway.names.received_topics, qos_profile=KEPT)
-        self.reports = node.create_subscription(Report, gateway.names.readings, qos_profile=KEPT)
-
-    async def sighting(self, is_it: Callable[[Sighting], bool]) -> Sighting:
-        with anyio.fail_after(PATIENCE):
-            while not is_it(sighting := await self.sightings.receive()):
-                pass
-        return sighting
-
-    async def reported(self, key: str, capability: str, *values: PlainValue) -> PlainValue:
-        """Wait for a value, one of *values* if there are any."""
-        with anyio.fail_after(PATIENCE):
-            while True:
-                report = await self.reports.receive()
-                for one in report.readings:
-                    if report.key == key and one.capability == capability and values in ((), (one.value.plain(),)):
-                        return one.value.plain()
-
-    async def tell(self, key: str, capability: str, value: PlainValue) -> tuple[bool, str]:
-        client = self._node.create_client(SendCommand, self.gateway.names.send_command)
-        done = await client.call(Command(key=key, part="", capability=capability, value=Value.of(value)))
-        return done.success, done.message
-
-
-@asynccontextmanager
-async def gateway(**settings: object) -> AsyncIterator[Watcher]:
-    graph = Graph()
-    async with Node(graph, "watcher") as node, Node(graph, "coap", namespace="/gateway") as own:
-        made = CoapGateway(own, CoapGatewaySettings.model_validate(settings))
-        async with running(made):
-            yield Watcher(node, made)
 
 
 async def shows(program: Program, text: str) -> None:
@@ -111,14 +67,14 @@ async def test_libcoaps_server_is_found_by_multicast_and_read(lan: Lan, hub: Mac
     """Its clock can be observed: it goes on."""
     server = lan.machine("server")
     settings: dict[str, object] = {"interfaces": [INTERFACE], "groups": ["ipv4"], "ask_every": 5}
-    async with server.program("coap-server-notls", "-g", "224.0.1.187"), gateway(**settings) as watcher:
+    async with server.program("coap-server-notls", "-g", "224.0.1.187"), watched_gateway(**settings) as watcher:
         key = f"coap://{server.address}"
         found = await watcher.sighting(lambda one: one.key == key)
         assert found.kind in {"appeared", "updated"}
-        first = await watcher.reported(key, "value")
+        first = await watcher.reported("value")
         assert isinstance(first, str)
         with anyio.fail_after(PATIENCE):
-            while await watcher.reported(key, "value") == first:
+            while await watcher.reported("value") == first:
                 pass
 
 
@@ -126,12 +82,15 @@ async def test_libcoaps_server_is_found_by_multicast_and_read(lan: Lan, hub: Mac
 async def test_a_lamp_is_found_by_multicast_and_obeys(lan: Lan, hub: Machine, version: str) -> None:
     """Both on this machine, over its interface; the address over IPv6 is link-local."""
     del lan
-    async with lamp("::") as (_, told), gateway(interfaces=[INTERFACE], groups=[version], ask_every=5) as watcher:
+    async with (
+        lamp("::") as (_, told),
+        watched_gateway(interfaces=[INTERFACE], groups=[version], ask_every=5) as watcher,
+    ):
         found = await watcher.sighting(lambda one: bool(one.parts))
         assert found.key.startswith(f"coap://{hub.address}" if version == "ipv4" else "coap://[fe80::")
-        assert await watcher.reported(found.key, "on_off", False) is False
-        assert await watcher.tell(found.key, "on_off", True) == (True, "")
-        assert await watcher.reported(found.key, "on_off", True) is True
+        assert await watcher.reported("on_off", False) is False
+        assert (await watcher.tell(found.key, "on_off", True)).success
+        assert await watcher.reported("on_off", True) is True
         assert told == ["on"]
 
 
@@ -145,7 +104,7 @@ async def test_a_lamp_registers_in_libcoaps_resource_directory(lan: Lan, hub: Ma
             while "</rd/" not in listed:  # the registration has a resource of its own
                 listed = await elsewhere.run("coap-client-notls", f"{directory}/.well-known/core")
         device = f"coap://{hub.address}"
-        async with gateway(resource_directory=[directory], devices=[device]) as watcher:
+        async with watched_gateway(resource_directory=[directory], devices=[device]) as watcher:
             await watcher.sighting(lambda one: one.key == device and bool(one.parts))
             assert watcher.gateway.devices.problems == (
                 f"the resource directory {directory} cannot be read: looking endpoints up at {directory} was refused:"

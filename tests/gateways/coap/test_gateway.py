@@ -2,60 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import aiocoap
 import anyio
 import pytest
-from tests.gateways.contract import KEPT, running
+from tests.gateways.coap.watched import watched_gateway
 from tests.gateways.test_contract_coap import free_port
 from tests.patience import PATIENCE
 
 from homebot.conventions.coap.registry import MAX_PER_HOST
-from homebot.devices import GatewayState, Sighting
-from homebot.devices.gateway_messages import REACHABLE, Command, Report, SendCommand, SendCommandResponse
-from homebot.devices.value import PlainValue, Value
-from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
-from homebot.graph import Graph, Node
+from homebot.devices.gateway_messages import REACHABLE
 from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-
-
-class Watcher:
-    def __init__(self, node: Node, gateway: CoapGateway) -> None:
-        self.gateway = gateway
-        self._node = node
-        self.states = node.create_subscription(GatewayState, gateway.names.state, qos_profile=KEPT)
-        self.sightings = node.create_subscription(Sighting, gateway.names.received_topics, qos_profile=KEPT)
-        self.reports = node.create_subscription(Report, gateway.names.readings, qos_profile=KEPT)
-
-    async def sighting(self, is_it: Callable[[Sighting], bool]) -> Sighting:
-        with anyio.fail_after(PATIENCE):
-            while not is_it(sighting := await self.sightings.receive()):
-                pass
-        return sighting
-
-    async def reported(self, capability: str, value: PlainValue) -> None:
-        with anyio.fail_after(PATIENCE):
-            while True:
-                readings = (await self.reports.receive()).readings
-                if any(one.capability == capability and one.value.plain() == value for one in readings):
-                    return
-
-    async def tell(self, key: str, capability: str, value: PlainValue) -> SendCommandResponse:
-        client = self._node.create_client(SendCommand, self.gateway.names.send_command)
-        return await client.call(Command(key=key, part="", capability=capability, value=Value.of(value)))
-
-
-@asynccontextmanager
-async def gateway(**settings: object) -> AsyncIterator[Watcher]:
-    graph = Graph()
-    async with Node(graph, "watcher") as node, Node(graph, "coap", namespace="/gateway") as own:
-        made = CoapGateway(own, CoapGatewaySettings.model_validate(settings))
-        watcher = Watcher(node, made)
-        async with running(made):
-            yield watcher
 
 
 @asynccontextmanager
@@ -74,7 +34,7 @@ async def device(kind: str = "lamp", directory: str = "") -> AsyncIterator[CoapD
 
 
 async def test_a_lamp_at_a_fixed_address_obeys_in_all_it_can() -> None:
-    async with device() as lamp, gateway(devices=[lamp.uri]) as watcher:
+    async with device() as lamp, watched_gateway(devices=[lamp.uri]) as watcher:
         found = await watcher.sighting(lambda one: bool(one.parts))
         assert (found.key, found.name) == (lamp.uri, "Hall")
         assert "id:urn:dev:homebot-house:house:Hall" in found.identifiers
@@ -85,7 +45,7 @@ async def test_a_lamp_at_a_fixed_address_obeys_in_all_it_can() -> None:
 
 
 async def test_a_sensor_without_a_description_is_known_by_its_resource_type() -> None:
-    async with device("lux") as sensor, gateway(devices=[sensor.uri]) as watcher:
+    async with device("lux") as sensor, watched_gateway(devices=[sensor.uri]) as watcher:
         found = await watcher.sighting(lambda one: bool(one.parts))
         assert found.parts[0].service_type == "light_sensor"
         await watcher.reported("illuminance", 120.0)
@@ -95,7 +55,7 @@ async def test_a_sensor_without_a_description_is_known_by_its_resource_type() ->
 
 async def test_a_device_that_loses_its_power_is_unreachable_stays_and_comes_back() -> None:
     """A command to it fails at once; it is there again by itself."""
-    async with device() as lamp, gateway(devices=[lamp.uri], timeout=1) as watcher:
+    async with device() as lamp, watched_gateway(devices=[lamp.uri], timeout=1) as watcher:
         await watcher.sighting(lambda one: bool(one.parts))
         await watcher.reported(REACHABLE, True)
         lamp.power(on=False)
@@ -113,7 +73,7 @@ async def test_a_device_that_loses_its_power_is_unreachable_stays_and_comes_back
 
 async def test_a_device_that_is_not_there_yet_is_listed_and_unreachable() -> None:
     uri = f"coap://127.0.0.1:{free_port()}"
-    async with gateway(devices=[uri], timeout=1) as watcher:
+    async with watched_gateway(devices=[uri], timeout=1) as watcher:
         found = await watcher.sighting(lambda one: one.key == uri)
         assert (found.parts, found.confirmed) == ((), False)
         await watcher.reported(REACHABLE, False)
@@ -123,7 +83,7 @@ async def test_a_device_that_is_not_there_yet_is_listed_and_unreachable() -> Non
 async def test_devices_register_at_homebot_itself_and_leave_by_name_and_reason() -> None:
     port = free_port()
     address = f"127.0.0.1:{port}"
-    async with gateway(serve_directory=address) as watcher, device(directory=f"coap://{address}") as lamp:
+    async with watched_gateway(serve_directory=address) as watcher, device(directory=f"coap://{address}") as lamp:
         found = await watcher.sighting(lambda one: bool(one.parts))
         assert found.key == "Hall"
         await watcher.reported("on_off", False)
@@ -135,7 +95,7 @@ async def test_devices_register_at_homebot_itself_and_leave_by_name_and_reason()
 async def test_a_device_that_registers_simply_is_asked_for_its_links() -> None:
     """RFC 9176, section 5.1: it sends no links, which would not fit into one packet of its radio."""
     address = f"127.0.0.1:{free_port()}"
-    async with gateway(serve_directory=address) as watcher, device() as lamp:
+    async with watched_gateway(serve_directory=address) as watcher, device() as lamp:
         with anyio.fail_after(PATIENCE):
             while (context := lamp._context) is None:  # noqa: ASYNC110 - it goes without a word
                 await anyio.sleep(0.01)
@@ -148,7 +108,7 @@ async def test_a_device_that_registers_simply_is_asked_for_its_links() -> None:
 
 async def test_a_simple_registration_of_a_device_that_has_no_links_is_counted() -> None:
     address = f"127.0.0.1:{free_port()}"
-    async with gateway(serve_directory=address, timeout=1) as watcher:
+    async with watched_gateway(serve_directory=address, timeout=1) as watcher:
         assert (await post(f"coap://{address}/.well-known/rd?ep=none", b"")).code.dotted == "2.04"
         with anyio.fail_after(PATIENCE):
             while not watcher.gateway.devices.counters.rejected:  # noqa: ASYNC110 - a count tells nobody
@@ -158,7 +118,7 @@ async def test_a_simple_registration_of_a_device_that_has_no_links_is_counted() 
 
 async def test_a_registration_that_is_not_renewed_ends_with_its_lifetime() -> None:
     address = f"127.0.0.1:{free_port()}"
-    async with gateway(serve_directory=address, timeout=1) as watcher:
+    async with watched_gateway(serve_directory=address, timeout=1) as watcher:
         made = await post(f"coap://{address}/rd?ep=ghost&lt=1&base=coap://127.0.0.1:1", b"</a>")
         assert made.code.dotted == "2.01"
         await watcher.sighting(lambda one: one.key == "ghost" and one.kind != "removed")
@@ -183,7 +143,7 @@ async def test_what_breaks_the_rules_of_the_directory_is_answered_so(
     path: str, payload: bytes | None, code: str
 ) -> None:
     address = f"127.0.0.1:{free_port()}"
-    async with gateway(serve_directory=address):
+    async with watched_gateway(serve_directory=address):
         method = aiocoap.GET if payload is None else aiocoap.POST
         answer = await post(f"coap://{address}/{path}", payload or b"", method)
         assert answer.code.dotted == code
@@ -191,7 +151,7 @@ async def test_what_breaks_the_rules_of_the_directory_is_answered_so(
 
 async def test_a_flood_of_registrations_is_bounded_and_leaves_the_others_alone() -> None:
     address = f"127.0.0.1:{free_port()}"
-    async with device() as lamp, gateway(serve_directory=address, devices=[lamp.uri], timeout=1) as watcher:
+    async with device() as lamp, watched_gateway(serve_directory=address, devices=[lamp.uri], timeout=1) as watcher:
         await watcher.sighting(lambda one: bool(one.parts))
         context = await aiocoap.Context.create_client_context(transports=["udp6"])
         refused = 0

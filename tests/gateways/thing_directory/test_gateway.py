@@ -11,6 +11,7 @@ import anyio.lowlevel
 import pytest
 from pydantic import ValidationError
 from tests.gateways.contract import listen, running
+from tests.gateways.served import served
 from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
@@ -32,15 +33,6 @@ def description(number: int, **changes: Any) -> dict[str, Any]:
         "security": "open",
         "properties": {"on": {"type": "boolean", "@type": "OnOffProperty", "forms": [form]}},
     } | changes
-
-
-@asynccontextmanager
-async def served(*servers: ServedThing | ThingDirectoryServer) -> AsyncIterator[None]:
-    async with anyio.create_task_group() as tasks:
-        for one in servers:
-            await tasks.start(one.serve)
-        yield
-        tasks.cancel_scope.cancel()
 
 
 @asynccontextmanager

@@ -1,13 +1,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 from pathlib import Path
 
 import anyio
 import pytest
 from tests.gateways.drivers.driver_host import KeepingHost, command, found, running
+from tests.gateways.served import served
 
 from homebot.devices.part import Part
 from homebot.errors import LinkError, PeerError, RefusedError, UsageError, WireError
@@ -22,14 +21,6 @@ PASSWORD = "correct horse"
 
 def info(kind: str = "lamp") -> SimulatedDeviceInfo:
     return SimulatedDeviceInfo("home", kind, "Hall", "lights", "hall")
-
-
-@asynccontextmanager
-async def served(device: ServedShelly | WebServer) -> AsyncIterator[None]:
-    async with anyio.create_task_group() as tasks:
-        await tasks.start(device.serve)
-        yield
-        tasks.cancel_scope.cancel()
 
 
 class Obeying(ServedShelly):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +11,7 @@ import pytest
 from aiohttp import web
 from tests.gateways.drivers.driver_host import KeepingHost, command, found, running
 from tests.gateways.http_servers import serving
+from tests.gateways.served import served
 
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, WireError
@@ -39,14 +38,6 @@ class Obeying(ServedThing):
         is_on = text != "off"
         brightness = self.state.brightness if text in {"on", "off"} or text.endswith("K") else float(text)
         self.publish(DeviceState(text=text, is_on=is_on, brightness=brightness, kelvin=2700))
-
-
-@asynccontextmanager
-async def served(thing: ServedThing) -> AsyncIterator[None]:
-    async with anyio.create_task_group() as tasks:
-        await tasks.start(thing.serve)
-        yield
-        tasks.cancel_scope.cancel()
 
 
 def driver(port: int, host: KeepingHost, settings: dict[str, Any] | None = None, **text: str) -> ThingDriver:

@@ -1,12 +1,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 
 import anyio
 import pytest
 from tests.gateways.drivers.driver_host import KeepingHost, command, found, running
+from tests.gateways.served import served
 
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, WireError
@@ -15,14 +14,6 @@ from homebot.gateways.drivers.wled import WledDriver
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
 from homebot.house.http.wled import ServedWled
-
-
-@asynccontextmanager
-async def served(device: ServedWled | WebServer) -> AsyncIterator[None]:
-    async with anyio.create_task_group() as tasks:
-        await tasks.start(device.serve)
-        yield
-        tasks.cancel_scope.cancel()
 
 
 class Obeying(ServedWled):
