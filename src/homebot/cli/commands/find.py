@@ -28,8 +28,8 @@ _EXAMPLES = """\
   homebot find 'sensor with temperature not stale'
 
 A query combines types (light, lamp, window, …), capabilities (dimmable, temperature > 21), states (on, open, locked),
-`in AREA`, problems (stale, unreachable, disputed), settings (category=config) and words from names and models, with
-`and`, `or`, `not` and parentheses.
+rooms and floors (`in AREA`, `without area`), tags (tag=night), problems (stale, unreachable, disputed), settings
+(category=config) and words from names and models, with `and`, `or`, `not` and parentheses.
 """
 
 

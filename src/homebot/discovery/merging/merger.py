@@ -66,7 +66,7 @@ class DeviceMerger:
             device_id = tombstone.id
         else:
             device_id = new_id(next(iter(sources.values())).sighting, table.entries, table.tombstones)
-        entry = Entry(device_id, _first_seen(sources), "unconfirmed", sources, known_ids=NO_IDS)
+        entry = Entry(device_id, _first_seen(sources), "unconfirmed", sources, known_ids=NO_IDS, owner=table.owner)
         if tombstone is not None and is_back:
             entry.trusted = frozenset(tombstone.trusted)
         if not table.owner.is_empty:
@@ -109,7 +109,7 @@ class DeviceMerger:
         for key, source in entry.sources.items():
             self._table.owners[key] = entry
             self.identities.put(key, source.sighting)
-        entry.freshness = "unconfirmed"
+        entry.freshness, entry.owner = "unconfirmed", self._table.owner
         self._table.entries[entry.id] = entry
         self._table.owner.adopt(entry.id, entry.sources.values())
         self.describe(entry)
@@ -240,7 +240,6 @@ class DeviceMerger:
     def describe(self, entry: Entry, new: SourceRecord | None = None) -> None:
         """Bring up to date what follows from the announcements of *entry*: all changed, or *new* was added."""
         table = self._table
-        entry.owner = table.owner
         entry.invalidate_description()
         if self._judge(entry, new):
             new = None
