@@ -17,9 +17,12 @@ from typing import Any
 import pytest
 from tests.patience import PATIENCE
 from tests.system.attack_probe import Attacked, Toll, attacked
+from tests.system.broker_probe import Client as Mqtt
 from tests.turns import slowness
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
+
+from homebot.mqtt.packets import Connect, FilterRequest, ProtocolVersion, Publish, Subscribe
 
 pytestmark = [pytest.mark.system, pytest.mark.no_cover]
 
@@ -303,3 +306,85 @@ def test_guessed_tokens_wait_longer_and_longer(tmp_path: Path) -> None:
         locked.toll()
         assert time.monotonic() - before < 5
         assert "wrong token" in locked.text() or "a valid token is needed" in locked.text()
+
+
+LOCK = {"name": "Front door", "unique_id": "front", "command_topic": "front/set", "state_topic": "front/state"}
+HOUSE = """
+[gateways.mqtt]
+[door.tokens.lamps]
+token_file = "lamps.token"
+scope = ["read", "act: light"]
+[door.tokens.keys]
+token_file = "keys.token"
+scope = ["read", "act: lock"]
+"""
+UNLOCK = {"target": "Front door", "command": "unlock", "issuer": "client:keys", "scope": ["act: all"]}
+FORGED = [
+    ("/gateway/mqtt/out", "homebot/msg/RawCommand", {"address": "front/set", "payload": "UNLOCK"}),
+    ("/gateway/mqtt/received_topics", "homebot/msg/Sighting", {"gateway": "mqtt", "key": "locks/forged"}),
+    ("/gateway/mqtt/readings", "homebot/msg/Report", {"gateway": "mqtt", "key": "front"}),
+    ("/discovery/states", "homebot/msg/StateChange", {}),
+    ("/control/events", "homebot/msg/CommandEvent", {}),
+]
+
+
+@contextmanager
+def guest(homebot: Attacked, token: str = "") -> Iterator[ClientConnection]:
+    """Connect as a program with *token*."""
+    headers = {"Authorization": f"Bearer {token}"} if token else {}
+    with connect(homebot.url, additional_headers=headers, proxy=None, open_timeout=PATIENCE) as peer:
+        yield peer
+
+
+def call(peer: ClientConnection, service: str, **arguments: object) -> dict[str, Any]:
+    send(peer, op="call_service", id="call", service=service, args=arguments, timeout=PATIENCE)
+    while (frame := json.loads(peer.recv(timeout=PATIENCE))).get("id") != "call":
+        pass
+    answer: dict[str, Any] = frame
+    return answer
+
+
+def test_a_program_without_the_right_opens_no_lock_and_forges_nothing(tmp_path: Path) -> None:
+    """On a real broker: what the lock hears is the command of the one program that may unlock it."""
+    (tmp_path / "homebot.toml").write_text(HOUSE)
+    for name in ("lamps", "keys"):
+        (tmp_path / f"{name}.token").touch(mode=0o600)
+        (tmp_path / f"{name}.token").write_text(f"{name}-secret")
+    with attacked(tmp_path, "--config", "homebot.toml") as homebot:
+        opened = socket.create_connection(("127.0.0.1", homebot.broker), timeout=PATIENCE)
+        with opened, guest(homebot) as watcher:
+            lock = Mqtt(opened, Connect("lock", ProtocolVersion.V5))
+            config = json.dumps(LOCK).encode()
+            lock.send(Subscribe(1, (FilterRequest("front/set", 0),)))
+            lock.send(
+                Publish("homeassistant/lock/front/config", config, 0, retain=True), Publish("front/state", b"LOCKED")
+            )
+            while not call(watcher, "/discovery/find_devices")["values"]["devices"]:
+                pass
+            for token in ("", "lamps-secret"):
+                with guest(homebot, token) as peer:
+                    for topic, ros_type, message in FORGED:
+                        send(peer, op="advertise", topic=topic, type=ros_type)
+                        send(peer, op="publish", topic=topic, msg=message)
+                    told = settle(peer)
+                    assert [one["level"] for one in told] == ["error"] * 2 * len(FORGED)
+                    assert all(one["msg"].startswith("the right raw is missing; ") for one in told)
+                    sent = call(peer, "/gateway/mqtt/send_command", key="front", part="", capability="lock")
+                    assert (sent["result"], sent["values"][:26]) == (False, "the right raw is missing; ")
+                    answer = call(peer, "/devices/command", **UNLOCK)["values"]
+                    assert (answer["outcome"], answer["results"][0]["result"]["policy"]) == ("refused", "rights")
+            found = call(watcher, "/discovery/find_devices")["values"]["devices"]
+            assert [one["name"] for one in found] == ["Front door"]
+            with guest(homebot, "keys-secret") as keys:
+                send(keys, op="call_service", id="unlock", service="/devices/command", args=UNLOCK, timeout=PATIENCE)
+                while not isinstance(heard := lock.take(), Publish):
+                    pass
+                assert heard.payload == b"UNLOCK"
+                lock.send(Publish("front/state", b"UNLOCKED"))
+                assert json.loads(keys.recv(timeout=PATIENCE))["values"]["outcome"] == "confirmed"
+            counts = {
+                one["name"]: one["count"] for one in call(watcher, "/rosbridge_websocket/health")["values"]["counts"]
+            }
+            assert counts["rights_missing"] == 2 * (2 * len(FORGED) + 1)
+        assert "secret" not in homebot.text()
+        assert "client:lamps" in homebot.text()

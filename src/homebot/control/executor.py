@@ -8,6 +8,7 @@ from typing import Final, TypeAlias, final
 
 import anyio
 
+from homebot.control.client_commands import POLICY, client_refusal
 from homebot.control.command import IssuedCommand
 from homebot.control.journal import CommandJournal
 from homebot.control.judge import Judge
@@ -91,6 +92,8 @@ class CommandExecutor:
         part = None if device is None else next((one for one in device.parts if one.id == request.part), None)
         if device is None or part is None:
             return result_of(Gone(command_id=name))
+        if problem := client_refusal(request, device, part):
+            return result_of(Refused(POLICY, problem, command_id=name))
         command = IssuedCommand(
             id=name,
             device=device,

@@ -19,6 +19,7 @@ __all__ = [
     "SIMULATED_HOUSE_RIGHTS",
     "ClientRights",
     "Right",
+    "is_client",
     "issuer_of_client",
     "read_scope",
 ]
@@ -126,6 +127,11 @@ ALL_RIGHTS = ClientRights(reads=True, acts_on_all=True, act_scope=("act: all",),
 def issuer_of_client(name: str) -> str:
     """Return the issuer of the commands of the client *name*."""
     return f"client:{name}"
+
+
+def is_client(issuer: str) -> bool:
+    """Return whether *issuer* is a client, not a node."""
+    return issuer.startswith("client:")
 
 
 def read_scope(scope: Iterable[str]) -> ClientRights:

@@ -1,0 +1,74 @@
+"""Commands of programs outside: what the rights of each allow, whoever it says it is; in virtual time."""
+
+from __future__ import annotations
+
+import pytest
+from tests.control.conftest import Home, OpenHome
+
+from homebot.devices.command_messages import CommandDevicesRequest, CommandRequest, CommandResult, Setting
+from homebot.devices.handles import DoorLock, Light
+from homebot.devices.outcomes import Confirmed
+from homebot.devices.value import Value
+
+pytestmark = pytest.mark.virtual_time
+
+
+async def put_house(home: Home) -> None:
+    home.put("lamp", "light", "on_off", area="hall")
+    home.put("other", "light", "on_off", area="attic")
+    home.put("door", "door_lock", "lock", area="hall")
+    await home.handle(Light, "lamp")
+
+
+async def unlock(home: Home, issuer: str, *scope: str) -> CommandResult:
+    lock = await home.handle(DoorLock, "door")
+    setting = Setting(capability="lock", value=Value.of("unlocked"))
+    request = CommandRequest(device=lock.device.id, part="", settings=(setting,), issuer=issuer, scope=scope)
+    return await home.control.perform(request)
+
+
+@pytest.mark.parametrize("scope", [(), ("act: light",), ("act: in hall",), ("act: lock in attic",)])
+async def test_a_client_without_the_right_does_not_unlock(open_home: OpenHome, scope: tuple[str, ...]) -> None:
+    """It is refused by a policy, with the reason, and the lock hears nothing."""
+    async with open_home() as home:
+        await put_house(home)
+        result = await unlock(home, "client:robot", *scope)
+        assert (result.outcome, result.policy, home.commands) == ("refused", "rights", [])
+        assert result.reason.startswith("client:robot may not command ")
+        assert "it always asks" in result.reason
+
+
+@pytest.mark.parametrize("scope", ["act: all", "act: lock", "act: lock in hall", 'act: name="Door"'])
+async def test_a_client_with_the_right_unlocks(open_home: OpenHome, scope: str) -> None:
+    async with open_home() as home:
+        await put_house(home)
+        assert (await unlock(home, "client:robot", scope)).outcome == "confirmed"
+
+
+async def test_an_unreadable_scope_allows_nothing(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        await put_house(home)
+        result = await unlock(home, "client:robot", "unlock everything")
+        assert (result.outcome, result.policy) == ("refused", "rights")
+
+
+async def test_a_query_commands_what_the_client_may_and_says_what_not(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        await put_house(home)
+        request = CommandDevicesRequest(target="lights", command="on", issuer="client:robot", scope=("act: in hall",))
+        answer = await home.control.command_devices(request)
+        assert (answer.success, answer.outcome) == (False, "refused")
+        assert sorted((one.name, one.result.outcome) for one in answer.results) == [
+            ("Lamp", "confirmed"),
+            ("Other", "refused"),
+        ]
+        refused = next(one.result for one in answer.results if one.result.outcome == "refused")
+        assert "it is not among what it may command" in refused.reason
+        assert [one.key for one in home.commands] == ["lamp"]
+
+
+async def test_an_app_is_no_client(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        await put_house(home)
+        lock = await home.handle(DoorLock, "door")
+        assert isinstance(await lock.unlock(), Confirmed)
