@@ -21,7 +21,7 @@ WINDOW_LIGHT = ROOT / "examples" / "02_window_light"
 
 COMMANDS = re.findall(r"^\$ (.*)$", README, re.MULTILINE)
 
-IN_A_SECOND_TERMINAL = [command for command in COMMANDS if command.startswith((".venv/bin/homebot", "homebot topic"))]
+IN_A_SECOND_TERMINAL = [command for command in COMMANDS if command.startswith((".venv/bin/homebot", "homebot do"))]
 ON_YOUR_OWN_BROKER = [command for command in COMMANDS if "--mqtt" in command]
 RUN_ELSEWHERE_IN_THIS_FILE = [
     'make run ARGS="--for 3"',
