@@ -7,15 +7,12 @@ from typing import cast, final
 
 from homebot.cli.door_client import DoorClient
 from homebot.cli.journal_records import JournalEntryRecord, JournalRecord, OutcomeRecord, SettingRecord, TriggerRecord
-from homebot.cli.records import TimeRecord
-from homebot.cli.time_format import iso
+from homebot.cli.time_format import from_seconds, iso
 from homebot.cli.values import plain_value
 from homebot.devices.names import READ_JOURNAL
 from homebot.errors import PeerError
 
-__all__ = ["JournalClient", "entry_json"]
-
-_NANOSECONDS = 1_000_000_000
+__all__ = ["JournalClient", "chain_json", "entry_json"]
 
 
 @final
@@ -51,8 +48,8 @@ class JournalClient:
         request = {
             "device": device,
             "command": command,
-            "since": _time(since),
-            "until": _time(until),
+            "since": from_seconds(since),
+            "until": from_seconds(until),
             "limit": limit,
         }
         found = cast("JournalRecord", self._door.call(READ_JOURNAL, request))
@@ -66,6 +63,11 @@ class JournalClient:
         if device and device not in self.names:
             self.names[device] = device
             self.read(device=device, limit=1)
+
+
+def chain_json(entries: Iterable[JournalEntryRecord], names: Mapping[str, str]) -> list[dict[str, object]]:
+    """Return *entries* as JSON objects, see :func:`entry_json`."""
+    return [entry_json(one, names) for one in entries]
 
 
 def entry_json(entry: JournalEntryRecord, names: Mapping[str, str]) -> dict[str, object]:
@@ -110,8 +112,3 @@ def _outcome_json(result: OutcomeRecord) -> dict[str, object]:
     found: dict[str, object] = {"outcome": result["outcome"], "text": result["text"]}
     values = cast("dict[str, object]", result)
     return found | {key: values[key] for key in ("latency", "evidence", "saw", "by", "policy", "reason") if values[key]}
-
-
-def _time(seconds: float) -> TimeRecord:
-    sec, nanosec = divmod(round(seconds * _NANOSECONDS), _NANOSECONDS)
-    return {"sec": sec, "nanosec": nanosec}

@@ -8,12 +8,20 @@ from datetime import UTC, datetime
 from homebot.cli.journal_records import JournalEntryRecord, OutcomeRecord, SettingRecord, TriggerRecord
 from homebot.cli.records import CapabilityRecord, TimeRecord
 from homebot.cli.table import printable
-from homebot.cli.time_format import to_seconds
+from homebot.cli.time_format import ago, from_seconds, to_seconds
 from homebot.cli.values import plain_value, value_text
 
-__all__ = ["clock_text", "entry_text", "issuer_text", "name_text", "outcome_text", "settings_text", "trigger_text"]
+__all__ = [
+    "ago_text",
+    "clock_text",
+    "entry_text",
+    "issuer_text",
+    "name_text",
+    "outcome_text",
+    "settings_text",
+    "trigger_text",
+]
 
-_DAY = 86_400
 _CLIENT = "client:"
 
 
@@ -52,7 +60,7 @@ def trigger_text(trigger: TriggerRecord, names: Mapping[str, str]) -> str:
         case "device":
             return f"{name} {printable(trigger['text'], 100)}"
         case "timer":
-            return f"the timer of {printable(trigger['text'])}"
+            return f"its timer ({printable(trigger['text'])}) was due"
     return ""
 
 
@@ -76,6 +84,12 @@ def issuer_text(issuer: str) -> str:
 def name_text(device: str, names: Mapping[str, str]) -> str:
     """Return the name of a device, its id where it has none."""
     return printable(names.get(device) or device, 60)
+
+
+def ago_text(seconds: float, now: float) -> str:
+    """Return a time in seconds since 1970 as ``4 min ago, at 10:03:12``."""
+    time = from_seconds(seconds)
+    return f"{ago(time, now)}, at {clock_text(time, now).rpartition('.')[0]}"
 
 
 def clock_text(time: TimeRecord, now: float) -> str:

@@ -40,6 +40,8 @@ COMMANDS: Final = {
     "alias": "give a device a further name",
     "places": "list, export and import the rooms of the house",
     "import": "add a device from a W3C Thing Description",
+    "why": "tell why a device is as it is",
+    "why-not": "tell why a device is not as it should be",
     "journal": "show what was commanded, why, and what became of it",
     "tag": "tag devices with words; read and write NFC tags",
     "topic": "list, inspect, read and publish topics",
@@ -47,7 +49,7 @@ COMMANDS: Final = {
     "node": "list and inspect nodes",
     "broker": "run an MQTT broker and nothing else",
 }
-"""What each does in a line. It is in the module of its name, ``import`` in ``import_thing``."""
+"""What each does in a line. It is in the module of its name; ``import`` is in ``import_thing``."""
 
 _EPILOG = """\
 examples:
@@ -127,7 +129,7 @@ def _run(argv: Sequence[str]) -> int:
 
 def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:
     """Add the arguments of *command*, and what runs it, to its *parser*."""
-    name = "import_thing" if command == "import" else command
+    name = "import_thing" if command == "import" else command.replace("-", "_")
     with gc_paused(), _minimal_structlog_imports():
         module = importlib.import_module(f"homebot.cli.commands.{name}")
     add_arguments: Callable[[argparse.ArgumentParser], None] = module.add_arguments

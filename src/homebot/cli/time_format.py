@@ -7,14 +7,21 @@ from functools import lru_cache
 
 from homebot.cli.records import TimeRecord
 
-__all__ = ["age", "ago", "iso", "to_seconds"]
+__all__ = ["age", "ago", "from_seconds", "iso", "to_seconds"]
 
+_NANOSECONDS = 1_000_000_000
 _SPANS = ((86_400, "d"), (3600, "h"), (60, "min"), (1, "s"))
 
 
 def to_seconds(time: TimeRecord) -> float:
     """Return *time* in seconds since 1970."""
     return time["sec"] + time["nanosec"] / 1e9
+
+
+def from_seconds(seconds: float) -> TimeRecord:
+    """Return the time so many *seconds* after 1970 began."""
+    sec, nanosec = divmod(round(seconds * _NANOSECONDS), _NANOSECONDS)
+    return {"sec": sec, "nanosec": nanosec}
 
 
 def age(time: TimeRecord, now: float) -> str:

@@ -11,6 +11,7 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.control.journal import CommandJournal
+from homebot.control.journal.house_watch import HouseWatch
 from homebot.control.journal.memory_store import MemoryStore
 from homebot.control.judge import Judge
 from homebot.control.settings import ControlSettings
@@ -47,7 +48,9 @@ class Control:
     def __init__(self, node: Node, settings: ControlSettings | None = None) -> None:
         self._node = node
         self._settings = settings or ControlSettings()
-        self._journal = CommandJournal(node, MemoryStore(MOST_IN_MEMORY, self._settings.journal_days * _DAY))
+        store = MemoryStore(MOST_IN_MEMORY, self._settings.journal_days * _DAY)
+        self._journal = CommandJournal(node, store, self._settings.settle)
+        self._house_watch = HouseWatch(node, self._journal)
         self._judge = Judge(node, self._settings, self._journal)
         self._executor: CommandExecutor | None = None
         self._words: CommandService | None = None
@@ -59,9 +62,12 @@ class Control:
 
         self._node.create_service(PerformCommand, PERFORM_COMMAND, self.perform, concurrent=True)
         self._node.create_service(CommandDevices, COMMAND_DEVICES, self.command_devices, concurrent=True)
-        task_status.started()
-        await self._begun.wait()
-        await self._execution().run()
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self._journal.run)
+            tasks.start_soon(self._house_watch.run)
+            task_status.started()
+            await self._begun.wait()
+            await self._execution().run()
 
     async def perform(self, request: CommandRequest) -> CommandResult:
         """Carry out a command to one part, and return what became of it."""

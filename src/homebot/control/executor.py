@@ -69,8 +69,6 @@ class CommandExecutor:
         self._times = ResponseTimes(self._settings.timeout)
         self._pending: dict[_Place, PendingCommand] = {}
         self._settling = Settling(node, self._settings.settle, journal)
-        self._session = f"{round(self._clock.now()):x}"
-        self._number = 0
 
     async def run(self) -> None:
         """Watch the devices of confirmed commands until cancelled."""
@@ -78,7 +76,7 @@ class CommandExecutor:
 
     async def perform(self, request: CommandRequest) -> CommandResult:
         """Carry a command out, and return what became of it."""
-        name = self._next_id()
+        name = self._journal.next_id()
         self._journal.requested(name, request)
         result = await self._perform(name, request)
         self._journal.decided(name, request, result)
@@ -200,10 +198,6 @@ class CommandExecutor:
         terms = query_terms(FactIs("id", device_id.casefold()))
         found = (await self._find.call(FindDevicesRequest(query=terms))).devices
         return next((one for one in found if one.id == device_id), None)
-
-    def _next_id(self) -> str:
-        self._number += 1
-        return f"{self._session}-{self._number}"
 
 
 class _Signal:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Final
 
 from homebot.devices.command_messages import CommandRequest, CommandResult, PerformCommand, Setting, outcome_of
 from homebot.devices.command_sender import CommandSender
+from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import Device, DevicePart, State
 from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE
 from homebot.devices.outcomes import Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.setting_check import check_setting
-from homebot.devices.trigger import current_trigger
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Node

@@ -7,6 +7,7 @@ from typing import ParamSpec, TypeAlias, TypeVar, overload
 
 import anyio.lowlevel
 
+from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import Device, Endpoint
 from homebot.devices.exposure import ExposedDevice, Exposure
 from homebot.devices.follow import Follow
@@ -186,11 +187,14 @@ class Devices:
                 continue
             if why_not := self._refusal_of(endpoint.gateway):
                 raise RefusedError(f"a command to {device.id}", why_not)
-            if out.subscription_count:
+            node = GatewayNames(endpoint.gateway).node
+            if out.reaches(node):
                 has_one_way = len(device.parts) == 1 and len(device.parts[0].routes) == 1
                 address = endpoint.command_address if has_one_way else command_address(device, endpoint, payload)
-                await out.send(RawCommand(address=address, payload=payload))
-                if out.subscription_count:  # else the gateway went while its queue was full
+                await out.send(
+                    RawCommand(address=address, payload=payload, issuer=self._node.full_name, trigger=current_trigger())
+                )
+                if out.reaches(node):  # else the gateway went while its queue was full
                     return () if has_one_way else others_at(device, address, payload)
         if problem is not None:
             raise problem

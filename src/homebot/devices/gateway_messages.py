@@ -9,6 +9,7 @@ from pydantic import ConfigDict, Field
 from homebot.devices.device import KeyValue
 from homebot.devices.names import is_text_address
 from homebot.devices.part import Part
+from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import Reading, Value
 from homebot.errors import WireError
 from homebot.messages.builtin_interfaces import Time
@@ -214,12 +215,16 @@ class RawCommand(Message):
         payload: The text, sent as UTF-8.
         qos: MQTT quality of service, 0 to 2.
         retain: Whether the broker retains it.
+        issuer: The name of the node that publishes it; empty where that is not known.
+        trigger: What led to it, as far as the issuer knows.
     """
 
     address: str
     payload: str
     qos: Annotated[UInt8, Field(le=2)] = 1
     retain: bool = False
+    issuer: str = ""
+    trigger: Trigger = NO_TRIGGER
 
 
 class GatewayState(Message):

@@ -76,7 +76,7 @@ class JournalEntry(Message):
         at: When.
         device: The id of the device.
         part: The id of the part.
-        command: The id of the command; empty for ``changed`` and ``published``.
+        command: The id of the command, also of a raw one; empty for ``changed``.
         issuer: Who gave the command: the name of a node, or ``client:NAME`` for a client of the door.
         trigger: ``requested`` and ``published``: what led to it.
         settings: ``requested``: what was wanted; ``reported`` and ``changed``: the values that were reported.

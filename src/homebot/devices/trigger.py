@@ -6,18 +6,13 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from homebot.devices.device import DeviceChange, StateChange
-from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.value import Reading
-from homebot.graph.current_cause import CURRENT_CAUSE
-from homebot.graph.timer import Timer
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 
-__all__ = ["NO_TRIGGER", "Trigger", "current_trigger"]
+__all__ = ["MOST_READINGS", "NO_TRIGGER", "Trigger"]
 
-_LONGEST = 200
-_MOST_READINGS = 20
+MOST_READINGS = 20
 
 
 class Trigger(Message):
@@ -37,55 +32,9 @@ class Trigger(Message):
     kind: Literal["", "report", "device", "message", "timer"] = ""
     id: str = ""
     device: str = ""
-    readings: Annotated[tuple[Reading, ...], Field(max_length=_MOST_READINGS)] = ()
+    readings: Annotated[tuple[Reading, ...], Field(max_length=MOST_READINGS)] = ()
     text: str = ""
     at: Time = Time(sec=0, nanosec=0)
 
 
 NO_TRIGGER = Trigger()
-
-
-def current_trigger() -> Trigger:
-    """Return what the task that calls this acts upon."""
-    match CURRENT_CAUSE.get():
-        case StateChange() as change:
-            return _of_report(change)
-        case DeviceChange() as change:
-            return _of_device(change)
-        case Timer() as timer:
-            return Trigger(kind="timer", id=f"timer-{timer.period:g}", text=f"every {timer.period:g} s")
-        case (str(device), RawMessage() as message):
-            return _of_message(device, message)
-    return NO_TRIGGER
-
-
-def _of_report(change: StateChange) -> Trigger:
-    return Trigger(
-        kind="report",
-        id=f"report-{change.sequence}",
-        device=change.device,
-        readings=change.readings[:_MOST_READINGS],
-        at=change.told_at,
-    )
-
-
-def _of_device(change: DeviceChange) -> Trigger:
-    device = change.device
-    return Trigger(
-        kind="device",
-        id=f"device-{change.sequence}",
-        device=device.id,
-        text=f"{change.kind}: {change.why}"[:_LONGEST],
-        at=device.last_seen,
-    )
-
-
-def _of_message(device: str, message: RawMessage) -> Trigger:
-    text = message.payload[:_LONGEST].decode(errors="backslashreplace")
-    return Trigger(
-        kind="message",
-        id=f"message-{message.gateway}-{message.key}-{message.received_at.to_seconds():.3f}",
-        device=device,
-        text=text,
-        at=message.received_at,
-    )

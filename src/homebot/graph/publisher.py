@@ -62,6 +62,13 @@ class Publisher(Generic[MessageT]):
         """The number of matched subscriptions."""
         return len(self._mailboxes)
 
+    def reaches(self, node: str) -> bool:
+        """Return whether the node with the full name *node* has a matched subscription."""
+        for one in self._subscriptions:  # noqa: SIM110 - a generator would cost each raw command more
+            if one.info.node == node:
+                return True
+        return False
+
     @property
     def is_full(self) -> bool:
         """True if a RELIABLE subscription has no room, so that :meth:`send` would wait; never on a keyed topic."""

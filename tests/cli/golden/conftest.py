@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from homebot.clock import Clock, ManualClock
+from homebot.control.journal.memory_store import MemoryStore
 from homebot.devices import (
     DEVICE_CHANGES,
     FIND_DEVICES,
@@ -21,6 +22,7 @@ from homebot.devices import (
     Found,
     GatewayNames,
     GatewayState,
+    KeyValue,
     QueryDevices,
     RawCommand,
     Reachability,
@@ -28,7 +30,15 @@ from homebot.devices import (
     State,
 )
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure, Quarantine
-from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE, MERGE_DEVICES, SPLIT_DEVICE, text_address
+from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest, ReadJournalResponse
+from homebot.devices.names import (
+    DISCOVERY_HEALTH,
+    FORGET_DEVICE,
+    MERGE_DEVICES,
+    READ_JOURNAL,
+    SPLIT_DEVICE,
+    text_address,
+)
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import facets_of, fits, read_terms
 from homebot.devices.services import (
@@ -223,6 +233,7 @@ class StillHouse:
         carried: How many devices were given out.
         restless: For how many questions the devices change places.
         is_near: Whether devices are found by words that are only like theirs.
+        journal: The entries of the journal, oldest first.
     """
 
     def __init__(self) -> None:
@@ -236,6 +247,7 @@ class StillHouse:
         self.carried = 0
         self.restless = 0
         self.is_near = False
+        self.journal: list[JournalEntry] = []
 
     def node(self, graph: Graph) -> Node:
         node = Node(graph, "still")
@@ -250,6 +262,7 @@ class StillHouse:
         node.create_service(MergeDevices, MERGE_DEVICES, self._merge)
         node.create_service(GetHealth, GatewayNames("mqtt").health, self._health)
         node.create_service(GetHealth, DISCOVERY_HEALTH, self._directory_health)
+        node.create_service(ReadJournal, READ_JOURNAL, self._read_journal)
         return node
 
     def _devices(self) -> tuple[Device, ...]:
@@ -325,6 +338,13 @@ class StillHouse:
         del request
         trouble = "the index file /data/index.sqlite cannot be written: database or disk is full"
         return HealthResponse(counts=(Count(name="devices", count=3),), troubles=() if self.is_well else (trouble,))
+
+    async def _read_journal(self, request: ReadJournalRequest) -> ReadJournalResponse:
+        kept = MemoryStore(1000, 1e9)
+        for entry in self.journal:
+            kept.add(entry)
+        names = tuple(KeyValue(key=one.id, value=one.name) for one in self._devices())
+        return (await kept.read(request)).model_copy(update={"names": names})
 
     def _publish(self, command: RawCommand) -> None:
         self.published.append((command.address, command.payload, command.retain))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, final
 
 from homebot.control.command import IssuedCommand
+from homebot.control.journal.explained_changes import ExplainedChanges
 from homebot.control.journal.store import JournalStore
-from homebot.devices import FIND_DEVICES, FindDevices
+from homebot.devices import FIND_DEVICES, FindDevices, RawCommand, StateChange
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
 from homebot.devices.device import KeyValue
 from homebot.devices.journal_messages import (
@@ -23,7 +24,7 @@ from homebot.devices.query import Or, query_terms
 from homebot.devices.query.terms import FactIs
 from homebot.devices.services import FindDevicesRequest
 from homebot.devices.trigger import NO_TRIGGER, Trigger
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue, Reading, Value
 from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.messages import Time
@@ -34,7 +35,11 @@ if TYPE_CHECKING:
 __all__ = ["CommandJournal"]
 
 _DEPTH = 1000
+_SHORTEST_SETTLE = 2.0
+"""Seconds after a command at least: the directory tells of a change a little later than the gateway."""
+
 _MOST_NAMES = 500
+_LONGEST = 500
 
 
 @final
@@ -44,10 +49,14 @@ class CommandJournal:
     Args:
         node: The node that publishes them and serves the reading.
         store: Keeps them.
+        settle: Seconds after a command in which a change of the part is taken for its effect.
     """
 
-    def __init__(self, node: Node, store: JournalStore) -> None:
+    def __init__(self, node: Node, store: JournalStore, settle: float) -> None:
         self._clock = node.graph.clock
+        self._changes = ExplainedChanges(max(settle, _SHORTEST_SETTLE))
+        self._session = f"{round(self._clock.now()):x}"
+        self._number = 0
         self._store = store
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._entries = node.create_publisher(JournalEntry, JOURNAL_ENTRIES, _DEPTH)
@@ -74,6 +83,11 @@ class CommandJournal:
             return ()
         return tuple(KeyValue(key=one.id, value=one.name) for one in found.devices if one.name)
 
+    def next_id(self) -> str:
+        """Return the id of a new command, unique in the home."""
+        self._number += 1
+        return f"{self._session}-{self._number}"
+
     def requested(self, command_id: str, request: CommandRequest) -> None:
         """Note that somebody gave a command."""
         self._note(
@@ -97,6 +111,8 @@ class CommandJournal:
 
     def sent(self, command: IssuedCommand, attempt: int) -> None:
         """Note that a command is handed to its gateway, for the *attempt*-th time, from 0 on."""
+        if not attempt:
+            self._changes.begin(command.device.id, command.part.id, command.id, self._clock.now())
         self._note_step("sent", command, text="again" if attempt else "")
 
     def acknowledged(self, command: IssuedCommand) -> None:
@@ -109,11 +125,41 @@ class CommandJournal:
 
     def decided(self, command_id: str, request: CommandRequest, result: CommandResult) -> None:
         """Note the outcome of a command."""
+        self._changes.end(request.device, request.part, command_id, self._clock.now())
         self._note("outcome", request.device, request.part, command_id, issuer=request.issuer, results=(result,))
 
     def reverted(self, command: IssuedCommand, result: CommandResult) -> None:
         """Note that the device went back after the outcome."""
         self._note_step("reverted", command, results=(result,))
+
+    def changed(self, change: StateChange, reading: Reading) -> None:
+        """Note a live value of *change*, unless it is none or the entries of a command have it already."""
+        command_id = self._changes.take(change.device, reading, change.told_at.to_seconds())
+        if command_id is None:
+            return
+        self._note(
+            "reported" if command_id else "changed",
+            change.device,
+            reading.part,
+            command_id,
+            settings=(Setting(capability=reading.capability, value=reading.value),),
+            at=change.told_at,
+        )
+
+    def published(self, device: str, command: RawCommand, at: float) -> None:
+        """Note a raw command for a device that came at *at*, in seconds since the Unix epoch."""
+        name = self.next_id()
+        self._changes.begin_raw(device, name, command.payload, at)
+        self._note(
+            "published",
+            device,
+            "",
+            name,
+            issuer=command.issuer,
+            trigger=command.trigger,
+            text=command.payload[:_LONGEST],
+            at=Time.from_seconds(at),
+        )
 
     def _note_step(
         self,
@@ -149,10 +195,11 @@ class CommandJournal:
         text: str = "",
         verdicts: tuple[JournalVerdict, ...] = (),
         results: tuple[CommandResult, ...] = (),
+        at: Time | None = None,
     ) -> None:
         entry = JournalEntry.of_checked(
             kind=kind,
-            at=Time.from_seconds(self._clock.now()),
+            at=at or Time.from_seconds(self._clock.now()),
             device=device,
             part=part,
             command=command,

@@ -1,0 +1,171 @@
+"""The history of one device as the journal has it: its last change, and the chain of what led to it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import final
+
+from homebot.cli.journal_client import JournalClient
+from homebot.cli.journal_records import JournalEntryRecord, SettingRecord, TriggerRecord
+from homebot.cli.records import DeviceRecord, StateRecord, TimeRecord
+from homebot.cli.time_format import to_seconds
+from homebot.cli.values import plain_value
+
+__all__ = ["Chain", "DeviceHistory", "asks_for", "changed_at"]
+
+_DEEPEST = 5
+"""Commands of one chain: a report that led to a command may have been the effect of another."""
+
+_SAME_TIME = 2.0
+"""Seconds between a report in the journal and the same one as the trigger of a command."""
+
+_LATE = 3.0
+"""Seconds after an entry that the directory may know of the change."""
+
+_TRACES = frozenset({"reported", "changed"})
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """A command, or a change that none explains, and what led to it.
+
+    Attributes:
+        entries: Its entries, oldest first; of a change the one alone.
+        before: The chain of the report that led to it; None where that has no explanation in the journal.
+    """
+
+    entries: tuple[JournalEntryRecord, ...]
+    before: Chain | None = None
+
+    @property
+    def first(self) -> JournalEntryRecord:
+        """The command, or the change."""
+        return self.entries[0]
+
+    @property
+    def all_entries(self) -> tuple[JournalEntryRecord, ...]:
+        """The entries of all that led to it, and its own."""
+        return (*(self.before.all_entries if self.before is not None else ()), *self.entries)
+
+    @property
+    def trigger(self) -> TriggerRecord:
+        """The report, message or timer that led to the command; its kind is empty where that is not known."""
+        return self.first["trigger"]
+
+
+@final
+class DeviceHistory:
+    """Reads what the journal has of a device.
+
+    Args:
+        client: Reads the journal.
+    """
+
+    def __init__(self, client: JournalClient) -> None:
+        self._client = client
+        self.begins: TimeRecord = {"sec": 0, "nanosec": 0}
+
+    def last_change(self, device: DeviceRecord) -> Chain | None:
+        """Return the chain of the last change of *device*; None where the journal has none, or an older one."""
+        found = self._client.read(device=device["id"])
+        self.begins = found["begins"]
+        entries = found["entries"]
+        last = next((one for one in reversed(entries) if _is_change(one, entries)), None)
+        if last is None or to_seconds(last["at"]) + _LATE < changed_at(device):
+            return None
+        return self._chain(last, _DEEPEST)
+
+    def asked(self, device: DeviceRecord, state: str) -> Sequence[Chain]:
+        """Return the commands for *state* that the journal has, newest last."""
+        found = self._client.read(device=device["id"])
+        self.begins = found["begins"]
+        entries = found["entries"]
+        wanted = [one for one in entries if one["kind"] in {"requested", "published"} and asks_for(one, state)]
+        return [self._chain(one, 1) for one in wanted]
+
+    def _chain(self, entry: JournalEntryRecord, deepest: int) -> Chain:
+        if not entry["command"]:
+            return Chain((entry,))
+        entries = tuple(self._client.read(command=entry["command"])["entries"]) or (entry,)
+        before = self._before(entries[0]) if deepest > 1 else None
+        return Chain(entries, self._chain(before, deepest - 1) if before is not None else None)
+
+    def _before(self, command: JournalEntryRecord) -> JournalEntryRecord | None:
+        """Return the entry that tells of the report that was the trigger of *command*; None where none does."""
+        trigger = command["trigger"]
+        at = to_seconds(trigger["at"])
+        if not trigger["device"] or trigger["kind"] not in {"report", "message"} or not at:
+            return None
+        found = self._client.read(device=trigger["device"], since=at - _SAME_TIME, until=at + _SAME_TIME)
+        reports = [
+            one
+            for one in found["entries"]
+            if one["kind"] in _TRACES and one["command"] != command["command"] and _tells_of(one, trigger)
+        ]
+        return min(reports, key=lambda one: abs(to_seconds(one["at"]) - at), default=None)
+
+
+def changed_at(device: DeviceRecord) -> float:
+    """Return when a state of *device* that can be set was last reported as new, in seconds since 1970; 0 for never."""
+    return max((to_seconds(one["since"]) for one in settable_states(device)), default=0.0)
+
+
+def settable_states(device: DeviceRecord) -> Iterable[StateRecord]:
+    """Yield the states of *device* that a command could have changed."""
+    settable = {
+        (part["id"], one["name"])
+        for part in device["parts"]
+        for one in part["part"]["capabilities"]
+        if one["settable"] and not part["part"]["category"]
+    }
+    return (one for one in device["states"] if (one["part"], one["capability"]) in settable)
+
+
+def asks_for(entry: JournalEntryRecord, state: str) -> bool:
+    """Return whether a command asks for *state*, as people say it: a lamp at 40 % is on."""
+    wanted = state.casefold()
+    if entry["kind"] == "published":
+        return entry["text"].strip().casefold() == wanted
+    return any(_means(one, wanted) for one in entry["settings"])
+
+
+def _means(setting: SettingRecord, wanted: str) -> bool:
+    value = plain_value(setting["value"])
+    match value:
+        case bool():
+            return wanted in (("on", "true", "yes") if value else ("off", "false", "no"))
+        case str():
+            return value.casefold() == wanted
+        case float() | int():
+            if setting["capability"] in {"level", "fan_speed"} and wanted in {"on", "off"}:
+                return (value > 0) is (wanted == "on")
+            if setting["capability"] == "position" and wanted in {"open", "closed"}:
+                return (value > 0) is (wanted == "open")
+            return wanted in {f"{value:g}", f"{value:g}%"}
+    return False
+
+
+def _tells_of(entry: JournalEntryRecord, trigger: TriggerRecord) -> bool:
+    """Return whether an entry of a report has a value of *trigger*; those in a structured raw message are not known."""
+    if trigger["kind"] == "message":
+        text = trigger["text"].strip().casefold()
+        return text.startswith("{") or any(_means(one, text) for one in entry["settings"])
+    values = {one["capability"]: plain_value(one["value"]) for one in trigger["readings"]}
+    return any(
+        one["capability"] in values and values[one["capability"]] == plain_value(one["value"])
+        for one in entry["settings"]
+    )
+
+
+def _is_change(entry: JournalEntryRecord, entries: Sequence[JournalEntryRecord]) -> bool:
+    """Return whether *entry* tells that the device is another way than before."""
+    if entry["kind"] in {"changed", "reverted"}:
+        return True
+    if entry["kind"] == "outcome":  # of a device that reports nothing, the acknowledgement is all there is
+        return entry["results"][0]["outcome"] == "confirmed"
+    if entry["kind"] == "reported":
+        outcomes = [one for one in entries if one["command"] == entry["command"] and one["kind"] == "outcome"]
+        return not outcomes or outcomes[0]["results"][0]["outcome"] in {"confirmed", "superseded"}
+    return False

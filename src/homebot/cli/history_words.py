@@ -1,0 +1,59 @@
+"""The history of a device in words. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from homebot.cli.device_history import Chain
+from homebot.cli.journal_records import JournalEntryRecord
+from homebot.cli.journal_words import clock_text, entry_text, issuer_text, settings_text, trigger_text
+
+__all__ = ["UNEXPLAINED", "chain_lines", "reason_text", "result_text"]
+
+UNEXPLAINED = "no command explains it: somebody did it by hand, or it did so by itself"
+
+
+def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
+    """Return in a clause why the device changed."""
+    last, first = chain.entries[-1], chain.first
+    if first["kind"] == "changed":
+        return UNEXPLAINED
+    issuer = issuer_text(first["issuer"])
+    if last["kind"] == "reverted":
+        return f"it went back by itself after {issuer} had asked for {settings_text(first['settings'])}"
+    asked = f"{issuer} {'published' if first['kind'] == 'published' else 'asked for'} {_wanted(first)}"
+    cause = trigger_text(chain.trigger, names)
+    return f"{asked}, because {cause}" if cause else asked
+
+
+def chain_lines(chain: Chain, names: Mapping[str, str], now: float) -> Iterator[tuple[str, str]]:
+    """Yield the steps of *chain* and of what led to it, oldest first, each with its time."""
+    trigger = chain.trigger
+    if chain.before is not None:
+        yield from chain_lines(chain.before, names, now)
+    elif cause := trigger_text(trigger, names):
+        yield clock_text(trigger["at"], now) if trigger["at"]["sec"] else "", cause
+    for entry in _told(chain.entries):
+        yield clock_text(entry["at"], now), entry_text(entry, names)
+
+
+def result_text(chain: Chain) -> str:
+    """Return what became of a command."""
+    decided = [one for one in chain.entries if one["kind"] in {"outcome", "reverted"}]
+    if decided:
+        return entry_text(decided[-1], {})
+    if chain.first["kind"] == "published":
+        reports = [one for one in chain.entries if one["kind"] == "reported"]
+        return f"it reported {settings_text(reports[-1]['settings'])}" if reports else "it reported nothing new"
+    return "its outcome is not known yet"
+
+
+def _wanted(entry: JournalEntryRecord) -> str:
+    return repr(entry["text"]) if entry["kind"] == "published" else settings_text(entry["settings"])
+
+
+def _told(entries: Iterable[JournalEntryRecord]) -> Iterator[JournalEntryRecord]:
+    """Yield what says something: that the network accepted it only where no report came."""
+    shown = list(entries)
+    has_report = any(one["kind"] == "reported" for one in shown)
+    return (one for one in shown if one["kind"] != "acknowledged" or not has_report)

@@ -1,0 +1,60 @@
+"""The trigger of the command that a task gives now, made of the cause that it acts upon."""
+
+from __future__ import annotations
+
+from homebot.devices.device import DeviceChange, StateChange
+from homebot.devices.gateway_messages import RawMessage
+from homebot.devices.trigger import MOST_READINGS, NO_TRIGGER, Trigger
+from homebot.graph.current_cause import CURRENT_CAUSE
+from homebot.graph.timer import Timer
+
+__all__ = ["current_trigger"]
+
+_LONGEST = 200
+
+
+def current_trigger() -> Trigger:
+    """Return what the task that calls this acts upon."""
+    match CURRENT_CAUSE.get():
+        case StateChange() as change:
+            return _of_report(change)
+        case DeviceChange() as change:
+            return _of_device(change)
+        case Timer() as timer:
+            return Trigger(kind="timer", id=f"timer-{timer.period:g}", text=f"every {timer.period:g} s")
+        case (str(device), RawMessage() as message):
+            return _of_message(device, message)
+    return NO_TRIGGER
+
+
+def _of_report(change: StateChange) -> Trigger:
+    return Trigger(
+        kind="report",
+        id=f"report-{change.sequence}",
+        device=change.device,
+        readings=change.readings[:MOST_READINGS],
+        at=change.told_at,
+    )
+
+
+def _of_device(change: DeviceChange) -> Trigger:
+    device = change.device
+    return Trigger(
+        kind="device",
+        id=f"device-{change.sequence}",
+        device=device.id,
+        text=f"{change.kind}: {change.why}"[:_LONGEST],
+        at=device.last_seen,
+    )
+
+
+def _of_message(device: str, message: RawMessage) -> Trigger:
+    at = message.received_at
+    text = message.payload[:_LONGEST].decode(errors="backslashreplace")
+    return Trigger(
+        kind="message",
+        id=f"message-{message.gateway}-{message.key}-{at.sec}.{at.nanosec // 1_000_000:03}",
+        device=device,
+        text=text,
+        at=at,
+    )

@@ -1,0 +1,169 @@
+"""What ``homebot why``, ``why-not`` and ``journal`` print, letter by letter; see test_golden.py."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import pytest
+from tests.cli.golden.conftest import ago
+from tests.cli.golden.test_golden import check
+
+from homebot.cli import main
+from homebot.devices.command_messages import CommandResult, Setting, result_of
+from homebot.devices.journal_messages import JournalEntry, JournalFact, JournalVerdict
+from homebot.devices.outcomes import AlreadySo, Confirmed, Evidence, NoAnswer, Outcome, Refused, Reverted
+from homebot.devices.trigger import NO_TRIGGER, Trigger
+from homebot.devices.value import PlainValue, Reading, Value
+
+if TYPE_CHECKING:
+    from tests.cli.conftest import Homebot
+    from tests.cli.golden.conftest import StillHouse
+
+Text = pytest.CaptureFixture[str]
+
+LAMP = "kitchen-lamp"
+
+
+@pytest.fixture(autouse=True)
+def _utc(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.setenv("TZ", "UTC")
+    time.tzset()
+    yield
+    monkeypatch.undo()
+    time.tzset()
+
+
+def entry(**fields: object) -> JournalEntry:
+    return JournalEntry.model_validate(fields)
+
+
+def settings(**values: PlainValue) -> tuple[Setting, ...]:
+    return tuple(Setting(capability=name, value=Value.of(value)) for name, value in values.items())
+
+
+def motion(seconds: float) -> Trigger:
+    reading = Reading(part="", capability="occupancy", value=Value.of(True))
+    return Trigger(kind="report", id="report-7", device="motion/kitchen", readings=(reading,), at=ago(seconds))
+
+
+def command(
+    name: str,
+    seconds: float,
+    outcome: Outcome,
+    *,
+    issuer: str = "/follow_me",
+    trigger: Trigger = NO_TRIGGER,
+    verdicts: tuple[JournalVerdict, ...] = (),
+    tries: int = 1,
+    reports: tuple[float, ...] = (),
+    **wanted: PlainValue,
+) -> Iterator[JournalEntry]:
+    """Yield the entries of a command that was given so many *seconds* ago."""
+    of = {"device": LAMP, "part": "light", "command": name, "issuer": issuer}
+    yield entry(kind="requested", at=ago(seconds), trigger=trigger, settings=settings(**wanted), **of)
+    for verdict in verdicts:
+        yield entry(kind="judged", at=ago(seconds), verdicts=(verdict,), **of)
+    for number in range(tries):
+        at = ago(seconds - 3.0 * number)
+        yield entry(kind="sent", at=at, text="again" if number else "", **of)
+        yield entry(kind="acknowledged", at=at, **of)
+    for later in reports:
+        yield entry(kind="reported", at=ago(seconds - later), settings=settings(**wanted), **of)
+    decided: CommandResult = result_of(outcome)
+    at = ago(seconds - max(reports, default=3.0 * tries if tries else 0.0))
+    yield entry(kind="outcome", at=at, results=(decided,), **of)
+
+
+def changed(seconds: float, **values: PlainValue) -> JournalEntry:
+    return entry(kind="changed", at=ago(seconds), device=LAMP, part="light", settings=settings(**values))
+
+
+def published(name: str, seconds: float, text: str, **reported: PlainValue) -> Iterator[JournalEntry]:
+    of = {"device": LAMP, "command": name}
+    yield entry(kind="published", at=ago(seconds), text=text, issuer="/light_service", **of)
+    yield entry(kind="reported", at=ago(seconds - 0.2), settings=settings(**reported), **of)
+
+
+ALLOWED = JournalVerdict(
+    policy="presence_guard",
+    allowed=True,
+    reason="somebody is in the kitchen",
+    facts=(JournalFact(name="occupancy of motion/kitchen", value=Value.of(True), since=ago(45)),),
+)
+REFUSED = JournalVerdict(policy="presence_guard", allowed=False, reason="somebody is in the kitchen")
+
+CONFIRMED = Confirmed(0.4, Evidence.REPORTED)
+
+
+def story(name: str) -> list[JournalEntry]:
+    """What the journal has in each of the cases."""
+    app = [
+        *command("a-1", 40.4, CONFIRMED, trigger=motion(40.5), verdicts=(ALLOWED,), reports=(0.4,), on_off=True),
+    ]
+    match name:
+        case "app":
+            return app
+        case "retried":
+            return [*command("a-1", 46.4, Confirmed(6.4, Evidence.REPORTED), tries=3, reports=(6.4,), on_off=True)]
+        case "client":
+            return [*command("a-1", 40.4, CONFIRMED, issuer="client:tablet", reports=(0.4,), on_off=True, level=40.0)]
+        case "hand":
+            return [*command("a-1", 4000, CONFIRMED, reports=(0.4,), on_off=False), changed(40, on_off=True)]
+        case "reverted":
+            reverted = result_of(Reverted(6.0))
+            back = entry(kind="reverted", at=ago(34), device=LAMP, part="light", command="a-1", results=(reverted,))
+            return [*app, back]
+        case "raw":
+            return [*published("a-1", 40.2, "on", on_off=True)]
+        case "refused":
+            return [
+                *command("a-1", 900, NoAnswer(9.0), tries=3, on_off=False),
+                *command("a-2", 600, AlreadySo(), tries=0, on_off=True, issuer="client:tablet"),
+                *command(
+                    "a-3",
+                    30,
+                    Refused("presence_guard", "somebody is in the kitchen"),
+                    verdicts=(REFUSED,),
+                    tries=0,
+                    trigger=Trigger(kind="timer", id="timer-60", text="every 60 s"),
+                    issuer="/lights_out",
+                    on_off=False,
+                ),
+            ]
+    return []
+
+
+@pytest.mark.parametrize(
+    ("name", "case", "arguments"),
+    [
+        ("why_app", "app", ["why", "Kitchen lamp"]),
+        ("why_retried", "retried", ["why", "Kitchen lamp"]),
+        ("why_client", "client", ["why", "Kitchen lamp"]),
+        ("why_hand", "hand", ["why", "Kitchen lamp"]),
+        ("why_reverted", "reverted", ["why", "Kitchen lamp"]),
+        ("why_raw", "raw", ["why", "kitchen-lamp"]),
+        ("why_unknown", "", ["why", "Kitchen lamp"]),
+        ("why_silent", "", ["why", "windows/bath"]),
+        ("why_json", "app", ["why", "Kitchen lamp", "--json"]),
+        ("why_not_refused", "refused", ["why-not", "Kitchen lamp", "off"]),
+        ("why_not_already", "refused", ["why-not", "Kitchen lamp", "on"]),
+        ("why_not_nobody", "app", ["why-not", "Kitchen lamp", "off"]),
+        ("why_not_empty", "", ["why-not", "Kitchen lamp", "off"]),
+        ("why_not_json", "refused", ["why-not", "Kitchen lamp", "off", "--json"]),
+        ("journal", "refused", ["journal"]),
+        ("journal_device", "hand", ["journal", "--device", "Kitchen lamp", "--since", "10m"]),
+        ("journal_limited", "app", ["journal", "--limit", "2"]),
+        ("journal_json", "raw", ["journal", "--json"]),
+        ("journal_empty", "", ["journal"]),
+    ],
+)
+def test_they_print_what_they_should(
+    still: StillHouse, still_homebot: Homebot, capsys: Text, name: str, case: str, arguments: list[str]
+) -> None:
+    still.journal = story(case)
+    assert main(["--door", still_homebot.door, *arguments]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    check(name, out)
