@@ -269,6 +269,32 @@ def test_a_statement_stays_when_the_announcement_that_it_was_made_on_is_withdraw
     assert areas(index) == {"lamp": "Hall"}
 
 
+def test_what_was_taken_back_does_not_return_with_an_announcement_that_was_withdrawn(lamp: Sighting) -> None:
+    index = index_of()
+    index.observe(lamp, 0.0)
+    index.observe(lamp.model_copy(update={"key": "homeassistant:second"}), 0.0)
+    index.places.place("lamp", "Hall", 1.0)
+    index.observe(lamp.model_copy(update={"kind": "removed"}), 2.0)
+    index.places.unplace("lamp")
+    index.observe(lamp, 3.0)
+    assert areas(index) == {"lamp": "Study"}
+
+
+def test_what_is_taken_back_of_one_stays_with_the_other_that_was_split_off_and_is_away(
+    announced: tuple[Sighting, ...],
+) -> None:
+    index = index_of()
+    for one in announced:
+        index.observe(one, 0.0)
+    index.places.place("radio", "Hall", 1.0)
+    index.split("radio", None, 2.0)
+    index.forget("web", 3.0)
+    index.places.unplace("radio")
+    index = restored(index)
+    index.observe(announced[2].model_copy(update={"confirmed": True}), 4.0)
+    assert areas(index) == {"radio": "", "cable": "Hall", "web": "Hall"}
+
+
 def test_a_room_one_typo_away_from_another_is_taken_for_a_typo_unless_it_is_said_to_be_new(lamp: Sighting) -> None:
     index = index_of()
     index.observe(lamp, 0.0)

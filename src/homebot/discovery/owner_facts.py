@@ -123,13 +123,20 @@ class OwnerFacts:
         """Return the name by which the configuration states something of an announcement; empty for none."""
         return self._known_as.get(key, "")
 
-    def put(self, device_id: str, sources: Collection[SourceRecord], facts: Iterable[OwnerFact]) -> None:
+    def put(
+        self,
+        device_id: str,
+        sources: Collection[SourceRecord],
+        facts: Iterable[OwnerFact],
+        present: Container[SourceKey],
+    ) -> None:
         """Replace what commands and imports stated of a device.
 
         Args:
             device_id: Its id.
             sources: Its announcements.
             facts: The facts; none to take all back.
+            present: The announcements of devices that are there; others of the device are gone, and lose theirs too.
 
         Raises:
             RefusedError: There are too many statements.
@@ -141,10 +148,11 @@ class OwnerFacts:
         replaced = [self._by_key.pop(key) for key in stated.keys if key in self._by_key]
         replaced += [self._by_name[name] for name in _names(device_id, sources) if name in self._by_name]
         for statement in replaced:
-            for key in stated.keys:
-                statement.keys.pop(key, None)
+            for key in [key for key in statement.keys if key in stated.keys or key not in present]:
+                del statement.keys[key]
+                self._by_key.pop(key, None)
             statement.names.pop(device_id, None)
-            if not statement.keys:  # else it is of a device that was split off
+            if not statement.keys:  # else a device with one of the same hardware addresses has it too
                 for name in statement.names:
                     self._by_name.pop(name, None)
         self._by_name.pop(device_id, None)
@@ -205,8 +213,19 @@ class OwnerFacts:
         if count + len(self._by_key) + len(self._by_name) > MAX_STATEMENTS:
             raise RefusedError("a statement", f"there are {MAX_STATEMENTS:,} already; take some back")
 
-    def adopt(self, device_id: str, sources: Iterable[SourceRecord]) -> None:
-        """Note under which id a device appears, so that what is stated of it stays with its announcements."""
+    def adopt(self, device_id: str, sources: Collection[SourceRecord]) -> None:
+        """Note under which id a device appears, so that what is stated of it stays with its announcements.
+
+        What is stated of a device that it was split off is from now on stated of each by itself.
+        """
+        keys = [source.key for source in sources]
+        for statement in dict.fromkeys(self._by_key[key] for key in keys if key in self._by_key):
+            own = dict.fromkeys(key for key in keys if key in statement.keys)
+            if device_id not in statement.names and len(own) < len(statement.keys) and self._has_room():
+                for key in own:
+                    del statement.keys[key]
+                self._put(_Statement(statement.facts, own, {device_id: None}))
+                self.is_unsaved = True
         for source in sources:
             names = tuple(_names(device_id, (source,)))
             configured = next((name for name in names if name in self._configured), "")

@@ -111,7 +111,7 @@ class PlacesEditor:
         Raises:
             RefusedError: There are too many statements.
         """
-        self._table.owner.put(entry.id, entry.sources.values(), facts)
+        self._table.owner.put(entry.id, entry.sources.values(), facts, self._table.owners)
         self.restate((entry,), why)
 
     def restate(self, entries: Iterable[Entry], why: str) -> None:
