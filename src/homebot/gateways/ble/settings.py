@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import re
 from typing import Annotated, Literal, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from homebot.config import FilePath, read_secret
+from homebot.config import FilePath, read_password
 from homebot.conventions.bluetooth.distance import RSSI_AT_1M
 from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattProfile
 from homebot.errors import UsageError
@@ -69,16 +68,10 @@ class BleDeviceSettings(BaseModel):
         Raises:
             UsageError: It cannot be read, or is no key; the message never shows it.
         """
-        if self.bind_key_env is not None:
-            if self.bind_key_env not in os.environ:
-                raise UsageError(f"bind_key_env: the environment variable {self.bind_key_env} is not set")
-            return _key("bind_key_env", os.environ[self.bind_key_env])
-        if self.bind_key_file is not None:
-            try:
-                return _key("bind_key_file", read_secret(self.bind_key_file))
-            except UsageError as exc:
-                raise UsageError(f"bind_key_file: {str(exc).removeprefix('bind_key_file: ')}") from exc
-        return None
+        key = read_password(self.bind_key_file, self.bind_key_env, "bind_key")
+        if key is None:
+            return None
+        return _key("bind_key_env" if self.bind_key_env is not None else "bind_key_file", key.get_secret_value())
 
 
 class BleGatewaySettings(GatewaySettings):

@@ -6,16 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, SecretStr, model_validator
+from pydantic import Field, SecretStr, model_validator
 
-from homebot.config import FilePath, read_password
 from homebot.errors import UsageError
+from homebot.password_settings import PasswordSettings
 
 __all__ = ["HttpLoginSettings", "ThingLogin", "read_logins"]
 
 
-class HttpLoginSettings(BaseModel):
-    """The credentials for the things of one host.
+class HttpLoginSettings(PasswordSettings):
+    """The credentials for the things of one host; the password may be a token or a key.
 
     Attributes:
         host: The name or address of the host, with a port where it is for that alone: ``lamp.local``,
@@ -23,21 +23,15 @@ class HttpLoginSettings(BaseModel):
         scheme: The only way in which they are sent: ``basic``, ``digest``, ``bearer`` or ``apikey``, and then also to
             read descriptions; by default the way that the description of a thing asks for.
         user: The user's name, for ``basic`` and ``digest``.
-        password_file: File whose first line is the password, token or key, for nobody else to read.
-        password_env: Environment variable that holds it.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     host: Annotated[str, Field(min_length=1)]
     scheme: Literal["basic", "digest", "bearer", "apikey"] | None = None
     user: str = ""
-    password_file: FilePath | None = None
-    password_env: str | None = None
 
     @model_validator(mode="after")
     def _check_password(self) -> Self:
-        if (self.password_file is None) is (self.password_env is None):
+        if self.password_file is None and self.password_env is None:
             raise ValueError("give either password_file or password_env")
         if ":" in self.user and self.scheme in {None, "basic"}:
             raise ValueError("a user's name contains no colon")
@@ -80,7 +74,7 @@ def read_logins(credentials: Sequence[HttpLoginSettings]) -> tuple[ThingLogin, .
     found = []
     for number, one in enumerate(credentials):
         try:
-            password = read_password(one.password_file, one.password_env)
+            password = one.read_password()
         except UsageError as exc:
             raise UsageError(f"credentials[{number}].{exc}") from exc
         if password is not None:

@@ -7,11 +7,12 @@ from collections.abc import Mapping
 from ipaddress import ip_address
 from pathlib import Path
 
-from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
+from pydantic import Field, SecretStr, field_validator, model_validator
 
 from homebot.config import FilePath, read_password
 from homebot.errors import RefusedError, UsageError
 from homebot.gateways.drivers.base import DriverSettings
+from homebot.password_settings import PasswordSettings
 
 __all__ = ["KEY_ADVICE", "PASSWORD_ADVICE", "PLAINTEXT_ADVICE", "PLAIN_ADVICE", "EsphomeSecrets", "EsphomeSettings"]
 
@@ -25,26 +26,22 @@ PLAINTEXT_ADVICE = (
 """What to do where a device has a password and no encryption key."""
 
 
-class EsphomeSecrets(BaseModel):
+class EsphomeSecrets(PasswordSettings):
     """The places of the secrets of one device.
+
+    The password is what old firmware wants (``api: password:``). It needs a key, or *allow_plaintext_at*: without
+    encryption, whoever announces the device would be sent the password.
 
     Attributes:
         key_file: File whose first line is the encryption key: what the device's ESPHome configuration has under
             ``api: encryption: key:``. Relative paths begin at the folder of the configuration's file.
         key_env: Environment variable that holds it.
-        password_file: Likewise for the password that old firmware wants (``api: password:``). It needs a key, or
-            *allow_plaintext_at*: without encryption, whoever announces the device would be sent the password.
-        password_env: Environment variable that holds it.
         allow_plaintext_at: IP address at which one device without encryption is sent its password, and at no other.
             Give the device a fixed address, and no computer that you do not trust access to its network.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
     key_file: FilePath | None = None
     key_env: str | None = None
-    password_file: FilePath | None = None
-    password_env: str | None = None
     allow_plaintext_at: str | None = None
 
     @field_validator("allow_plaintext_at")
@@ -57,9 +54,8 @@ class EsphomeSecrets(BaseModel):
 
     @model_validator(mode="after")
     def _check_sources(self) -> EsphomeSecrets:
-        for name in ("key", "password"):
-            if getattr(self, f"{name}_file") and getattr(self, f"{name}_env"):
-                raise ValueError(f"give {name}_file or {name}_env, not both")
+        if self.key_file and self.key_env:
+            raise ValueError("give key_file or key_env, not both")
         has_key = bool(self.key_file or self.key_env)
         if has_key and self.allow_plaintext_at:
             raise ValueError("a device with a key is only connected to with encryption; remove allow_plaintext_at")

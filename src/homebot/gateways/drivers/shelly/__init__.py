@@ -1,6 +1,6 @@
 """The driver for Shelly's devices of the second generation and later."""
 
 from homebot.gateways.drivers.shelly.driver import ShellyDriver
-from homebot.gateways.drivers.shelly.settings import ShellyDriverSettings, ShellyPasswordSettings
+from homebot.gateways.drivers.shelly.settings import ShellyDriverSettings
 
-__all__ = ["ShellyDriver", "ShellyDriverSettings", "ShellyPasswordSettings"]
+__all__ = ["ShellyDriver", "ShellyDriverSettings"]
