@@ -278,3 +278,18 @@ def test_characters_that_turn_the_direction_of_text_are_shown_and_not_obeyed() -
     configure_logging(stream=out)
     structlog.get_logger().info("event", message="lamp \u202e gnp")
     assert "lamp \\u202e gnp" in out.getvalue()
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_forgotten_await_is_an_error_that_names_the_call_and_its_place() -> None:
+    class Lamp:
+        async def turn_off(self) -> None:
+            pytest.fail("nobody awaits it")
+
+    out = io.StringIO()
+    configure_logging("json", stream=out)
+    Lamp().turn_off()  # type: ignore[unused-coroutine]
+    line = json.loads(out.getvalue())
+    assert (line["level"], line["event"]) == ("error", "python.forgotten_await")
+    assert "Lamp.turn_off() was called without await, so it did nothing: " in line["message"]
+    assert "test_log.py:" in line["message"]

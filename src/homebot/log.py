@@ -153,6 +153,12 @@ class _Interval:
     held_back: int = 0
 
 
+FORGOTTEN_AWAIT = "python.forgotten_await"
+
+_WARNINGS = "py.warnings"
+_FORGOTTEN = re.compile(r"coroutine '([^']+)' was never awaited")
+
+
 class _StdlibLines(logging.Handler):
     """Brings a line of the standard library's ``logging`` into our log."""
 
@@ -163,6 +169,11 @@ class _StdlibLines(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         held_back = self._limit.allows(f"{record.name} {record.msg}")
         if held_back is None:
+            return
+        if record.name == _WARNINGS and (forgotten := _FORGOTTEN.search(text := _text(record))) is not None:
+            place = text.partition(": RuntimeWarning")[0]
+            message = f"{forgotten[1]}() was called without await, so it did nothing: {place}"
+            structlog.get_logger(node=record.name).error(FORGOTTEN_AWAIT, message=message, held_back=held_back)
             return
         facts = {"exc_info": record.exc_info} if record.exc_info else {}
         structlog.get_logger(node=record.name).log(

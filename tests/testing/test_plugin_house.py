@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from importlib import import_module
+from inspect import iscoroutinefunction
 
 import pytest
+
+from homebot.testing import plugin
 
 pytest_plugins = ["pytester"]
 
@@ -430,3 +434,36 @@ def test_it():
 """
     )
     pytester.runpytest_subprocess("-p", "no:cacheprovider").assert_outcomes(passed=1)
+
+
+def test_a_command_that_nobody_awaits_fails_its_test(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        """
+        import gc
+        from homebot.devices.handles import Light
+
+        async def test_forgets():
+            Light.turn_off(None)
+            gc.collect()
+
+        async def test_that_is_well():
+            pass
+        """
+    )
+    run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=1, failed=1)
+
+
+def test_every_command_of_every_kind_is_among_those() -> None:
+    handles = import_module("homebot.devices.handles")
+    kinds = [one for name in handles.__all__ if isinstance(one := getattr(handles, name), type)]
+    commands = {
+        command.__qualname__
+        for kind in kinds
+        if issubclass(kind, handles.Handle)
+        for base in kind.__mro__
+        for command in vars(base).values()
+        if iscoroutinefunction(command)
+    }
+    pattern = plugin._FORGOTTEN_COMMANDS[0].split(":")[1]
+    assert len(commands) > 25
+    assert [one for one in commands if not re.match(pattern, f"coroutine '{one}' was never awaited")] == []

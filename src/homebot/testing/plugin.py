@@ -28,12 +28,22 @@ _MARK_HELP = (
     "allow_protocol_errors=False): what the broker of the fixtures mqtt_broker and mqtt_broker_thread is to be like; "
     "clients that break the protocol fail the test unless that is allowed."
 )
+_KINDS = (
+    "AirConditioner|AlarmPanel|Closure|DoorLock|Fan|Handle|LawnMower|Light|Plug|RoboticVacuumCleaner|Siren|Switch"
+    "|Thermostat|WaterValve|WindowCovering|_Opening|_Switchable"
+)
+_FORGOTTEN_COMMANDS = (
+    f"error:coroutine '({_KINDS})[.].* was never awaited:RuntimeWarning",
+    f"error:Exception ignored in. <coroutine object ({_KINDS})[.]:pytest.PytestUnraisableExceptionWarning",
+)
 _shown = pytest.StashKey[bool]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Make the mark known, also to ``--strict-markers``."""
+    """Make the mark known, also to ``--strict-markers``, and let a command that nobody awaits fail its test."""
     config.addinivalue_line("markers", _MARK_HELP)
+    for warning in _FORGOTTEN_COMMANDS:
+        config.addinivalue_line("filterwarnings", warning)
 
 
 @pytest.fixture
