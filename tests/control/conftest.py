@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from typing import ParamSpec, Protocol, TypeVar
 
@@ -26,6 +26,8 @@ from homebot.graph import Graph, Node
 P = ParamSpec("P")
 HandleT = TypeVar("HandleT", bound=Handle)
 Behaviour = Callable[["Home", Command], Awaitable[None]]
+
+NO_GRANTS: Mapping[str, tuple[str, ...]] = {}
 
 
 async def obey(home: Home, command: Command) -> None:
@@ -130,15 +132,17 @@ class RecordingGateway(MemoryGateway):
 
 
 class OpenHome(Protocol):
-    def __call__(self, **settings: object) -> AbstractAsyncContextManager[Home]: ...
+    def __call__(
+        self, grants: Mapping[str, tuple[str, ...]] = NO_GRANTS, **settings: object
+    ) -> AbstractAsyncContextManager[Home]: ...
 
 
 @pytest.fixture
 def open_home() -> OpenHome:
-    """Give what opens a home; its arguments are those of `ControlSettings`."""
+    """Give what opens a home; its arguments are those of `ControlSettings`, and ``grants``."""
 
     @asynccontextmanager
-    async def opened(**settings: object) -> AsyncIterator[Home]:
+    async def opened(grants: Mapping[str, tuple[str, ...]] = NO_GRANTS, **settings: object) -> AsyncIterator[Home]:
         graph = Graph()
         async with (
             Node(graph, "memory", namespace="/gateway") as gateway_node,
@@ -148,7 +152,7 @@ def open_home() -> OpenHome:
             anyio.create_task_group() as tasks,
         ):
             gateway = RecordingGateway(gateway_node)
-            control = Control(control_node, ControlSettings.model_validate(settings))
+            control = Control(control_node, ControlSettings.model_validate(settings), grants)
             await tasks.start(gateway.serve)
             await tasks.start(Directory(directory_node, DirectorySettings()).serve)
             await tasks.start(control.serve)

@@ -67,8 +67,8 @@ async def test_a_query_commands_what_the_client_may_and_says_what_not(open_home:
         assert [one.key for one in home.commands] == ["lamp"]
 
 
-async def test_an_app_is_no_client(open_home: OpenHome) -> None:
-    async with open_home() as home:
+async def test_an_app_is_no_client_and_has_the_rights_of_its_table(open_home: OpenHome) -> None:
+    async with open_home(grants={"/app": ("act: lock",)}) as home:
         await put_house(home)
         lock = await home.handle(DoorLock, "door")
         assert isinstance(await lock.unlock(), Confirmed)

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from homebot.devices import Device, DevicePart
+from homebot.devices.client_rights import is_client
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
+
+if TYPE_CHECKING:
+    from homebot.devices.client_rights import ClientRights
 
 __all__ = ["IssuedCommand"]
 
@@ -22,6 +27,7 @@ class IssuedCommand:
         part: The part.
         settings: The wanted values by capability, in the order in which they are sent.
         issuer: Who gave it: the name of a node, or ``client:NAME`` for a client of the door.
+        rights: The devices that the issuer may command.
         cause: The id of what led to it; empty for a person's wish.
         trigger: The same with its facts.
         issued_at: Seconds since the Unix epoch.
@@ -34,6 +40,7 @@ class IssuedCommand:
     part: DevicePart
     settings: Mapping[str, PlainValue]
     issuer: str
+    rights: ClientRights
     cause: str = ""
     trigger: Trigger = NO_TRIGGER
     issued_at: float = 0.0
@@ -43,7 +50,7 @@ class IssuedCommand:
     @property
     def is_wish(self) -> bool:
         """True if a person gave it, at a client of the door, rather than an app by itself."""
-        return self.issuer.startswith("client:")
+        return is_client(self.issuer)
 
     def reported(self, capability: str) -> PlainValue:
         """Return what the part had reported of *capability* when the command was given; None where unknown."""

@@ -5,6 +5,8 @@ What carries them out is loaded with the first one: most homes start without.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, final
 
 import anyio
@@ -43,15 +45,24 @@ class Control:
     Args:
         node: The node that it is on the graph.
         settings: How long it waits, and the policies.
+        grants: The scope of each node that may not command everything, by its full name; see `CommandRequest`.
+        trusts_apps: Whether nodes without a scope may command what always asks, as in a simulated house.
     """
 
-    def __init__(self, node: Node, settings: ControlSettings | None = None) -> None:
+    def __init__(
+        self,
+        node: Node,
+        settings: ControlSettings | None = None,
+        grants: Mapping[str, tuple[str, ...]] = MappingProxyType({}),
+        *,
+        trusts_apps: bool = False,
+    ) -> None:
         self._node = node
         self._settings = settings or ControlSettings()
         store = MemoryStore(MOST_IN_MEMORY, self._settings.journal_days * _DAY)
         self._journal = CommandJournal(node, store, self._settings.settle)
         self._house_watch = HouseWatch(node, self._journal)
-        self._judge = Judge(node, self._settings, self._journal)
+        self._judge = Judge(node, self._settings, grants, self._journal, trusts_apps=trusts_apps)
         self._executor: CommandExecutor | None = None
         self._words: CommandService | None = None
         self._begun = anyio.Event()

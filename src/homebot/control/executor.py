@@ -98,6 +98,7 @@ class CommandExecutor:
             part=part,
             settings={one.capability: one.value.plain() for one in request.settings},
             issuer=request.issuer,
+            rights=self._judge.rights(request.issuer),
             cause=request.cause,
             trigger=request.trigger,
             issued_at=self._clock.now(),
@@ -166,6 +167,7 @@ class CommandExecutor:
             return NoAnswer(0.0, str(exc), command_id=command.id)
         except RefusedError as exc:
             return Refused("gateway", str(exc), command_id=command.id)
+        self._judge.note_sent(command)
         return None
 
     def _take(self, pending: PendingCommand, capability: str, value: PlainValue) -> None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -76,6 +76,10 @@ class PlannedComponent(Generic[ComponentT]):
     settings: BaseModel
 
 
+ACT = "act"
+"""The key in the table of an app that says which devices it may command."""
+
+
 @dataclass(frozen=True, slots=True)
 class Plan:
     """A configuration, understood.
@@ -86,6 +90,7 @@ class Plan:
         apps: The apps, in the order of the file.
         discovery: The directory's settings.
         control: The control layer's settings.
+        grants: The scope of each app that may not command everything, by the full name of its node.
         door: The door's settings.
         thing_directory: The settings of the directory that is served over HTTP; None where none is.
         places: The rooms, and what the owner states of devices.
@@ -99,6 +104,7 @@ class Plan:
     door: DoorSettings
     thing_directory: DirectoryBridgeSettings | None = None
     places: Places = NO_PLACES
+    grants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 def make_plan(config: Config) -> Plan:
@@ -117,6 +123,7 @@ def make_plan(config: Config) -> Plan:
         door=_door(config),
         thing_directory=_thing_directory(config),
         places=_places(config),
+        grants=dict(_grants(config)),
     )
 
 
@@ -173,7 +180,32 @@ def _app(name: str, table: Table, config: Config) -> PlannedComponent[App]:
         raise ConfigError(
             config.source, f"apps.{name}", "is the name of one of homebot's own nodes; give the app another name"
         )
-    return _component(base, APPS, name, table, config, f"apps.{name}")
+    _scope(name, table, config)
+    own = {key: value for key, value in table.items() if key != ACT}
+    return _component(base, APPS, name, own, config, f"apps.{name}")
+
+
+def _grants(config: Config) -> Iterator[tuple[str, tuple[str, ...]]]:
+    for name, table in config.apps.items():
+        if (scope := _scope(name, table, config)) is not None:
+            yield f"/{name}", scope
+
+
+def _scope(name: str, table: Table, config: Config) -> tuple[str, ...] | None:
+    """Return what the table of an app lets it command; None where it says nothing."""
+    if (act := table.get(ACT)) is None:
+        return None
+    from homebot.devices.client_rights import read_scope  # noqa: PLC0415 - few tables have it
+
+    key, queries = f"apps.{name}.{ACT}", [act] if isinstance(act, str) else act
+    if not isinstance(queries, list) or not all(isinstance(one, str) for one in queries):
+        raise ConfigError(config.source, key, f"must be a query such as 'light in hall', or several, got {act!r}")
+    scope = tuple(f"act: {one}" for one in queries) or ("read",)
+    try:
+        read_scope(scope)
+    except UsageError as exc:
+        raise ConfigError(config.source, key, str(exc)) from exc
+    return scope
 
 
 def _control(config: Config) -> ControlSettings:

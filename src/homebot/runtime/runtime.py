@@ -72,6 +72,8 @@ class Runtime:
         random: The source of random numbers; a seeded one makes every run the same.
         loop_watch: Watches for code that blocks the event loop; health reports show what it found.
         lost_lines: Returns the number of log lines lost so far.
+        trusts_apps: Whether apps may command what always asks without a grant, since no device is real; always so with
+            a *house*.
         index_file: The file in which the directory keeps devices over a restart; None for none.
 
     Attributes:
@@ -92,6 +94,7 @@ class Runtime:
         clock: Clock | None = None,
         services: Iterable[object] = (),
         random: Random | None = None,
+        trusts_apps: bool = False,
         index_file: Path | None = None,
         loop_watch: LoopWatch | None = None,
         lost_lines: Callable[[], int] = lambda: 0,
@@ -111,6 +114,7 @@ class Runtime:
         if house is not None and not _real_gateways(self._plan, own_gateways):
             self._local_rights = SIMULATED_HOUSE_RIGHTS
         self._with_door = with_door
+        self._trusts_apps = trusts_apps or house is not None
         self._context = GatewayContext.of(*services, random=random)
         self._index_file = index_file
         self._loop_watch = loop_watch
@@ -254,7 +258,8 @@ class Runtime:
 
     async def _control(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "control") as node:
-            await run_as(node.full_name, partial(Control(node, self._plan.control).serve, task_status=task_status))
+            control = Control(node, self._plan.control, self._plan.grants, trusts_apps=self._trusts_apps)
+            await run_as(node.full_name, partial(control.serve, task_status=task_status))
 
     async def _rosapi(self, *, task_status: TaskStatus[None]) -> None:
         from homebot.bridges.rosapi import RosApi  # noqa: PLC0415 - see where it is started

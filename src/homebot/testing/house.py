@@ -261,7 +261,7 @@ async def house_of(
             own = MqttOptions.from_url(broker.url)
             options = own if gateway is None else replace(gateway.options(), client_id=own.client_id)
             async with (
-                Runtime(made) as runtime,
+                Runtime(made, trusts_apps=True) as runtime,
                 MqttConnection(options, NativeClient, status_topic=None) as field,
             ):
                 await field.subscribe(EVERYTHING)

@@ -195,7 +195,12 @@ async def virtual_house_of(
         broker = await stack.enter_async_context(MemoryBroker(clock=clock, random=random, limits=limits))
         config = house_config(apps, root, EMBEDDED)
         runtime = Runtime(
-            config, with_door=False, clock=clock, services=[HostedBroker.in_memory(broker)], random=random
+            config,
+            with_door=False,
+            clock=clock,
+            services=[HostedBroker.in_memory(broker)],
+            random=random,
+            trusts_apps=True,
         )
         await stack.enter_async_context(runtime)
         options = MqttOptions.from_url(broker.url, client_id="test", keep_alive=_KEEP_ALIVE)

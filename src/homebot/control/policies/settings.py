@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from datetime import time
+from typing import Annotated, Literal, TypeAlias
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 
 from homebot.control.policies.command_pattern import CommandPattern, Patterns, pattern_of_type
+from homebot.devices.query import Query
+from homebot.errors import UsageError
 from homebot.units import Seconds
 
-__all__ = ["PolicySettings", "PresenceGuardSettings"]
+__all__ = [
+    "Interlock",
+    "PolicySettings",
+    "PresenceGuardSettings",
+    "QuietHours",
+    "RateLimitSettings",
+]
 
 
 def _annoying() -> tuple[CommandPattern, ...]:
@@ -33,9 +42,93 @@ class PresenceGuardSettings(BaseModel):
     absent_after: Seconds = 300.0
 
 
+class QuietHours(BaseModel):
+    """A table ``[[control.quiet_hours]]``.
+
+    Attributes:
+        start: The local time from which it is quiet.
+        end: The local time from which it no longer is; before *start*, it is that of the next day.
+        commands: The commands that apps do not give meanwhile.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    start: time
+    end: time
+    commands: Patterns
+
+
+def _query_text(text: str) -> str:
+    """Return *text*, which is a query."""
+    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - only where the configuration has one
+
+    if not text.strip():
+        raise ValueError("must be a query such as 'open contact sensor'")
+    try:
+        parse_query(text)
+    except UsageError as exc:
+        raise ValueError(str(exc)) from exc
+    return text
+
+
+class Interlock(BaseModel):
+    """A table ``[[control.interlocks]]``.
+
+    Attributes:
+        commands: The commands that are not sent.
+        condition: While a device matches this query, written as ``while``.
+        where: Whether that device must be in the room of the commanded one, or may be anywhere in the home.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    commands: Patterns
+    condition: Annotated[str, AfterValidator(_query_text)] = Field(alias="while")
+    where: Literal["room", "home"] = "room"
+
+    @property
+    def query(self) -> Query:
+        """The condition as a query."""
+        from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - as above
+
+        return parse_query(self.condition)
+
+
+class RateLimitSettings(BaseModel):
+    """The table ``[control.rate_limit]``.
+
+    Attributes:
+        changes: How often a value of a device may be switched to and fro within *seconds*.
+        seconds: Seconds.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    changes: int = Field(default=30, ge=1, le=1000)
+    seconds: Seconds = 10.0
+
+
+def _zone(name: str) -> str:
+    """Return *name*, which is that of a time zone; empty for that of the computer."""
+    from zoneinfo import ZoneInfo, ZoneInfoNotFoundError  # noqa: PLC0415 - only where the configuration has one
+
+    if name:
+        try:
+            ZoneInfo(name)
+        except (ZoneInfoNotFoundError, ValueError) as exc:
+            raise ValueError(f"{name!r} is no time zone of this computer; write one like 'Europe/Vienna'") from exc
+    return name
+
+
 def _table(value: object) -> object:
     """Return the table that ``true`` means, or that there is none for ``false``."""
     return ({} if value else None) if isinstance(value, bool) else value
+
+
+_Guard: TypeAlias = Annotated[PresenceGuardSettings | None, BeforeValidator(_table)]
+_Rate: TypeAlias = Annotated[RateLimitSettings | None, BeforeValidator(_table)]
+_Hours: TypeAlias = Annotated[tuple[QuietHours, ...], Field(max_length=100)]
+_Interlocks: TypeAlias = Annotated[tuple[Interlock, ...], Field(max_length=100)]
 
 
 class PolicySettings(BaseModel):
@@ -44,13 +137,23 @@ class PolicySettings(BaseModel):
     Attributes:
         presence_guard: Whether apps may not turn things off or close them where somebody is: ``true``, or a table for
             how.
+        quiet_hours: What apps do not do at which times.
+        interlocks: What is not done while something else is so.
+        rate_limit: How often a device may be switched to and fro; ``false`` for no limit.
+        always_ask: Whether locks, garage doors, ovens and their like take a right that names them.
+        time_zone: The time zone of the home, such as ``Europe/Vienna``; empty for that of the computer.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    presence_guard: Annotated[PresenceGuardSettings | None, BeforeValidator(_table)] = None
+    presence_guard: _Guard = None
+    quiet_hours: _Hours = ()
+    interlocks: _Interlocks = ()
+    rate_limit: _Rate = RateLimitSettings()
+    always_ask: bool = True
+    time_zone: Annotated[str, AfterValidator(_zone)] = ""
 
     @property
     def needs_house(self) -> bool:
         """True if some policy needs the values of sensors."""
-        return self.presence_guard is not None
+        return self.presence_guard is not None or bool(self.interlocks)

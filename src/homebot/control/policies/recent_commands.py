@@ -1,0 +1,75 @@
+"""The commands that were sent lately, by how often they turned a value round. Pure."""
+
+from __future__ import annotations
+
+from collections import OrderedDict, deque
+from dataclasses import dataclass, field
+from typing import Final, TypeAlias, final
+
+from homebot.control.command import IssuedCommand
+from homebot.devices.value import PlainValue
+
+__all__ = ["RecentCommands"]
+
+_MOST_TURNS: Final = 1000
+_MOST: Final = 10_000
+
+_Place: TypeAlias = tuple[str, str, str]
+
+
+@dataclass(slots=True)
+class _Sent:
+    value: PlainValue
+    direction: float = 0.0
+    turns: deque[float] = field(default_factory=lambda: deque(maxlen=_MOST_TURNS))
+
+
+@final
+class RecentCommands:
+    """The turns of each capability of each part: at most 1,000 each, of at most 10,000; the longest unused go first.
+
+    A turn is a command for another value than the one before. Of numbers it is one that goes down where the last went
+    up, or up where it went down: to dim is no turn.
+    """
+
+    def __init__(self) -> None:
+        self._sent: OrderedDict[_Place, _Sent] = OrderedDict()
+
+    def note(self, command: IssuedCommand, now: float) -> None:
+        """Note that *command* was sent at *now*, in seconds of a clock that does not go back."""
+        for capability, value in command.settings.items():
+            place = (command.device.id, command.part.id, capability)
+            sent = self._sent.get(place)
+            if sent is None:
+                self._sent[place] = _Sent(value)
+                if len(self._sent) > _MOST:
+                    self._sent.popitem(last=False)
+                continue
+            self._sent.move_to_end(place)
+            if _turns(sent, value):
+                sent.turns.append(now)
+            sent.direction = _direction(sent, value) or sent.direction
+            sent.value = value
+
+    def turns(self, command: IssuedCommand, since: float) -> int:
+        """Return how often the values that *command* would turn were turned after *since*; 0 if it turns none."""
+        most = 0
+        for capability, value in command.settings.items():
+            sent = self._sent.get((command.device.id, command.part.id, capability))
+            if sent is not None and sent.turns and _turns(sent, value):
+                most = max(most, sum(1 for at in sent.turns if at > since))
+        return most
+
+
+def _turns(sent: _Sent, value: PlainValue) -> bool:
+    if value == sent.value:
+        return False
+    direction = _direction(sent, value)
+    return not direction or direction * sent.direction < 0
+
+
+def _direction(sent: _Sent, value: PlainValue) -> float:
+    """Return above 0 for a number that grows, below 0 for one that shrinks, 0 for everything else."""
+    if isinstance(value, float) and isinstance(sent.value, float):
+        return value - sent.value
+    return 0.0

@@ -1,0 +1,78 @@
+"""Devices, commands and facts for tests of policies, without a graph."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import UTC, tzinfo
+
+from homebot.control.command import IssuedCommand
+from homebot.control.policies import Facts, House
+from homebot.control.policies.recent_commands import RecentCommands
+from homebot.devices import Device, DevicePart, Endpoint, Freshness, State
+from homebot.devices.client_rights import LOCAL_RIGHTS, read_scope
+from homebot.devices.part import Capability, Part
+from homebot.devices.value import PlainValue, Value
+from homebot.messages import Time
+
+NONE: Mapping[str, PlainValue] = {}
+
+START = 1_800_000_000.0  # 2027-01-15 08:00 UTC
+
+
+def make_device(
+    key: str,
+    service_type: str,
+    *,
+    room: str = "",
+    settable: tuple[str, ...] = (),
+    tag: str = "",
+    freshness: Freshness = "fresh",
+    is_live: bool = True,
+    since: float = START,
+    values: Mapping[str, PlainValue] = NONE,
+) -> Device:
+    """Return a device of one part with these values."""
+    names = dict.fromkeys((*settable, *values))
+    capabilities = tuple(Capability(name=name, settable=name in settable) for name in names)
+    part = Part(id="", service_type=service_type, tag=tag, capabilities=capabilities)
+    stamp = Time.from_seconds(since)
+    return Device(
+        id=key,
+        name=key,
+        service_type=service_type,
+        endpoints=(Endpoint(gateway="memory", key=key, address=key, command_address=""),),
+        metadata=(),
+        first_seen=stamp,
+        last_seen=stamp,
+        expires=stamp,
+        freshness=freshness,
+        area=room,
+        parts=(DevicePart(id="", part=part, routes=()),),
+        states=tuple(
+            State(part="", capability=name, value=Value.of(value), since=stamp, told_at=stamp, live=is_live)
+            for name, value in values.items()
+        ),
+    )
+
+
+def make_command(
+    device: Device, settings: Mapping[str, PlainValue], issuer: str = "/app", scope: tuple[str, ...] = ()
+) -> IssuedCommand:
+    """Return a command to the only part of *device*."""
+    return IssuedCommand(
+        id="1",
+        device=device,
+        part=device.parts[0],
+        settings=settings,
+        issuer=issuer,
+        rights=read_scope(scope) if scope else LOCAL_RIGHTS,
+    )
+
+
+def make_facts(*devices: Device, now: float = START, zone: tzinfo = UTC, recent: RecentCommands | None = None) -> Facts:
+    """Return the facts of a house with these devices."""
+    house = House()
+    for device in devices:
+        house.put(device)
+    house.is_known = True
+    return Facts(now, now, zone, house, recent or RecentCommands())

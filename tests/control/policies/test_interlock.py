@@ -1,0 +1,95 @@
+"""Interlocks: no heating while a window is open, or while nobody knows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pytest
+from tests.control.conftest import OpenHome
+from tests.control.policies.houses import NONE, make_command, make_device, make_facts
+
+from homebot.config import parse_settings
+from homebot.control import ControlSettings
+from homebot.control.policies import Policies, Verdict
+from homebot.devices import Device, Freshness
+from homebot.devices.handles import Thermostat
+from homebot.devices.outcomes import Refused
+from homebot.devices.value import PlainValue
+from homebot.errors import ConfigError
+
+WINDOW = [{"commands": ["heat"], "while": "open contact sensor"}]
+
+
+HEAT: Mapping[str, PlainValue] = {"heating_setpoint": 22.0}
+
+
+def judge(device: Device, *house: Device, settings: Mapping[str, PlainValue] = HEAT, where: str = "room") -> Verdict:
+    table = {"interlocks": [{**WINDOW[0], "where": where}]}
+    policies = Policies(parse_settings(ControlSettings, table, "homebot.toml", "control"))
+    verdicts = policies.judge(make_command(device, settings), make_facts(*house))
+    return next(one for one in verdicts if one.policy == "interlock")
+
+
+def heater(room: str = "Bath", values: Mapping[str, PlainValue] = NONE) -> Device:
+    return make_device(
+        "heater", "thermostat", room=room, settable=("heating_setpoint", "thermostat_mode"), values=values
+    )
+
+
+def window(
+    *, contact: PlainValue = True, room: str = "bath", freshness: Freshness = "fresh", is_live: bool = True
+) -> Device:
+    return make_device(
+        "window", "contact_sensor", room=room, freshness=freshness, is_live=is_live, values={"contact": contact}
+    )
+
+
+def test_no_heating_while_the_window_is_open() -> None:
+    verdict = judge(heater(), window())
+    assert not verdict.allowed
+    assert verdict.reason == "not while open contact sensor: window is so"
+    assert [(one.name, one.value) for one in verdict.facts] == [("contact of window", True)]
+
+
+def test_heating_while_it_is_closed() -> None:
+    assert judge(heater(), window(contact=False)).allowed
+
+
+def test_less_heat_is_always_fine() -> None:
+    assert judge(heater(values={"heating_setpoint": 21.0}), window(), settings={"heating_setpoint": 7.0}).allowed
+    assert judge(heater(), window(), settings={"thermostat_mode": "off"}).allowed
+
+
+def test_the_window_of_another_room_does_not_matter() -> None:
+    assert judge(heater(), window(room="attic")).allowed
+    assert not judge(heater(), window(room="attic"), where="home").allowed
+
+
+def test_a_silent_contact_means_no() -> None:
+    verdict = judge(heater(), window(contact=False, freshness="stale"))
+    assert not verdict.allowed
+    assert "unknown" in verdict.reason
+    assert not judge(heater(), window(contact=None)).allowed
+    assert not judge(heater(), window(contact=False, is_live=False)).allowed
+
+
+def test_a_heater_without_a_room_means_no() -> None:
+    assert not judge(heater(room=""), window()).allowed
+
+
+def test_a_condition_that_is_no_query_is_an_error() -> None:
+    with pytest.raises(ConfigError, match="while"):
+        parse_settings(ControlSettings, {"interlocks": [{"commands": ["heat"], "while": "(open"}]}, "x", "control")
+
+
+@pytest.mark.virtual_time
+async def test_the_control_layer_knows_the_windows(open_home: OpenHome) -> None:
+    async with open_home(interlocks=WINDOW) as home:
+        home.put("heater", "thermostat", "heating_setpoint", area="bath")
+        home.put("window", "contact_sensor", readable=("contact",), area="bath")
+        await home.report("window", "contact", True)
+        heater = await home.handle(Thermostat, "heater")
+        assert isinstance(await heater.heat_to(22.0), Refused)
+        await home.report("window", "contact", False)
+        await home.handle(Thermostat, "heater")
+        assert (await heater.heat_to(22.0)).succeeded

@@ -1,0 +1,55 @@
+"""The rate limit: a strobe is stopped, and whoever dims or repeats a command never meets it; in virtual time."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from tests.control.conftest import OpenHome
+
+from homebot.devices.handles import Light
+from homebot.devices.outcomes import Outcome, Refused
+
+pytestmark = pytest.mark.virtual_time
+
+
+async def blink(lamp: Light, times: int) -> list[Outcome]:
+    """Switch a lamp on and off so often, as fast as it obeys."""
+    return [await (lamp.turn_off() if number % 2 else lamp.turn_on()) for number in range(times)]
+
+
+async def test_a_strobe_is_stopped(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        outcomes = await blink(await home.handle(Light), 40)
+        refused = [one for one in outcomes if isinstance(one, Refused)]
+        assert len(home.commands) == 31  # the first is no change
+        assert refused[0].policy == "rate_limit"
+        assert refused[0].reason == "lamp was switched to and fro 30 times within 10 s"
+
+
+async def test_it_obeys_again_after_a_while(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        lamp = await home.handle(Light)
+        await blink(lamp, 40)
+        await anyio.sleep(10.1)
+        assert all(one.succeeded for one in await blink(lamp, 20))
+
+
+async def test_dimming_is_no_strobe(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        lamp = await home.handle(Light)
+        assert all([(await lamp.set_level(level)).succeeded for level in range(100, 0, -1)])
+
+
+async def test_the_limit_is_the_owners(open_home: OpenHome) -> None:
+    async with open_home(rate_limit={"changes": 2, "seconds": 60}) as home:
+        home.put("lamp", "light", "on_off")
+        assert [one.succeeded for one in await blink(await home.handle(Light), 5)] == [True, True, True, False, True]
+
+
+async def test_it_can_be_turned_off(open_home: OpenHome) -> None:
+    async with open_home(rate_limit=False) as home:
+        home.put("lamp", "light", "on_off")
+        assert all(one.succeeded for one in await blink(await home.handle(Light), 100))

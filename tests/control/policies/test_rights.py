@@ -1,0 +1,123 @@
+"""Who may command what: grants of apps, scopes of clients, and what always takes an explicit right."""
+
+from __future__ import annotations
+
+import pytest
+from tests.control.conftest import OpenHome
+from tests.control.policies.houses import make_command, make_device, make_facts
+
+from homebot.config import parse_config
+from homebot.control import ControlSettings
+from homebot.control.policies import Policies
+from homebot.devices import Device
+from homebot.devices.command_messages import CommandRequest, Setting
+from homebot.devices.handles import DoorLock, Light
+from homebot.devices.outcomes import Refused
+from homebot.devices.value import Value
+from homebot.errors import ConfigError
+from homebot.runtime.plan import make_plan
+
+LAMP = make_device("lamp", "light", room="hall", settable=("on_off",))
+LOCK = make_device("front_door", "door_lock", room="hall", settable=("lock",))
+GARAGE = make_device("garage", "closure", room="yard", tag="garage_door", settable=("movement",))
+VALVE = make_device("main", "water_valve", settable=("valve",))
+OVEN = make_device("oven", "plug", room="kitchen", settable=("on_off",))
+
+
+def refused_by(scope: tuple[str, ...], device: Device, **settings: bool | str) -> str:
+    """Return the policy that refuses an app of this scope the command; empty for none."""
+    policies = Policies(ControlSettings())
+    verdict = policies.judge(make_command(device, settings, scope=scope), make_facts())[-1]
+    return "" if verdict.allowed else verdict.policy
+
+
+def test_a_grant_is_for_what_its_query_finds() -> None:
+    assert refused_by(("act: light in hall",), LAMP, on_off=True) == ""
+    assert refused_by(("act: light in attic",), LAMP, on_off=True) == "grants"
+    assert refused_by(("act: light in attic", "act: light in hall"), LAMP, on_off=True) == ""
+    assert refused_by(("read",), LAMP, on_off=True) == "grants"
+    assert refused_by(("act: all",), LAMP, on_off=True) == ""
+    assert refused_by((), LAMP, on_off=True) == ""
+
+
+@pytest.mark.parametrize("scope", [(), ("act: in hall",), ("act: not light",)])
+def test_a_lock_takes_a_right_that_names_it(scope: tuple[str, ...]) -> None:
+    assert refused_by(scope, LOCK, lock="unlocked") == "always_ask"
+    assert refused_by(scope, LOCK, lock="open") == "always_ask"
+
+
+@pytest.mark.parametrize("scope", [("act: lock",), ("act: lock in hall",), ("act: name=front_door",), ("act: all",)])
+def test_its_type_or_its_name_names_it(scope: tuple[str, ...]) -> None:
+    assert refused_by(scope, LOCK, lock="unlocked") == ""
+
+
+def test_the_safe_side_is_for_everybody_without_a_scope() -> None:
+    assert refused_by((), LOCK, lock="locked") == ""
+    assert refused_by((), GARAGE, movement="stopped") == ""
+    assert refused_by((), VALVE, valve="closed") == ""
+    assert refused_by((), OVEN, on_off=False) == ""
+    assert refused_by(("act: light",), LOCK, lock="locked") == "always_ask"
+
+
+def test_garage_doors_valves_and_ovens_always_ask() -> None:
+    assert refused_by((), GARAGE, movement="open") == "always_ask"
+    assert refused_by((), GARAGE, movement="closed") == "always_ask"
+    assert refused_by((), VALVE, valve="open") == "always_ask"
+    assert refused_by((), OVEN, on_off=True) == "always_ask"
+
+
+def test_the_table_of_an_app_says_what_it_may_command() -> None:
+    tables = {"apps": {"light_service": {"act": ["light in hall", "plug"]}}, "gateways": {"mqtt": {}}}
+    plan = make_plan(parse_config(tables, "homebot.toml"))
+    assert plan.grants == {"/light_service": ("act: light in hall", "act: plug")}
+
+
+@pytest.mark.parametrize("act", [5, "(light"])
+def test_a_wrong_grant_is_an_error_of_the_configuration(act: object) -> None:
+    with pytest.raises(ConfigError) as raised:
+        make_plan(parse_config({"apps": {"light_service": {"act": act}}}, "homebot.toml"))
+    assert raised.value.key == "apps.light_service.act"
+
+
+@pytest.mark.virtual_time
+async def test_an_app_commands_what_is_granted(open_home: OpenHome) -> None:
+    async with open_home(grants={"/app": ("act: light in hall",)}) as home:
+        home.put("lamp", "light", "on_off", area="hall")
+        home.put("other", "light", "on_off", area="attic")
+        assert (await (await home.handle(Light, "lamp")).turn_on()).succeeded
+        outcome = await (await home.handle(Light, "other")).turn_on()
+        assert isinstance(outcome, Refused)
+        assert outcome.reason == "/app may not command other, only: act: light in hall"
+
+
+@pytest.mark.virtual_time
+async def test_an_app_without_the_right_does_not_unlock(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lock", "door_lock", "lock")
+        lock = await home.handle(DoorLock)
+        outcome = await lock.unlock()
+        assert isinstance(outcome, Refused)
+        assert outcome.policy == "always_ask"
+        assert home.commands == []
+        assert (await lock.lock()).succeeded
+
+
+@pytest.mark.virtual_time
+async def test_a_client_with_the_right_unlocks_and_a_wrong_scope_is_refused(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lock", "door_lock", "lock")
+        lock = await home.handle(DoorLock)
+        unlock = Setting(capability="lock", value=Value.of("unlocked"))
+
+        async def outcome(*scope: str) -> str:
+            return (
+                await home.control.perform(
+                    CommandRequest(
+                        device=lock.device.id, part="", settings=(unlock,), issuer="client:phone", scope=scope
+                    )
+                )
+            ).outcome
+
+        assert await outcome("act: lights") == "refused"
+        assert await outcome("unlock everything") == "refused"
+        assert await outcome("act: lock") == "confirmed"
