@@ -122,16 +122,19 @@ class CommandExecutor:
             if pending.was_so and recent and not _is_momentary(command):
                 return result_of(AlreadySo(command_id=command.id))
             outcome = await self._send_and_wait(pending, changed)
+            if isinstance(outcome, Confirmed):  # before the watch ends, which begins again at some cost
+                self._note_confirmed(pending)
         finally:
             for place in places:
                 if self._pending.get(place) is pending:
                     del self._pending[place]
             stop()
-        if isinstance(outcome, Confirmed):
-            for capability, seconds in pending.response_times():
-                self._times.note(command.target, capability, seconds)
-            self._settling.add(pending, self._watch)
         return result_of(outcome, pending.reported)
+
+    def _note_confirmed(self, pending: PendingCommand) -> None:
+        for capability, seconds in pending.response_times():
+            self._times.note(pending.command.target, capability, seconds)
+        self._settling.add(pending, self._watch)
 
     async def _send_and_wait(self, pending: PendingCommand, changed: _Signal) -> Outcome:
         """Send the command, again where no answer comes, and wait until its outcome is known."""

@@ -51,7 +51,7 @@ class Settling:
         self._events = node.create_publisher(CommandEvent, COMMAND_EVENTS, 1000)
         self._watched: dict[_Place, _Settled] = {}
         self._deadlines: TimerQueue[_Place, None] = TimerQueue()
-        self._earlier = anyio.Event()
+        self._added = anyio.Event()
 
     def add(self, pending: PendingCommand, watch: ReportWatch) -> None:
         """Watch the device of *pending*, which was confirmed now."""
@@ -64,7 +64,7 @@ class Settling:
             self._end(place)
             self._watched[place] = settled
             self._deadlines.set(place, now + self._seconds, None)
-        self._earlier.set()
+        self._added.set()
 
     def supersede(self, places: Iterable[_Place]) -> None:
         """Watch no more what a newer command is about."""
@@ -77,9 +77,11 @@ class Settling:
             while (due := self._deadlines.pop(self._clock.monotonic())) is not None:
                 self._end(due[0])
             following = self._deadlines.next()
-            self._earlier = anyio.Event()
-            with anyio.move_on_after(None if following is None else max(0.0, following - self._clock.monotonic())):
-                await self._earlier.wait()
+            if following is None:
+                self._added = anyio.Event()
+                await self._added.wait()
+            else:  # what is added meanwhile ends later
+                await anyio.sleep(max(0.0, following - self._clock.monotonic()))
 
     def _take(self, settled: _Settled, capability: str, value: PlainValue) -> None:
         pending = settled.pending
