@@ -29,9 +29,10 @@ def client_refusal(request: CommandRequest, device: Device, part: DevicePart) ->
         return ""
     asks = always_asks(device, part)
     has = ", ".join(request.scope) or "no token"
-    hint = f'scope = ["act: id={device.id}"]' if asks else f'scope = ["act: {part.part.service_type}"]'
+    query = f'id="{device.id}"' if asks else part.part.service_type
     why = "it always asks, and" if asks else "it is not among what it may command:"
-    return f"{request.issuer} may not command {device.id}: {why} the client has {has}; {hint} of a token would allow it"
+    hint = f"'act: {query}' in the scope of a token allows it"
+    return f"{request.issuer} may not command {device.id}: {why} the client has {has}; {hint}"
 
 
 @lru_cache(maxsize=256)

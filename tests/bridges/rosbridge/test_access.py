@@ -26,7 +26,7 @@ from homebot.messages import String
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 
 OUT = "/gateway/mqtt/out"
-RAW_COMMAND = {"address": "home/locks/front/in", "payload": "unlock"}
+RAW_COMMAND = {"address": "home/locks/front/in", "payload": "unlock", "issuer": "/light_service"}
 COMMAND = {
     "device": "locks/front",
     "part": "",
@@ -106,7 +106,8 @@ async def test_a_client_with_the_right_raw_publishes_on_the_topics_of_gateways(o
         await peer.send("publish", topic=OUT, msg=RAW_COMMAND)
         await peer.send("advertise", topic="/gateway/mqtt/received_topics", type="homebot/msg/Sighting")
         with anyio.fail_after(PATIENCE):
-            assert (await commands.receive()).payload == "unlock"
+            heard = await commands.receive()
+        assert (heard.payload, heard.issuer) == ("unlock", "client:robot")
         await peer.settle()
         assert ("publisher", "/gateway/mqtt/received_topics") in house.entities()
 

@@ -6,7 +6,7 @@ services that only answer; on the others a client could pass for a gateway, the 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
@@ -32,6 +32,8 @@ from homebot.devices.names import (
     READ_JOURNAL,
 )
 from homebot.errors import PeerError
+from homebot.messages.definition import fields_of
+from homebot.messages.message import Message
 
 __all__ = ["ClientAccess", "MissingRightError", "right_to_call", "right_to_publish"]
 
@@ -101,6 +103,12 @@ class ClientAccess:
         """The issuer of its commands."""
         return issuer_of_client(self.name)
 
+    def stamped(self, message_type: type[Message], values: Mapping[str, object]) -> Mapping[str, object]:
+        """Return *values* of a message of the client; an issuer in it, and a scope beside that, become its own."""
+        names = _stamped_fields(message_type)
+        own: dict[str, object] = {"issuer": self.issuer, "scope": list(self.rights.act_scope)}
+        return {**values, **{name: own[name] for name in names}} if names else values
+
     def check(self, op: Operation, resolve: Callable[[str], str]) -> None:
         """Refuse *op* where the client has no right to it; *resolve* makes full names of names.
 
@@ -130,6 +138,12 @@ class ClientAccess:
             f"the right {right.value} is missing; {who} has: {self.rights.text}. To give it, write "
             f'scope = ["{wanted}"] in the table {table} of homebot.toml'
         )
+
+
+@lru_cache(maxsize=256)
+def _stamped_fields(message_type: type[Message]) -> tuple[str, ...]:
+    names = {field.name for field in fields_of(message_type)}
+    return tuple(sorted(names & {"issuer", "scope"})) if "issuer" in names else ()
 
 
 @lru_cache(maxsize=1024)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.protocol import Advertise, Identifier, PublishOperation, Unadvertise
 from homebot.bridges.rosbridge.types import message_from_client, message_type_of_topic
 from homebot.errors import PeerError
@@ -29,10 +30,12 @@ class Publications:
 
     Args:
         node: The node that publishes in the client's stead.
+        access: Who the client is: where a message has an issuer, it is that.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, access: ClientAccess) -> None:
         self._node = node
+        self._access = access
         self._topics: dict[str, _Publication] = {}
         self._ids = 0
 
@@ -78,10 +81,10 @@ class Publications:
         """
         publication = self._topics.get(op.topic)
         if publication is not None:
-            publication.publisher.publish(message_from_client(publication.message_type, op.msg))
+            publication.publisher.publish(self._message(publication.message_type, op))
             return
         message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), "")
-        message = message_from_client(message_type, op.msg)
+        message = self._message(message_type, op)
         self._open(op.topic, "", latched=op.latch).publisher.publish(message)
 
     def close_one(self) -> bool:
@@ -90,6 +93,9 @@ class Publications:
             return False
         self._close(next(reversed(self._topics)))
         return True
+
+    def _message(self, message_type: type[Message], op: PublishOperation) -> Message:
+        return message_from_client(message_type, self._access.stamped(message_type, op.msg))
 
     def _close(self, topic: str) -> None:
         publication = self._topics.pop(topic)

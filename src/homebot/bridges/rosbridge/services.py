@@ -132,11 +132,7 @@ def _prepare(node: Node, op: CallService, access: ClientAccess) -> tuple[Client[
         raise ServiceUnavailableError(name)
     request_type: type[Message] = service_type.Request
     values, problem = parse_queries(request_type, _values(request_type, op.args))
-    names = {field.name for field in fields_of(request_type)}
-    if "issuer" in names:
-        own = {"issuer": access.issuer, "scope": list(access.rights.act_scope)}
-        values = {**values, **{name: value for name, value in own.items() if name in names}}
-    request = message_from_client(request_type, values)
+    request = message_from_client(request_type, access.stamped(request_type, values))
     return node.create_client(service_type, name), request, problem
 
 

@@ -94,7 +94,7 @@ class ClientSession:
         node, settings = self._node, self._settings
         async with anyio.create_task_group() as tasks:
             holdings = _Holdings(
-                Publications(node),
+                Publications(node, self._access),
                 Subscriptions(
                     node, settings.queue_depth, backlog, self._outbox, self._shared.expected, self._report_type_mismatch
                 ),
