@@ -6,6 +6,7 @@ What carries them out is loaded with the first one: most homes start without.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, final
 
@@ -15,6 +16,7 @@ from anyio.abc import TaskStatus
 from homebot.control.journal import CommandJournal
 from homebot.control.journal.house_watch import HouseWatch
 from homebot.control.journal.memory_store import MemoryStore
+from homebot.control.journal.store import JournalStore
 from homebot.control.judge import Judge
 from homebot.control.settings import ControlSettings
 from homebot.devices.names import COMMAND_DEVICES, PERFORM_COMMAND
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 __all__ = ["Control"]
 
 _DAY: Final = 86_400.0
+_MEGABYTE: Final = 1_000_000
 
 MOST_IN_MEMORY: Final = 10_000
 """Entries of the journal where there is no file."""
@@ -47,6 +50,7 @@ class Control:
         settings: How long it waits, and the policies.
         grants: The scope of each node that may not command everything, by its full name; see `CommandRequest`.
         trusts_apps: Whether nodes without a scope may command what always asks, as in a simulated house.
+        journal_file: Where the journal is kept over a restart; None for nowhere.
     """
 
     def __init__(
@@ -56,11 +60,11 @@ class Control:
         grants: Mapping[str, tuple[str, ...]] = MappingProxyType({}),
         *,
         trusts_apps: bool = False,
+        journal_file: Path | None = None,
     ) -> None:
         self._node = node
         self._settings = settings or ControlSettings()
-        store = MemoryStore(MOST_IN_MEMORY, self._settings.journal_days * _DAY)
-        self._journal = CommandJournal(node, store, self._settings.settle)
+        self._journal = CommandJournal(node, self._store(journal_file), self._settings.settle)
         self._house_watch = HouseWatch(node, self._journal)
         self._judge = Judge(node, self._settings, grants, self._journal, trusts_apps=trusts_apps)
         self._executor: CommandExecutor | None = None
@@ -91,6 +95,15 @@ class Control:
 
             self._words = CommandService(self._node, self.perform)
         return await self._words.serve(request)
+
+    def _store(self, file: Path | None) -> JournalStore:
+        longest = self._settings.journal_days * _DAY
+        in_memory = MemoryStore(MOST_IN_MEMORY, longest)
+        if file is None:
+            return in_memory
+        from homebot.control.journal.file_store import FileStore  # noqa: PLC0415 - for homes that are remembered
+
+        return FileStore(self._node, file, longest, self._settings.journal_megabytes * _MEGABYTE, in_memory)
 
     def _execution(self) -> CommandExecutor:
         if self._executor is None:

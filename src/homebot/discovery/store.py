@@ -1,7 +1,4 @@
-"""The index file: an SQLite database with a row for each device. Blocking; called from a worker thread.
-
-Source of the pragmas: SQLite 3 documentation, https://www.sqlite.org/pragma.html.
-"""
+"""The index file: an SQLite database with a row for each device. Blocking; called from a worker thread."""
 
 from __future__ import annotations
 
@@ -13,9 +10,9 @@ from pathlib import Path
 from typing import final
 
 from homebot.discovery.record import Records
-from homebot.errors import LinkError, UsageError, WireError
-from homebot.file_access import why_not_trusted
+from homebot.errors import LinkError
 from homebot.names import escape_token
+from homebot.sqlite_file import SQLITE_FILES, SqliteFile, SqliteSchema
 
 __all__ = ["VERSION", "IndexFile", "index_path", "take_over"]
 
@@ -33,11 +30,6 @@ _MIGRATIONS: dict[int, Sequence[str]] = {
     2: (_SCHEMA[2],),  # version 2 knew nothing that the owner decides
 }
 """What makes the next version out of each."""
-
-_BUSY = 5.0
-"""Seconds to wait for another homebot that holds the file."""
-
-_FILES = ("", "-wal", "-shm", "-journal")
 
 
 def index_path(home: str, network: str) -> Path:
@@ -60,7 +52,7 @@ def take_over(path: Path) -> bool:
     if path.exists() or not old.exists():
         return False
     path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-    for ending in _FILES:
+    for ending in SQLITE_FILES:
         source = old.with_name(old.name + ending)
         with suppress(FileNotFoundError):
             source.rename(path.with_name(path.name + ending))
@@ -75,8 +67,17 @@ def _data_directory() -> Path:
     return user_data_path("homebot", appauthor=False)
 
 
+_INDEX = SqliteSchema(
+    "index file",
+    VERSION,
+    _SCHEMA,
+    ("SELECT id, record FROM devices LIMIT 1", "SELECT id, record FROM tombstones LIMIT 1"),
+    _MIGRATIONS,
+)
+
+
 @final
-class IndexFile:
+class IndexFile(SqliteFile):
     """Reads and writes the index file.
 
     Args:
@@ -84,40 +85,8 @@ class IndexFile:
         busy_timeout: Seconds to wait for another homebot that uses it and may be about to end.
     """
 
-    def __init__(self, path: Path, busy_timeout: float = _BUSY) -> None:
-        self.path = path
-        self._busy_timeout = busy_timeout
-        self._connection: sqlite3.Connection | None = None
-
-    def open(self, now: float) -> Path | None:
-        """Open the file, make it where there is none, and bring it to this version; a damaged one is set aside.
-
-        Args:
-            now: Seconds since the Unix epoch, for the name of a damaged file.
-
-        Returns:
-            Where a damaged file is now; None where it was whole.
-
-        Raises:
-            LinkError: It cannot be opened or written now, for example because the disk is full.
-            UsageError: A newer homebot wrote it, or another one uses it now.
-        """
-        self.close()
-        set_aside = None
-        try:
-            self._open()
-        except sqlite3.DatabaseError as exc:
-            if "locked" in str(exc):
-                raise UsageError(
-                    f"the index file {self.path} is in use by another homebot; give this one its own directory "
-                    "(HOMEBOT_DATA), or run it with --ephemeral"
-                ) from exc
-            if not _is_damage(exc):
-                raise LinkError(f"the index file {self.path} cannot be opened: {exc}") from exc
-            set_aside = self._replace(now)
-        except OSError as exc:
-            raise LinkError(f"the index file {self.path} cannot be opened: {exc}") from exc
-        return set_aside
+    def __init__(self, path: Path, busy_timeout: float = 5.0) -> None:
+        super().__init__(path, _INDEX, busy_timeout)
 
     def read(self) -> Records:
         """Return all rows, devices in the order of their ids.
@@ -131,7 +100,7 @@ class IndexFile:
             tombstones = connection.execute("SELECT id, record FROM tombstones ORDER BY id").fetchall()
             owner = connection.execute("SELECT name, record FROM owner ORDER BY name").fetchall()
         except sqlite3.Error as exc:
-            raise LinkError(f"the index file {self.path} cannot be read: {exc}") from exc
+            raise LinkError(f"{self._title} cannot be read: {exc}") from exc
         return Records(_texts(devices), _texts(tombstones), _texts(owner))
 
     def write(self, records: Records, gone: Sequence[str]) -> None:
@@ -152,112 +121,7 @@ class IndexFile:
                 connection.executemany("INSERT OR REPLACE INTO tombstones VALUES (?, ?)", stones)
                 connection.executemany("INSERT OR REPLACE INTO owner VALUES (?, ?)", records.owner)
         except sqlite3.Error as exc:
-            if _is_damage(exc):
-                raise WireError(f"the index file {self.path} is damaged: {exc}", b"") from exc
-            raise LinkError(f"the index file {self.path} cannot be written: {exc}") from exc
-
-    def set_aside(self, now: float) -> Path:
-        """Move the file away, so that the next one begins empty; return where it is now."""
-        self.close()
-        target = self.path.with_name(f"{self.path.name}.damaged-{now:.0f}")
-        number = 1
-        while target.exists():
-            number += 1
-            target = self.path.with_name(f"{self.path.name}.damaged-{now:.0f}-{number}")
-        for ending in _FILES:
-            source = self.path.with_name(self.path.name + ending)
-            with suppress(FileNotFoundError):
-                source.rename(target.with_name(target.name + ending))
-        return target
-
-    def close(self) -> None:
-        """Close the file. Twice is fine."""
-        if self._connection is not None:
-            with suppress(sqlite3.Error):
-                self._connection.close()
-            self._connection = None
-
-    def _replace(self, now: float) -> Path:
-        """Set the damaged file aside and begin a new one; return where the damaged one is."""
-        try:
-            set_aside = self.set_aside(now)
-            self._open()
-        except (sqlite3.Error, OSError) as exc:
-            raise LinkError(f"the index file {self.path} cannot be recreated: {exc}") from exc
-        return set_aside
-
-    def _open(self) -> None:
-        self._make_private()
-        connection = sqlite3.connect(
-            self.path, timeout=self._busy_timeout, check_same_thread=False, isolation_level=None
-        )
-        try:
-            # Two homebots of one file would overwrite each other's devices.
-            connection.execute("PRAGMA locking_mode = EXCLUSIVE")
-            version = self._version(connection)
-            connection.execute("PRAGMA journal_mode = WAL")
-            connection.execute("PRAGMA synchronous = NORMAL")
-            _check(connection)
-            self._migrate(connection, version)
-            connection.execute("SELECT id, record FROM devices LIMIT 1").fetchall()
-            connection.execute("SELECT id, record FROM tombstones LIMIT 1").fetchall()
-        except BaseException:
-            connection.close()
-            raise
-        connection.isolation_level = "DEFERRED"
-        self._connection = connection
-
-    def _make_private(self) -> None:
-        """Have a file that is the user's alone: what others could write there would be taken for what was heard.
-
-        Raises:
-            UsageError: Others may write it, or where it is.
-        """
-        self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        if problem := why_not_trusted(self.path if self.path.exists() else self.path.parent):
-            raise UsageError(f"the index file is not used: {problem}")
-        self.path.touch(mode=0o600)
-        found = self.path.stat()
-        if os.name == "posix" and found.st_mode & 0o077 and found.st_uid == os.geteuid():
-            self.path.chmod(0o600)
-
-    def _version(self, connection: sqlite3.Connection) -> int:
-        version = int(connection.execute("PRAGMA user_version").fetchone()[0])
-        if version > VERSION:
-            raise UsageError(
-                f"the index file {self.path} was written by a newer homebot (version {version}, not {VERSION})"
-            )
-        return version
-
-    def _migrate(self, connection: sqlite3.Connection, version: int) -> None:
-        steps = _SCHEMA if version == 0 else [step for one in range(version, VERSION) for step in _MIGRATIONS[one]]
-        connection.execute("BEGIN IMMEDIATE")
-        try:
-            for step in steps:
-                connection.execute(step)
-            connection.execute(f"PRAGMA user_version = {VERSION}")
-        except BaseException:
-            connection.execute("ROLLBACK")
-            raise
-        connection.execute("COMMIT")
-
-    def _opened(self) -> sqlite3.Connection:
-        if self._connection is None:
-            raise LinkError(f"the index file {self.path} is not open")
-        return self._connection
-
-
-def _check(connection: sqlite3.Connection) -> None:
-    (problem,) = connection.execute("PRAGMA quick_check(1)").fetchone()
-    if problem != "ok":
-        raise sqlite3.DatabaseError(problem)
-
-
-def _is_damage(exc: sqlite3.Error) -> bool:
-    """Return whether the file is at fault, rather than the disk or another program."""
-    if not isinstance(exc, sqlite3.OperationalError):
-        return isinstance(exc, sqlite3.DatabaseError)
-    return "no such" in str(exc) or "already exists" in str(exc)
+            raise self._failure(exc, "written") from exc
 
 
 def _is_text(device_id: str) -> bool:

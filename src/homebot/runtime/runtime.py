@@ -52,6 +52,9 @@ STOPPING = "runtime.stopping"
 
 THESIS_HOME = "home425"
 
+JOURNAL_FILE = "journal.sqlite"
+"""The name of the journal, beside the file of the index."""
+
 ServiceT = TypeVar("ServiceT")
 
 _log = get_logger(node="/homebot")
@@ -258,7 +261,11 @@ class Runtime:
 
     async def _control(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "control") as node:
-            control = Control(node, self._plan.control, self._plan.grants, trusts_apps=self._trusts_apps)
+            index, is_kept = self._index_file, self._plan.discovery.persist
+            journal = index.with_name(JOURNAL_FILE) if index is not None and is_kept else None
+            control = Control(
+                node, self._plan.control, self._plan.grants, trusts_apps=self._trusts_apps, journal_file=journal
+            )
             await run_as(node.full_name, partial(control.serve, task_status=task_status))
 
     async def _rosapi(self, *, task_status: TaskStatus[None]) -> None:

@@ -10,6 +10,7 @@ from homebot.control.journal.store import JournalStore
 from homebot.devices import FIND_DEVICES, FindDevices, RawCommand, StateChange
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
 from homebot.devices.device import KeyValue
+from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.journal_messages import (
     EntryKind,
     JournalEntry,
@@ -61,10 +62,20 @@ class CommandJournal:
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._entries = node.create_publisher(JournalEntry, JOURNAL_ENTRIES, _DEPTH)
         node.create_service(ReadJournal, READ_JOURNAL, self.read, concurrent=True)
+        node.create_service(GetHealth, "~/health", self.health)
 
     async def run(self) -> None:
         """Write what is noted until cancelled."""
         await self._store.run()
+
+    def health(self, _request: HealthRequest) -> HealthResponse:
+        """Return what became of the entries."""
+        store = self._store
+        counts = {"journal_expired": store.dropped, "journal_failures": store.failures}
+        return HealthResponse(
+            counts=tuple(Count(name=name, count=count) for name, count in counts.items()),
+            troubles=(store.problem,) if store.problem else (),
+        )
 
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
         """Return the newest entries that fit, and the names of their devices."""

@@ -1,0 +1,184 @@
+"""Entries of the journal in a file: written by a worker thread, a second's worth at a time."""
+
+from __future__ import annotations
+
+from collections import deque
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, final
+
+import anyio
+from anyio import to_thread
+
+from homebot.control.journal.memory_store import MemoryStore
+from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest, ReadJournalResponse
+from homebot.errors import LinkError, UsageError, WireError
+from homebot.graph import Node
+from homebot.log import LogLimit
+
+if TYPE_CHECKING:
+    from homebot.control.journal.journal_file import JournalFile
+
+__all__ = ["FileStore"]
+
+NOT_WRITTEN = "control.journal_not_written"
+NOT_USED = "control.journal_not_used"
+DAMAGED = "control.journal_damaged"
+
+_WRITE_AFTER: Final = 1.0
+_RETRY_AFTER: Final = 5.0
+_LAST_CHANCE: Final = 5.0
+_BATCH: Final = 2000
+_MOST_WAITING: Final = 10_000
+"""Entries that wait to be written; the oldest are lost and counted where the disk is away for long."""
+
+
+@final
+class FileStore:
+    """Entries in an SQLite file, bounded by age and size, the oldest dropped first.
+
+    It is opened at the first entry or question, so that a home without commands has none. Where another homebot uses it
+    or a newer one wrote it, entries are in memory alone.
+
+    Args:
+        node: For its log and clock.
+        path: Where the file is.
+        longest: Seconds for which an entry is kept.
+        most_bytes: What the entries may take.
+        in_memory: Keeps the entries where the file cannot be used.
+
+    Attributes:
+        dropped: Entries that were dropped because they were too many or too old.
+        failures: Entries that could not be kept.
+        problem: The trouble of the file, as text; empty where there is none.
+    """
+
+    def __init__(self, node: Node, path: Path, longest: float, most_bytes: float, in_memory: MemoryStore) -> None:
+        self._node = node
+        self._clock = node.graph.clock
+        self._path = path
+        self._longest = longest
+        self._most_bytes = most_bytes
+        self._memory = in_memory
+        self._file: JournalFile | None = None
+        self._waiting: deque[JournalEntry] = deque()
+        self._has_news = anyio.Event()
+        self._turn = anyio.Lock()
+        self._limit = LogLimit(self._clock)
+        self._is_unusable = False
+        self.dropped = 0
+        self.failures = 0
+        self.problem = ""
+
+    def add(self, entry: JournalEntry) -> None:
+        """Keep *entry*; it is written a second later."""
+        if self._is_unusable:
+            self._memory.add(entry)
+            return
+        self._waiting.append(entry)
+        if len(self._waiting) > _MOST_WAITING:
+            self._waiting.popleft()
+            self.failures += 1
+        self._has_news.set()
+
+    async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
+        """Return the newest entries that fit, those that were not written yet among them."""
+        await self._write()
+        if self._is_unusable:
+            return await self._memory.read(request)
+        async with self._turn:
+            file = await self._opened()
+            if file is None:
+                return ReadJournalResponse(success=False, message=self.problem)
+            try:
+                return await to_thread.run_sync(file.read_entries, request)
+            except (LinkError, WireError) as exc:
+                self._note_failure(exc)
+                return ReadJournalResponse(success=False, message=str(exc))
+
+    async def run(self) -> None:
+        """Write what is added until cancelled, then once more."""
+        try:
+            while True:
+                await self._has_news.wait()
+                await anyio.sleep(_RETRY_AFTER if self.problem else _WRITE_AFTER)
+                self._has_news = anyio.Event()
+                await self._write()
+                if self._waiting:
+                    self._has_news.set()
+        finally:
+            with anyio.move_on_after(_LAST_CHANCE, shield=True):
+                await self._write()
+                if self._file is not None:
+                    await to_thread.run_sync(self._file.close)
+
+    async def _write(self) -> None:
+        async with self._turn:
+            while self._waiting and not self._is_unusable:
+                batch = tuple(islice(self._waiting, _BATCH))
+                file = await self._opened()
+                if file is None or not await self._write_batch(file, batch):
+                    return
+
+    async def _write_batch(self, file: JournalFile, batch: tuple[JournalEntry, ...]) -> bool:
+        oldest = self._clock.now() - self._longest
+        before = self.failures
+        try:
+            self.dropped += await to_thread.run_sync(file.write, batch, oldest, self._most_bytes)
+        except WireError as exc:
+            self._note_failure(exc)
+            await self._set_aside(file)
+            return False
+        except LinkError as exc:
+            self._note_failure(exc)
+            return False
+        self.problem = ""
+        for _ in range(len(batch) - (self.failures - before)):  # those of it that were lost meanwhile are gone
+            self._waiting.popleft()
+        return True
+
+    async def _opened(self) -> JournalFile | None:
+        """Return the open file; None where it cannot be used now."""
+        if self._file is not None:
+            return self._file
+        from homebot.control.journal.journal_file import JournalFile  # noqa: PLC0415 - SQLite is loaded at need
+
+        file = JournalFile(self._path)
+        try:
+            damaged = await to_thread.run_sync(file.open, self._clock.now())
+        except UsageError as exc:
+            self._give_up(str(exc))
+            return None
+        except LinkError as exc:
+            self._note_failure(exc)
+            return None
+        if damaged is not None:
+            self._log_damage(damaged)
+        self._file = file
+        return file
+
+    async def _set_aside(self, file: JournalFile) -> None:
+        """Move a damaged file away; the next write begins a new one."""
+        self._file = None
+        try:
+            self._log_damage(await to_thread.run_sync(file.set_aside, self._clock.now()))
+        except OSError as exc:
+            self._give_up(f"the journal {self._path} cannot be set aside: {exc}")
+
+    def _give_up(self, why: str) -> None:
+        self._is_unusable, self.problem = True, why
+        self._node.log.warning(NOT_USED, message=f"{why}; the journal is in memory alone", file=str(self._path))
+        for entry in self._waiting:
+            self._memory.add(entry)
+        self._waiting.clear()
+
+    def _note_failure(self, exc: LinkError | WireError) -> None:
+        self.problem = str(exc)
+        held_back = self._limit.allows(NOT_WRITTEN)
+        if held_back is not None:
+            self._node.log.warning(NOT_WRITTEN, message=f"{exc}; trying again", held_back=held_back)
+
+    def _log_damage(self, where: Path) -> None:
+        self._node.log.warning(
+            DAMAGED, message=f"the journal was damaged; it was moved to {where}, and a new one is used", file=str(where)
+        )

@@ -1,0 +1,135 @@
+"""The journal's file: an SQLite database with a row for each entry. Blocking; called from a worker thread."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final, final
+
+from pydantic import ValidationError
+
+from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
+from homebot.messages import Time
+from homebot.sqlite_file import SqliteFile, SqliteSchema
+
+__all__ = ["JournalFile"]
+
+_JOURNAL: Final = SqliteSchema(
+    "journal",
+    1,
+    (
+        "CREATE TABLE entries (number INTEGER PRIMARY KEY, at REAL NOT NULL, device TEXT NOT NULL, "
+        "command TEXT NOT NULL, entry TEXT NOT NULL)",
+        "CREATE INDEX entries_at ON entries (at)",
+        "CREATE INDEX entries_device ON entries (device, number)",
+        "CREATE INDEX entries_command ON entries (command, number)",
+    ),
+    ("SELECT number, at, device, command, entry FROM entries LIMIT 1",),
+)
+
+_SHARE: Final = 0.1
+"""Of the entries, that are dropped at once where the file is full: to drop a few each time would cost more."""
+
+_ROUNDS: Final = 20
+
+
+@final
+class JournalFile(SqliteFile):
+    """Reads and writes the journal's file.
+
+    Args:
+        path: Where it is; directories are made.
+    """
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path, _JOURNAL)
+
+    def write(self, entries: Sequence[JournalEntry], oldest: float, most_bytes: float) -> int:
+        """Write *entries* in one transaction, and drop the oldest; return how many were dropped.
+
+        Args:
+            entries: The entries, oldest first.
+            oldest: Seconds since the Unix epoch; what is older is dropped.
+            most_bytes: What the entries may take; where it is more, a tenth of them is dropped, the oldest first.
+
+        Raises:
+            LinkError: It cannot be written now; nothing of it was.
+            WireError: The file is damaged; nothing was written.
+        """
+        connection = self._opened()
+        rows = [(one.at.to_seconds(), one.device, one.command, _to_json(one)) for one in entries]
+        try:
+            with connection:
+                connection.executemany("INSERT INTO entries (at, device, command, entry) VALUES (?, ?, ?, ?)", rows)
+                dropped = connection.execute("DELETE FROM entries WHERE at < ?", (oldest,)).rowcount
+                for _ in range(_ROUNDS):
+                    if _size(connection) <= most_bytes:
+                        break
+                    dropped += _drop_oldest(connection)
+        except sqlite3.Error as exc:
+            raise self._failure(exc, "written") from exc
+        return dropped
+
+    def read_entries(self, request: ReadJournalRequest) -> ReadJournalResponse:
+        """Return the newest entries that fit; a row that cannot be read is left out.
+
+        Raises:
+            LinkError: It cannot be read now.
+            WireError: The file is damaged.
+        """
+        connection = self._opened()
+        limit = min(request.limit or MOST_ENTRIES, MOST_ENTRIES)
+        conditions, values = _conditions(request)
+        query = f"SELECT entry FROM entries{conditions} ORDER BY number DESC LIMIT ?"  # noqa: S608 - of our own texts
+        try:
+            rows = connection.execute(query, (*values, limit + 1)).fetchall()
+            first = connection.execute("SELECT at FROM entries ORDER BY number LIMIT 1").fetchone()
+        except sqlite3.Error as exc:
+            raise self._failure(exc, "read") from exc
+        found = [entry for (text,) in reversed(rows[:limit]) if (entry := _from_json(text)) is not None]
+        begins = Time.from_seconds(first[0]) if first else Time(sec=0, nanosec=0)
+        return ReadJournalResponse(entries=tuple(found), complete=len(rows) <= limit, begins=begins)
+
+
+def _conditions(request: ReadJournalRequest) -> tuple[str, tuple[object, ...]]:
+    conditions: list[str] = []
+    values: list[object] = []
+    for condition, value in (
+        ("device = ?", request.device),
+        ("command = ?", request.command),
+        ("at >= ?", request.since.to_seconds()),
+        ("at <= ?", request.until.to_seconds()),
+    ):
+        if value:
+            conditions.append(condition)
+            values.append(value)
+    return (f" WHERE {' AND '.join(conditions)}" if conditions else ""), tuple(values)
+
+
+def _size(connection: sqlite3.Connection) -> float:
+    """Return the bytes of the pages that are in use."""
+    pages, free, size = (
+        int(connection.execute(f"PRAGMA {name}").fetchone()[0])
+        for name in ("page_count", "freelist_count", "page_size")
+    )
+    return (pages - free) * size
+
+
+def _drop_oldest(connection: sqlite3.Connection) -> int:
+    (count,) = connection.execute("SELECT count(*) FROM entries").fetchone()
+    some = max(1, round(_SHARE * count))
+    return connection.execute(
+        "DELETE FROM entries WHERE number IN (SELECT number FROM entries ORDER BY number LIMIT ?)", (some,)
+    ).rowcount
+
+
+def _to_json(entry: JournalEntry) -> str:
+    return entry.model_dump_json(exclude_defaults=True).encode(errors="replace").decode()
+
+
+def _from_json(text: object) -> JournalEntry | None:
+    try:
+        return JournalEntry.model_validate_json(text) if isinstance(text, str) else None
+    except ValidationError:
+        return None

@@ -1,0 +1,204 @@
+"""An SQLite file of homebot's own: private, owned by one process, brought to its version, set aside where damaged.
+
+Blocking; called from a worker thread. Source of the pragmas: SQLite 3 documentation, https://www.sqlite.org/pragma.html.
+"""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from homebot.errors import LinkError, UsageError, WireError
+from homebot.file_access import why_not_trusted
+
+__all__ = ["SQLITE_FILES", "SqliteFile", "SqliteSchema"]
+
+SQLITE_FILES = ("", "-wal", "-shm", "-journal")
+"""The endings of the files that SQLite may have for one."""
+
+_BUSY = 5.0
+"""Seconds to wait for another homebot that holds the file."""
+
+
+@dataclass(frozen=True, slots=True)
+class SqliteSchema:
+    """The tables of a file.
+
+    Attributes:
+        title: What the file is called in errors, for example ``index file``.
+        version: Of the schema, kept as SQLite's ``user_version``.
+        statements: Make the tables.
+        checks: Queries that fail where a table is missing.
+        migrations: The statements that make the next version out of each.
+    """
+
+    title: str
+    version: int
+    statements: Sequence[str]
+    checks: Sequence[str]
+    migrations: Mapping[int, Sequence[str]] = field(default_factory=dict)
+
+
+class SqliteFile:
+    """Opens and replaces the file; what is in it, derived classes know.
+
+    Args:
+        path: Where it is; directories are made.
+        schema: Its tables.
+        busy_timeout: Seconds to wait for another homebot that uses it and may be about to end.
+    """
+
+    def __init__(self, path: Path, schema: SqliteSchema, busy_timeout: float = _BUSY) -> None:
+        self.path = path
+        self._schema = schema
+        self._busy_timeout = busy_timeout
+        self._connection: sqlite3.Connection | None = None
+
+    def open(self, now: float) -> Path | None:
+        """Open the file, make it where there is none, and bring it to this version; a damaged one is set aside.
+
+        Args:
+            now: Seconds since the Unix epoch, for the name of a damaged file.
+
+        Returns:
+            Where a damaged file is now; None where it was whole.
+
+        Raises:
+            LinkError: It cannot be opened or written now, for example because the disk is full.
+            UsageError: A newer homebot wrote it, or another one uses it now.
+        """
+        self.close()
+        set_aside = None
+        try:
+            self._open()
+        except sqlite3.DatabaseError as exc:
+            if "locked" in str(exc):
+                raise UsageError(
+                    f"{self._title} is in use by another homebot; give this one its own directory "
+                    "(HOMEBOT_DATA), or run it with --ephemeral"
+                ) from exc
+            if not _is_damage(exc):
+                raise LinkError(f"{self._title} cannot be opened: {exc}") from exc
+            set_aside = self._replace(now)
+        except OSError as exc:
+            raise LinkError(f"{self._title} cannot be opened: {exc}") from exc
+        return set_aside
+
+    def set_aside(self, now: float) -> Path:
+        """Move the file away, so that the next one begins empty; return where it is now."""
+        self.close()
+        target = self.path.with_name(f"{self.path.name}.damaged-{now:.0f}")
+        number = 1
+        while target.exists():
+            number += 1
+            target = self.path.with_name(f"{self.path.name}.damaged-{now:.0f}-{number}")
+        for ending in SQLITE_FILES:
+            source = self.path.with_name(self.path.name + ending)
+            with suppress(FileNotFoundError):
+                source.rename(target.with_name(target.name + ending))
+        return target
+
+    def close(self) -> None:
+        """Close the file. Twice is fine."""
+        if self._connection is not None:
+            with suppress(sqlite3.Error):
+                self._connection.close()
+            self._connection = None
+
+    def _replace(self, now: float) -> Path:
+        """Set the damaged file aside and begin a new one; return where the damaged one is."""
+        try:
+            set_aside = self.set_aside(now)
+            self._open()
+        except (sqlite3.Error, OSError) as exc:
+            raise LinkError(f"{self._title} cannot be recreated: {exc}") from exc
+        return set_aside
+
+    def _open(self) -> None:
+        self._make_private()
+        connection = sqlite3.connect(
+            self.path, timeout=self._busy_timeout, check_same_thread=False, isolation_level=None
+        )
+        try:
+            # Two homebots of one file would overwrite each other's devices.
+            connection.execute("PRAGMA locking_mode = EXCLUSIVE")
+            version = self._version(connection)
+            connection.execute("PRAGMA journal_mode = WAL")
+            connection.execute("PRAGMA synchronous = NORMAL")
+            _check(connection)
+            self._migrate(connection, version)
+            for check in self._schema.checks:
+                connection.execute(check).fetchall()
+        except BaseException:
+            connection.close()
+            raise
+        connection.isolation_level = "DEFERRED"
+        self._connection = connection
+
+    def _make_private(self) -> None:
+        """Have a file that is the user's alone: what others could write there would be taken for what was heard.
+
+        Raises:
+            UsageError: Others may write it, or where it is.
+        """
+        self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        if problem := why_not_trusted(self.path if self.path.exists() else self.path.parent):
+            raise UsageError(f"the {self._schema.title} is not used: {problem}")
+        self.path.touch(mode=0o600)
+        found = self.path.stat()
+        if os.name == "posix" and found.st_mode & 0o077 and found.st_uid == os.geteuid():
+            self.path.chmod(0o600)
+
+    def _version(self, connection: sqlite3.Connection) -> int:
+        version = int(connection.execute("PRAGMA user_version").fetchone()[0])
+        if version > self._schema.version:
+            raise UsageError(
+                f"{self._title} was written by a newer homebot (version {version}, not {self._schema.version})"
+            )
+        return version
+
+    def _migrate(self, connection: sqlite3.Connection, version: int) -> None:
+        schema = self._schema
+        known = range(version, schema.version)
+        steps = schema.statements if version == 0 else [step for one in known for step in schema.migrations[one]]
+        connection.execute("BEGIN IMMEDIATE")
+        try:
+            for step in steps:
+                connection.execute(step)
+            connection.execute(f"PRAGMA user_version = {self._schema.version}")
+        except BaseException:
+            connection.execute("ROLLBACK")
+            raise
+        connection.execute("COMMIT")
+
+    def _failure(self, exc: sqlite3.Error, what: str) -> LinkError | WireError:
+        """Return the error that the file could not be *what*, for example ``written``: is it at fault, or the disk."""
+        if _is_damage(exc):
+            return WireError(f"{self._title} is damaged: {exc}", b"")
+        return LinkError(f"{self._title} cannot be {what}: {exc}")
+
+    @property
+    def _title(self) -> str:
+        return f"the {self._schema.title} {self.path}"
+
+    def _opened(self) -> sqlite3.Connection:
+        if self._connection is None:
+            raise LinkError(f"{self._title} is not open")
+        return self._connection
+
+
+def _check(connection: sqlite3.Connection) -> None:
+    (problem,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+    if problem != "ok":
+        raise sqlite3.DatabaseError(problem)
+
+
+def _is_damage(exc: sqlite3.Error) -> bool:
+    """Return whether the file is at fault, rather than the disk or another program."""
+    if not isinstance(exc, sqlite3.OperationalError):
+        return isinstance(exc, sqlite3.DatabaseError)
+    return "no such" in str(exc) or "already exists" in str(exc)

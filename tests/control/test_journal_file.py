@@ -1,0 +1,147 @@
+"""The journal in a file: over a restart, bounded, and without a disk."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import anyio
+import anyio.lowlevel
+import pytest
+
+from homebot.clock import ManualClock
+from homebot.control.journal.file_store import FileStore
+from homebot.control.journal.memory_store import MemoryStore
+from homebot.devices.command_messages import Setting
+from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest
+from homebot.devices.value import Value
+from homebot.graph import Graph, Node
+from homebot.messages import Time
+
+DAY = 86_400.0
+NOW = 1_800_000_000.0
+
+
+def entry(number: int, *, device: str = "lamp", at: float = NOW) -> JournalEntry:
+    setting = Setting(capability="level", value=Value.of(float(number)))
+    stamp = Time.from_seconds(at)
+    return JournalEntry(kind="requested", at=stamp, device=device, command=f"c-{number}", settings=(setting,))
+
+
+@asynccontextmanager
+async def opened(path: Path, days: float = 30.0, most_bytes: float = 1e9) -> AsyncIterator[FileStore]:
+    async with Node(Graph(ManualClock(NOW)), "control") as node, anyio.create_task_group() as tasks:
+        store = FileStore(node, path, days * DAY, most_bytes, MemoryStore(100, days * DAY))
+        tasks.start_soon(store.run)
+        yield store
+        tasks.cancel_scope.cancel()
+
+
+async def read(store: FileStore, **request: object) -> tuple[JournalEntry, ...]:
+    found = await store.read(ReadJournalRequest.model_validate(request))
+    assert found.success, found.message
+    return found.entries
+
+
+async def test_what_was_noted_is_there_after_a_restart(tmp_path: Path) -> None:
+    entries = [entry(number, device=f"lamp{number % 2}") for number in range(10)]
+    async with opened(tmp_path / "journal.sqlite") as store:
+        for one in entries:
+            store.add(one)
+        assert await read(store) == tuple(entries)  # those not written yet among them
+        store.add(entry(10))
+    async with opened(tmp_path / "journal.sqlite") as store:
+        assert await read(store) == (*entries, entry(10))
+        assert await read(store, device="lamp1") == tuple(entries[1::2])
+        assert await read(store, command="c-3") == (entries[3],)
+        assert await read(store, limit=3) == (*entries[-2:], entry(10))
+
+
+async def test_a_home_without_entries_has_no_file(tmp_path: Path) -> None:
+    async with opened(tmp_path / "journal.sqlite"):
+        await anyio.lowlevel.checkpoint()
+    assert not (tmp_path / "journal.sqlite").exists()
+
+
+async def test_old_entries_are_dropped_and_counted(tmp_path: Path) -> None:
+    async with opened(tmp_path / "journal.sqlite", days=2) as store:
+        store.add(entry(0, at=NOW - 3 * DAY))
+        store.add(entry(1, at=NOW - 1 * DAY))
+        assert await read(store) == (entry(1, at=NOW - 1 * DAY),)
+        assert store.dropped == 1
+
+
+async def test_the_file_does_not_grow_without_end(tmp_path: Path) -> None:
+    async with opened(tmp_path / "journal.sqlite", most_bytes=200_000) as store:
+        for number in range(5000):
+            store.add(entry(number))
+            if number % 500 == 499:
+                await read(store, limit=1)
+        kept = await read(store)
+        assert kept[-1] == entry(4999)
+        assert 0 < store.dropped < 5000
+        assert (tmp_path / "journal.sqlite").stat().st_size < 600_000
+
+
+async def test_a_disk_that_is_away_costs_nothing_that_fits_into_memory(tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    folder.write_text("in the way")
+    async with opened(folder / "journal.sqlite") as store:
+        store.add(entry(1))
+        found = await store.read(ReadJournalRequest())
+        assert not found.success
+        assert "cannot be opened" in found.message
+        assert store.problem
+        folder.unlink()
+        assert await read(store) == (entry(1),)
+        assert not store.problem
+
+
+async def test_a_damaged_file_is_set_aside(tmp_path: Path) -> None:
+    path = tmp_path / "journal.sqlite"
+    path.write_bytes(b"no database at all" * 100)
+    path.chmod(0o600)
+    async with opened(path) as store:
+        store.add(entry(1))
+        assert await read(store) == (entry(1),)
+    assert len(list(tmp_path.glob("journal.sqlite.damaged-*"))) == 1
+
+
+async def test_a_file_of_a_newer_homebot_is_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "journal.sqlite"
+    async with opened(path) as store:
+        store.add(entry(0))
+    with sqlite3.connect(path) as connection:
+        connection.execute("PRAGMA user_version = 99")
+    connection.close()
+    before = path.read_bytes()
+    async with opened(path) as store:
+        store.add(entry(1))
+        assert await read(store) == (entry(1),)
+        assert "newer homebot" in store.problem
+    assert path.read_bytes() == before
+
+
+async def test_a_row_that_makes_no_sense_costs_itself_alone(tmp_path: Path) -> None:
+    path = tmp_path / "journal.sqlite"
+    async with opened(path) as store:
+        store.add(entry(1))
+        store.add(entry(2))
+    with sqlite3.connect(path) as connection:
+        connection.execute("UPDATE entries SET entry = 'nonsense' WHERE number = 1")
+    connection.close()
+    async with opened(path) as store:
+        assert await read(store) == (entry(2),)
+
+
+async def test_a_flood_while_the_disk_is_away_is_bounded_and_counted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("homebot.control.journal.file_store._MOST_WAITING", 10)
+    async with opened(tmp_path / "journal.sqlite") as store:
+        for number in range(25):
+            store.add(entry(number))
+        assert store.failures == 15
+        assert await read(store) == tuple(entry(number) for number in range(15, 25))
