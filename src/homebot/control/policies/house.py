@@ -71,11 +71,9 @@ class House:
             if any(one.name == capability and one.readable for one in part.part.capabilities)
         ]
 
-    def devices(self, room: str | None = None) -> Iterable[Device]:
-        """Yield the devices in *room*, or all, with their newest values."""
-        found = self._devices if room is None else self._rooms.get(fold(room), {})
-        for tracked in found.values():
-            yield tracked.current()
+    def devices(self, room: str | None = None) -> Iterable[TrackedDevice]:
+        """Return the devices in *room*, or all."""
+        return (self._devices if room is None else self._rooms.get(fold(room), {})).values()
 
     def _leave_room(self, tracked: TrackedDevice) -> None:
         room = fold(tracked.device.area)

@@ -3,32 +3,58 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.settings import Interlock
 from homebot.control.policies.verdict import FactUsed, Verdict
-from homebot.devices import Device
+from homebot.devices import Device, DevicePart
 from homebot.devices.query import And, Not, Or, PartFacets, Query, StateIs, fits
 
-__all__ = ["judge_interlocks", "without_states"]
+__all__ = ["InterlockRule", "judge_interlocks"]
 
 NAME: Final = "interlock"
 
 _NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
 
 
-def judge_interlocks(tables: Iterable[Interlock], command: IssuedCommand, facts: Facts) -> Verdict:
-    """Refuse a command while the condition of one of *tables* holds, or while that is unknown."""
-    for interlock in tables:
+@final
+@dataclass(frozen=True, slots=True)
+class InterlockRule:
+    """An interlock, with what is worked out once of its condition.
+
+    Attributes:
+        interlock: The interlock.
+        query: The condition.
+        possible: The query for the parts that may match the condition, whatever they report.
+        capabilities: The capabilities whose values the condition is about.
+    """
+
+    interlock: Interlock
+    query: Query
+    possible: Query
+    capabilities: frozenset[str]
+
+    @classmethod
+    def of(cls, interlock: Interlock) -> InterlockRule:
+        """Return the rule of *interlock*."""
+        query = interlock.query
+        return cls(interlock, query, without_states(query), frozenset(_capabilities(query)))
+
+
+def judge_interlocks(rules: Iterable[InterlockRule], command: IssuedCommand, facts: Facts) -> Verdict:
+    """Refuse a command while the condition of one of *rules* holds, or while that is unknown."""
+    for rule in rules:
+        interlock = rule.interlock
         if not any(pattern.fits(command) for pattern in interlock.commands):
             continue
         room = command.device.area if interlock.where == "room" else None
         if not facts.house.is_known or room == "":
             what = "the state of the house" if room != "" else "the room of the device"
             return Verdict(NAME, allowed=False, reason=f"not while {interlock.condition}: {what} is unknown")
-        if (verdict := _judge(interlock, room, facts)) is not None:
+        if (verdict := _judge(rule, room, facts)) is not None:
             return verdict
     return _NOT_CONCERNED
 
@@ -47,28 +73,32 @@ def without_states(query: Query, *, is_possible: bool = True) -> Query:
     return query
 
 
-def _judge(interlock: Interlock, room: str | None, facts: Facts) -> Verdict | None:
-    query, condition = interlock.query, interlock.condition
-    possible = without_states(query)
-    capabilities = frozenset(_capabilities(query))
-    for device in facts.house.devices(room):
-        if not device.parts:
+def _judge(rule: InterlockRule, room: str | None, facts: Facts) -> Verdict | None:
+    for tracked in facts.house.devices(room):
+        if not tracked.device.parts:
             continue
-        facets = PartFacets(device)
-        for part in device.parts:
+        facets = PartFacets(tracked.device)
+        for part in tracked.device.parts:
+            if rule.capabilities and not any(one.name in rule.capabilities for one in part.part.capabilities):
+                continue
             facets.part = part
-            if not fits(possible, facets):
-                continue
-            used = tuple(_facts(device, part.id, capabilities))
-            is_known = device.freshness == "fresh" and facets.reachable != "no"
-            if not is_known or (capabilities and not used):
-                reason = f"not while {condition}: whether {device.name} is so is unknown"
-            elif fits(query, facets):
-                reason = f"not while {condition}: {device.name} is so"
-            else:
-                continue
-            return Verdict(NAME, allowed=False, reason=reason, facts=used)
+            if fits(rule.possible, facets) and (verdict := _judge_part(rule, tracked.current(), part)) is not None:
+                return verdict
     return None
+
+
+def _judge_part(rule: InterlockRule, device: Device, part: DevicePart) -> Verdict | None:
+    condition = rule.interlock.condition
+    facets = PartFacets(device)
+    facets.part = part
+    used = tuple(_facts(device, part.id, rule.capabilities))
+    if device.freshness != "fresh" or facets.reachable == "no" or (rule.capabilities and not used):
+        reason = f"not while {condition}: whether {device.name} is so is unknown"
+    elif fits(rule.query, facets):
+        reason = f"not while {condition}: {device.name} is so"
+    else:
+        return None
+    return Verdict(NAME, allowed=False, reason=reason, facts=used)
 
 
 def _capabilities(query: Query) -> Iterator[str]:

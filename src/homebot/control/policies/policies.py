@@ -9,7 +9,7 @@ from typing import TypeAlias, final
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.grants import judge_grants
-from homebot.control.policies.interlock import judge_interlocks, without_states
+from homebot.control.policies.interlock import InterlockRule, judge_interlocks
 from homebot.control.policies.presence_guard import OCCUPANCY, judge_presence
 from homebot.control.policies.quiet_hours import judge_quiet_hours
 from homebot.control.policies.rate_limit import judge_rate
@@ -52,7 +52,7 @@ def _policies(settings: PolicySettings) -> Iterator[Policy]:
     """Yield the policies that are on: who may, before what may be done, before when."""
     yield judge_grants
     if settings.interlocks:
-        yield partial(judge_interlocks, settings.interlocks)
+        yield partial(judge_interlocks, tuple(map(InterlockRule.of, settings.interlocks)))
     if settings.quiet_hours:
         yield partial(judge_quiet_hours, settings.quiet_hours)
     if settings.presence_guard is not None:
@@ -65,4 +65,4 @@ def _needs(settings: PolicySettings) -> Iterator[Query]:
     if settings.presence_guard is not None:
         yield CanDo(OCCUPANCY)
     for interlock in settings.interlocks:
-        yield without_states(interlock.query)
+        yield InterlockRule.of(interlock).possible
