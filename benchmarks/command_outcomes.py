@@ -57,7 +57,7 @@ class Count:
 
 
 def run(plan: Plan) -> Report:
-    rows = [HEADINGS]
+    rows: list[tuple[str, ...]] = [HEADINGS]
     for fault, settings in FAULTS.items():
         forgotten, told = Count(), Count()
         for dialect in sorted(DIALECTS):

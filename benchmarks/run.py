@@ -31,6 +31,7 @@ BENCHMARKS = (
     "states",
     "command_line",
     "walks",
+    "command_cost",
     "outcomes",
     "discovery",
 )

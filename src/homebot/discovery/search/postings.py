@@ -60,6 +60,7 @@ class Postings:
 
     def __init__(self) -> None:
         self._posted: dict[str, _Posted] = {}
+        self._mixed_ids: set[str] = set()  # those with upper case, which few have
         self._sets: dict[_Key, set[str]] = {}
         self._values_of: dict[str, set[_Key]] = {}
         self._columns: dict[tuple[str, str], Column] = {}
@@ -89,6 +90,8 @@ class Postings:
                 self._join(key, device_id)
             self._discard_values(device_id, before)
         self._posted[device_id] = _Posted(facets)
+        if device_id.casefold() != device_id:
+            self._mixed_ids.add(device_id)
         for part, service_type, capability, stored in values:
             self.put_value(device_id, part, service_type, capability, stored)
 
@@ -112,6 +115,7 @@ class Postings:
     def discard(self, device_id: str) -> None:
         """Let the device be found no longer."""
         posted = self._posted.pop(device_id, None)
+        self._mixed_ids.discard(device_id)
         if posted is not None:
             for key in frozenset(_keys(posted.facets)):
                 self._leave(key, device_id)
@@ -177,7 +181,8 @@ class Postings:
 
     def _by_fact(self, name: str, value: str) -> Found:
         if name == "id":
-            return {device_id for device_id in self._posted if device_id.casefold() == value}
+            found = {device_id for device_id in self._mixed_ids if device_id.casefold() == value}
+            return found | {value} if value in self._posted else found
         if name in {"convention", "category", "tag"}:
             return self._sets.get((name, value), _NONE)
         return self._begins(f"fact {name}", value)
