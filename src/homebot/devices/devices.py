@@ -16,7 +16,7 @@ from homebot.devices.handles.follow import FollowHandles
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleType
 from homebot.devices.handles.handles import Handles
-from homebot.devices.names import FIND_DEVICES, GatewayNames
+from homebot.devices.names import FIND_DEVICES, RUNTIME_NODE, GatewayNames
 from homebot.devices.services import (
     FindDevices,
     FindDevicesRequest,
@@ -40,6 +40,8 @@ HandleT = TypeVar("HandleT", bound=Handle)
 MessageHandler: TypeAlias = Callable[[RawMessage], Awaitable[None] | None]
 
 NOT_HEARD = "devices.not_heard"
+
+_LIGHTS = frozenset({"light", "lights"})
 
 _INBOX_DEPTH = 10_000
 _COMMANDS_DEPTH = 1000
@@ -171,9 +173,13 @@ class Devices:
             of a wall switch.
 
         Raises:
-            RefusedError: The device accepts no commands, or its gateway only observes.
+            RefusedError: The device accepts no commands, or its gateway only observes; or it always asks, as a lock
+                does, and the policies of a runtime judge the commands of handles alone.
             LinkError: None of its gateways is running; nothing was sent.
         """
+        is_light = device.service_type in _LIGHTS and len(device.parts) == 1
+        if not is_light and self._node.graph.get_node(RUNTIME_NODE) is not None:
+            _check_text(device)
         gateway = ""
         problem: RefusedError | None = None
         for endpoint in device.endpoints:
@@ -312,6 +318,14 @@ def _check(endpoint: Endpoint) -> None:
         validate_node_name(endpoint.gateway)
     except InvalidNameError as exc:
         raise RefusedError(f"the endpoint {endpoint.key[:100]}", str(exc)) from exc
+
+
+def _check_text(device: Device) -> None:
+    """Refuse a text to a device that always asks: no policy sees it."""
+    from homebot.devices.always_ask import always_asks  # noqa: PLC0415 - few apps send texts
+
+    if any(always_asks(device, part) for part in device.parts):
+        raise RefusedError(f"a text to {device.id}", "it always asks; command it by its handle, which policies judge")
 
 
 def _check_plain(service_type: str, extra: tuple[object, ...], conditions: Mapping[str, object]) -> None:
