@@ -101,6 +101,22 @@ async def test_a_raw_command_explains_what_the_device_reports(open_home: OpenHom
         assert published.command == reported.command != ""
 
 
+async def test_a_raw_command_explains_what_undoes_another_command(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        await home.report("lamp", "on_off", False)
+        lamp = await home.handle(Light)
+        await anyio.sleep(1)
+        await lamp.turn_on()
+        await anyio.sleep(1)
+        await home.devices.tell(lamp.device, "off")
+        await home.report("lamp", "on_off", False)
+        assert await changes(home) == []
+        found = await read(home)
+        assert kinds(found)[-3:] == ["published", "reverted", "reported"]
+        assert found.entries[-1].command == found.entries[-3].command
+
+
 async def test_a_raw_command_of_nobody_known_is_there_too(open_home: OpenHome) -> None:
     async with open_home() as home:
         home.put("lamp", "light", "on_off")

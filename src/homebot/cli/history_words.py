@@ -20,7 +20,7 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
         return UNEXPLAINED
     issuer = issuer_text(first["issuer"])
     if last["kind"] == "reverted":
-        return f"it went back by itself after {issuer} had asked for {settings_text(first['settings'])}"
+        return f"it went back after {issuer} had asked for {settings_text(first['settings'])}"
     asked = f"{issuer} {'published' if first['kind'] == 'published' else 'asked for'} {_wanted(first)}"
     cause = trigger_text(chain.trigger, names)
     return f"{asked}, because {cause}" if cause else asked

@@ -96,12 +96,17 @@ class ExplainedChanges:
             return None
         if isinstance(value, float) and known[0] and value and at - known[1] < _CALM:
             return None
-        for part in (reading.part, EVERY_PART):
-            under_way = [one for one in self._commands.get((device, part), ()) if one.began <= at <= one.until]
-            if under_way:
-                meant = [one for one in under_way if one.text == _word(value)] or under_way
-                return meant[-1].id if meant[-1].is_raw else None
-        return ""
+        under_way = [
+            one
+            for part in (reading.part, EVERY_PART)
+            for one in self._commands.get((device, part), ())
+            if one.began <= at <= one.until
+        ]
+        if not under_way:
+            return ""
+        meant = [one for one in under_way if one.is_raw and one.text == _word(value)] or under_way
+        reason = max(meant, key=lambda one: one.began)
+        return reason.id if reason.is_raw else None
 
     def _put(self, device: str, part: str, command: _Command) -> None:
         self._commands.setdefault((device, part), deque(maxlen=_KEPT)).append(command)
