@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from threading import Event
 from typing import TYPE_CHECKING
 
 import pytest
 from tests.gateways.nfc.test_gateway import HOUSE
 from tests.gateways.nfc.world import UID, card
+from tests.patience import PATIENCE
 
 from homebot.cli import main
 from homebot.clock import Clock
@@ -30,10 +32,12 @@ class DeskReader(TagReader):
     """A reader with a tag on it."""
 
     def __init__(self, tag: Type4Card | None) -> None:
+        self.is_found = Event()
         self._tag = tag
 
     def run(self, desk: ReaderDesk) -> None:
         desk.found("desk reader")
+        self.is_found.set()
         tag = None if self._tag is None else CardTag(self._transmit)
         if tag is not None:
             desk.arrived("desk reader", tag)
@@ -52,15 +56,20 @@ def homebot_at(
     homebot_with: Callable[[Callable[[Graph], Node], Clock | None], Homebot],
 ) -> Callable[[Type4Card | None], Homebot]:
     def start(tag: Type4Card | None) -> Homebot:
+        reader = DeskReader(tag)
+
         def extra(graph: Graph) -> Node:
             node = Node(graph, "nfc", namespace="/gateway")
-            gateway = NfcGateway(node, context=GatewayContext.of(TagReaders((DeskReader(tag),))))
+            gateway = NfcGateway(node, context=GatewayContext.of(TagReaders((reader,))))
             node.create_task(gateway.serve)
             node.create_service(FindDevices, FIND_DEVICES, find)
             node.create_service(QueryDevices, QUERY_DEVICES, query)
             return node
 
-        return homebot_with(extra, None)
+        homebot = homebot_with(extra, None)
+        assert reader.is_found.wait(PATIENCE)
+        homebot.do(lambda: None)  # by then the loop has heard of it
+        return homebot
 
     return start
 

@@ -12,7 +12,6 @@ from homebot.messages.message import Message
 
 __all__ = [
     "EVERYTHING",
-    "OWNER",
     "ChangeKind",
     "Device",
     "DeviceChange",
@@ -31,9 +30,6 @@ Freshness: TypeAlias = Literal["fresh", "unconfirmed", "stale"]
 ChangeKind: TypeAlias = Literal[
     "appeared", "changed", "stale", "returned", "removed", "merged", "unmerged", "conflict", "resolved"
 ]
-
-OWNER = "owner"
-"""The convention of facts that the owner states."""
 
 EVERYTHING: tuple[str, ...] = ("*",)
 """The capabilities of a :class:`Route` that accepts every command of the part."""
@@ -117,7 +113,7 @@ class Fact(Message):
         name: What it is about: ``name``, ``area``, or a name of the metadata such as ``model``.
         value: The value.
         gateway: The gateway of the announcement; empty for a fact that the owner states.
-        convention: The convention of the announcement; :data:`OWNER` for a fact that the owner states.
+        convention: The convention of the announcement; ``owner`` for a fact that the owner states.
         key: In which announcement; for a fact that the owner states ``configuration``, ``command`` or ``import``.
         said_at: The time at which this was first announced there, or stated.
     """

@@ -22,6 +22,7 @@ __all__ = [
     "IMPORT_PLACES",
     "JOURNAL_ENTRIES",
     "MERGE_DEVICES",
+    "OWNER",
     "PERFORM_COMMAND",
     "PLACE_DEVICE",
     "QUERY_DEVICES",
@@ -67,6 +68,9 @@ DIRECTORY_NODE = "/discovery"
 
 RUNTIME_NODE = "/homebot"
 """The node of a runtime, whose commands all pass the control layer."""
+
+OWNER = "owner"
+"""The convention of facts that the owner states."""
 
 _GATEWAYS = "/gateway/"
 TEXT_SCHEME = "words:"

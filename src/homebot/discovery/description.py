@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from homebot.devices import DevicePart, Fact, KeyValue
-from homebot.devices.device import OWNER
 from homebot.devices.device_types import wanted_types
+from homebot.devices.names import OWNER
 from homebot.discovery.endpoints import Addresses, addresses
 from homebot.discovery.merging.parts import MergedParts, PartIds, main_part, merge_parts
 from homebot.discovery.owner_facts import OwnerFacts

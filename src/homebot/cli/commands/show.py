@@ -23,7 +23,7 @@ from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import ago
 from homebot.cli.values import is_topic, life, plain_value, span, value_text
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.device import OWNER
+from homebot.devices.names import OWNER
 
 __all__ = ["add_arguments"]
 
