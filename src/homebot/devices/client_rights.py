@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 
 from homebot.devices.device import Device, DevicePart
@@ -117,11 +117,11 @@ class ClientRights:
 LOCAL_RIGHTS = ClientRights(reads=True, acts_on=(And(()),), manages=True)
 """Those of a client without a token: it commands every device but those that always ask."""
 
-SIMULATED_HOUSE_RIGHTS = replace(LOCAL_RIGHTS, is_raw=True)
-"""The same where no real device can be reached."""
-
 ALL_RIGHTS = ClientRights(reads=True, acts_on_all=True, act_scope=("act: all",), manages=True, is_raw=True)
 """Those of the one token that has no name of its own."""
+
+SIMULATED_HOUSE_RIGHTS = ALL_RIGHTS
+"""Those of a client without a token where no real device can be reached."""
 
 
 def issuer_of_client(name: str) -> str:
