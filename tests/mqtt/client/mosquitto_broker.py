@@ -48,7 +48,7 @@ class MosquittoBroker:
             f"listener {self.port} {self.host}\nuser root\nallow_anonymous false\npassword_file {folder}/passwords\n"
             f"acl_file {folder}/acl\npersistence true\npersistence_location {folder}/\nmax_queued_messages 100000\n"
         )
-        await self._start()
+        await self.start()
         return self
 
     async def __aexit__(
@@ -69,9 +69,10 @@ class MosquittoBroker:
         assert keep_sessions
         del abrupt
         await self.stop()
-        await self._start()
+        await self.start()
 
-    async def _start(self) -> None:
+    async def start(self) -> None:
+        """Start it, and wait until it listens."""
         self._process = subprocess.Popen(
             [str(MOSQUITTO), "-c", str(self._folder / "mosquitto.conf")],
             stdout=subprocess.DEVNULL,

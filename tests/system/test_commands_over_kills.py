@@ -1,0 +1,143 @@
+"""Commands to a lamp whose broker is killed again and again: what is confirmed has happened, nothing happens late."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from dataclasses import dataclass, field
+
+import anyio
+import pytest
+from tests.mqtt.client.mosquitto_broker import MOSQUITTO, MosquittoBroker
+from tests.patience import PATIENCE
+
+from homebot.config import parse_config
+from homebot.devices import Devices
+from homebot.devices.handles import Handle, Light
+from homebot.devices.outcomes import Confirmed, Evidence, Outcome
+from homebot.graph import Node
+from homebot.mqtt.client import MqttSubscription
+from homebot.mqtt.client.native import NativeClient
+from homebot.mqtt.connection import LinkPhase, MqttConnection
+from homebot.mqtt.options import MqttOptions
+from homebot.runtime import Runtime
+
+pytestmark = [
+    pytest.mark.system,
+    pytest.mark.skipif(MOSQUITTO is None, reason="mosquitto is not installed"),
+]
+
+KILLS = 10
+LATEST = 12.0
+"""Seconds: the longest wait for an answer, and one more second, in which brokers count; and a busy machine."""
+LAMP = {
+    "unique_id": "lamp",
+    "name": "Lamp",
+    "schema": "json",
+    "brightness": True,
+    "brightness_scale": 100,
+    "supported_color_modes": ["brightness"],
+    "state_topic": "lamp/state",
+    "command_topic": "lamp/set",
+    "device": {"identifiers": ["lamp"], "name": "Lamp"},
+}
+BUTTON = {
+    "unique_id": "button",
+    "name": "Button",
+    "command_topic": "button/set",
+    "device": {"identifiers": ["button"], "name": "Button"},
+}
+
+
+@dataclass
+class RealDevices:
+    """A lamp and a button on the broker, and what they did."""
+
+    obeyed: list[tuple[float, int]] = field(default_factory=list)
+    presses: int = 0
+
+    async def live(self, connection: MqttConnection) -> None:
+        await connection.subscribe(
+            MqttSubscription("lamp/set", qos=1), MqttSubscription("button/set", qos=1), every_link=True
+        )
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self._announce, connection)
+            while True:
+                batch = await connection.receive()
+                connection.ack(batch)
+                for message in batch:
+                    if message.topic == "button/set":
+                        self.presses += 1
+                    elif (level := json.loads(message.payload).get("brightness")) is not None:
+                        self.obeyed.append((anyio.current_time(), level))
+                        tasks.start_soon(self._say, connection, level)
+
+    async def _say(self, connection: MqttConnection, level: int) -> None:
+        await connection.publish("lamp/state", json.dumps({"state": "ON", "brightness": level}).encode(), qos=0)
+
+    async def _announce(self, connection: MqttConnection) -> None:
+        async for state in connection.states():
+            if state.phase is LinkPhase.CONNECTED:
+                for kind, config in (("light", LAMP), ("button", BUTTON)):
+                    topic = f"homeassistant/{kind}/{config['unique_id']}/config"
+                    await connection.publish(topic, json.dumps(config).encode(), qos=0, retain=True)
+
+
+@pytest.mark.no_cover
+async def test_what_is_confirmed_has_happened_and_nothing_happens_late_or_twice() -> None:
+    devices_there = RealDevices()
+    given: list[tuple[float, float, int, Outcome]] = []
+    presses: list[Outcome] = []
+    broker = MosquittoBroker(credentials={"anna": "right"}, policy=None)
+    async with broker, anyio.create_task_group() as tasks:
+        url = f"mqtt://anna:right@127.0.0.1:{broker.port}"
+        tables = {"gateways": {"mqtt": {"url": url, "act": True}}, "discovery": {"persist": False}}
+        config = parse_config(tables, "test")
+        other = MqttOptions.from_url(url, client_id="devices")
+        async with (
+            MqttConnection(other, NativeClient, status_topic=None) as connection,
+            Runtime(config, with_door=False) as runtime,
+            Node(runtime.graph, "app") as node,
+        ):
+            tasks.start_soon(devices_there.live, connection)
+            lamp, button = await _handles(Devices(node))
+            is_over = anyio.Event()
+
+            async def kill() -> None:
+                for number in range(KILLS):
+                    await anyio.sleep(0.3 + 0.05 * number)  # of real time, in which commands are given
+                    await broker.stop(abrupt=True)
+                    await broker.start()
+                is_over.set()
+
+            tasks.start_soon(kill)
+            while not is_over.is_set():
+                level = 5 + 10 * (len(given) % 10)
+                began = anyio.current_time()
+                outcome = await lamp.command("level", float(level))
+                given.append((began, anyio.current_time(), level, outcome))
+                if len(given) % 5 == 0:
+                    presses.append(await button.command("push", value=True))
+            tasks.cancel_scope.cancel()
+    print(f"{len(given)} commands: {Counter(type(one[-1]).__name__ for one in given)}; {len(presses)} presses")
+    obeyed = devices_there.obeyed
+    confirmed = [one for one in given if isinstance(one[-1], Confirmed)]
+    assert len(confirmed) > KILLS
+    for began, ended, level, outcome in confirmed:
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.REPORTED
+        assert any(began <= at <= ended and done == level for at, done in obeyed)
+    for at, level in obeyed:
+        latest = max(began for began, _, wanted, _ in given if wanted == level and began <= at)
+        assert at - latest < LATEST
+    assert devices_there.presses <= len(presses)
+
+
+async def _handles(devices: Devices) -> tuple[Light, Handle]:
+    with anyio.fail_after(PATIENCE):
+        while True:
+            lamps = await devices.find(Light)
+            buttons = [one for one in await devices.find(Handle) if one.can("push")]
+            if lamps and buttons:
+                return lamps[0], buttons[0]
+            await anyio.sleep(0.05)
