@@ -10,9 +10,10 @@ from pydantic import Field
 
 from homebot.errors import UsageError
 
-__all__ = ["Bytes", "Port", "Seconds", "parse_duration"]
+__all__ = ["Bytes", "Celsius", "Port", "Seconds", "parse_duration"]
 
 Seconds = Annotated[float, Field(gt=0, allow_inf_nan=False, description="seconds")]
+Celsius = Annotated[float, Field(ge=-273.15, allow_inf_nan=False, description="degrees Celsius")]
 Bytes = Annotated[int, Field(gt=0, description="bytes")]
 Port = Annotated[int, Field(ge=0, le=65_535, description="TCP port; 0 is any free one")]
 

@@ -288,7 +288,7 @@ async def test_the_greeting_says_where_tools_come_in(host: str, shown: str) -> N
 @pytest.mark.parametrize(
     ("apps", "words"),
     [
-        ({}, "no app is running; add one with --app NAME or a table [apps.NAME] (installed: light_service"),
+        ({}, "no app is running; add one with --app NAME or a table [apps.NAME] (installed: follow_me, "),
         ({"light_service": {}}, "running the app light_service"),
         ({"light_service": {}, "two": {"class": "light_service"}}, "running the apps light_service, two"),
     ],

@@ -1,5 +1,5 @@
 """The application layer."""
 
-from homebot.apps.base import App, NoSettings
+from homebot.apps.base import App, AppSettings, NoSettings
 
-__all__ = ["App", "NoSettings"]
+__all__ = ["App", "AppSettings", "NoSettings"]

@@ -12,13 +12,17 @@ from pydantic import BaseModel, ConfigDict
 from homebot.devices import Devices
 from homebot.graph import Node
 
-__all__ = ["App", "NoSettings"]
+__all__ = ["App", "AppSettings", "NoSettings"]
 
 
-class NoSettings(BaseModel):
-    """The empty table of an app without settings."""
+class AppSettings(BaseModel):
+    """The base class of tables of apps: read once, and an unknown key is an error."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class NoSettings(AppSettings):
+    """The empty table of an app without settings."""
 
 
 class App(ABC):

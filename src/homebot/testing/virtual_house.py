@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
@@ -14,6 +14,7 @@ from typing import Final
 import anyio
 
 from homebot.clock import LoopClock
+from homebot.config import parse_config
 from homebot.errors import UsageError
 from homebot.gateways.mqtt.settings import EMBEDDED
 from homebot.house import SimulatedHouse, World
@@ -171,6 +172,7 @@ async def virtual_house_of(
     start: str | datetime = START,
     seed: int = 0,
     heartbeat: str | float = HEARTBEAT,
+    config: Mapping[str, object] | None = None,
 ) -> AsyncIterator[VirtualHouse]:
     """Run *apps* in a homebot as :func:`homebot.testing.house_of` does, on a :class:`VirtualTimeLoop`.
 
@@ -181,9 +183,10 @@ async def virtual_house_of(
         start: The date and time at which the test begins; in UTC unless it has a time zone.
         seed: The seed of all random numbers: the same test with the same seed is the same run.
         heartbeat: The time after which a simulated device repeats its last report.
+        config: Tables as in ``homebot.toml``, for example the settings of apps; those of *apps* come last.
 
     Raises:
-        UsageError: The running event loop is none of virtual time, or an argument cannot be used.
+        UsageError: The running event loop is none of virtual time, or an argument or the configuration cannot be used.
     """
     _virtual_loop()
     clock = LoopClock(parse_time(start).timestamp())
@@ -193,9 +196,8 @@ async def virtual_house_of(
         lived_in = World.of() if world is None else world
         limits = _limits(len(lived_in.devices))
         broker = await stack.enter_async_context(MemoryBroker(clock=clock, random=random, limits=limits))
-        config = house_config(apps, root, EMBEDDED)
         runtime = Runtime(
-            config,
+            house_config(apps, root, EMBEDDED, parse_config(config or {}, "config")),
             with_door=False,
             clock=clock,
             services=[HostedBroker.in_memory(broker)],

@@ -1,0 +1,96 @@
+"""The base class of apps that act room by room."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Coroutine, Iterable
+from typing import TypeVar
+
+import anyio
+from anyio.abc import TaskGroup
+from pydantic import BaseModel
+
+from homebot.apps.base import App
+from homebot.devices.handles import FollowHandles, Handle, HandleChange
+from homebot.devices.outcomes import Outcome
+from homebot.errors import RefusedError
+from homebot.folding import fold
+from homebot.graph import Node
+
+__all__ = ["RoomApp", "in_room"]
+
+HandleT = TypeVar("HandleT", bound=Handle)
+
+
+def in_room(handles: Iterable[HandleT], room: str) -> list[HandleT]:
+    """Return those of *handles* that are in *room* itself; of a floor, those that are in no room of it.
+
+    Case and accents do not matter. A device without a room is in none.
+    """
+    return [one for one in handles if room and fold(one.area) == fold(room)]
+
+
+class RoomApp(App):
+    """An app with at most one task for each room: a newer one cancels the older, and rooms do not wait for each other.
+
+    Call :meth:`watch` in the constructor.
+    """
+
+    def __init__(self, node: Node, settings: BaseModel) -> None:
+        super().__init__(node, settings)
+        self._watchers: list[Callable[[], Coroutine[object, object, None]]] = []
+        self._tasks: TaskGroup | None = None
+        self._scopes: dict[str, anyio.CancelScope] = {}
+
+    def watch(self, changes: FollowHandles[HandleT], take: Callable[[HandleChange[HandleT]], None]) -> None:
+        """Call *take* with each of *changes* once the app runs."""
+
+        async def watcher() -> None:
+            async for change in changes:
+                take(change)
+
+        self._watchers.append(watcher)
+
+    async def run(self) -> None:
+        """Run the watchers, and the tasks of the rooms."""
+        async with anyio.create_task_group() as self._tasks:
+            for watcher in self._watchers:
+                self._tasks.start_soon(watcher)
+
+    def start(self, room: str, function: Callable[[str], Awaitable[None]]) -> None:
+        """Call *function* with *room* in a task, in place of the one that the room has; while the app runs."""
+        self.cancel(room)
+        if self._tasks is not None:
+            scope = self._scopes[fold(room)] = anyio.CancelScope()
+            self._tasks.start_soon(self._run_task, room, function, scope)
+
+    def cancel(self, room: str) -> None:
+        """Cancel the task of *room*, if it has one."""
+        if (scope := self._scopes.pop(fold(room), None)) is not None:
+            scope.cancel()
+
+    async def each(
+        self, function: Callable[[HandleT], Coroutine[object, object, object]], handles: Iterable[HandleT]
+    ) -> None:
+        """Call *function* with each of *handles*, all at once; return when all are done."""
+        async with anyio.create_task_group() as calls:
+            for handle in handles:
+                calls.start_soon(function, handle)
+
+    async def attempt(self, handle: Handle, command: Callable[[], Awaitable[Outcome]]) -> bool:
+        """Give *command* to *handle*; return whether it succeeded, and log its outcome if it did not."""
+        try:
+            outcome = await command()
+        except RefusedError as exc:
+            problem = str(exc)
+        else:
+            if outcome.succeeded:
+                return True
+            problem = outcome.text
+        self.node.log.warning("app.command_failed", message=f"{handle.name}: {problem}", device=handle.device.id)
+        return False
+
+    async def _run_task(self, room: str, function: Callable[[str], Awaitable[None]], scope: anyio.CancelScope) -> None:
+        with scope:
+            await function(room)
+            if self._scopes.get(fold(room)) is scope:
+                del self._scopes[fold(room)]

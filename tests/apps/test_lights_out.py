@@ -1,0 +1,108 @@
+"""Lights out in a simulated flat in virtual time: never over somebody, never where nobody can know."""
+
+from __future__ import annotations
+
+import pytest
+from structlog.testing import capture_logs
+from tests.apps.houses import flat, is_on, lamp, motion
+
+from homebot.testing import virtual_house_of
+
+pytestmark = pytest.mark.virtual_time
+
+
+async def test_the_lamps_of_a_room_go_off_when_everybody_has_left_it_for_a_while() -> None:
+    """Ten minutes after the sensor became quiet, which is a minute after Anna left."""
+    world = flat(("08:00", "study"), ("09:00", "outside"), hall_lamp=lamp("hall"), hall_motion=motion("hall"))
+    async with virtual_house_of("lights_out", world=world) as house:
+        await house.run_until("08:00:30")
+        await house.press("hall_lamp", "on")
+        await house.run_until("08:10")
+        assert is_on(world, "hall_lamp")
+        await house.run_until("08:12")
+        assert not is_on(world, "hall_lamp")
+
+
+async def test_the_time_can_be_set() -> None:
+    world = flat(hall_lamp=lamp("hall"), hall_motion=motion("hall"))
+    config = {"apps": {"lights_out": {"quiet_after": 120}}}
+    async with virtual_house_of(world=world, config=config) as house:
+        await house.run_for("1h")
+        await house.press("hall_lamp", "on")
+        await house.run_for(119)
+        assert is_on(world, "hall_lamp")
+        await house.run_for(2)
+        assert not is_on(world, "hall_lamp")
+
+
+async def test_a_lamp_stays_on_while_somebody_moves_and_another_room_goes_dark() -> None:
+    """Anna walks to and fro in the hall; the kitchen is empty."""
+    to_and_fro = [(f"08:{minute:02}", "hall" if minute % 2 else "outside") for minute in range(1, 40)]
+    world = flat(
+        *to_and_fro,
+        hall_lamp=lamp("hall"),
+        hall_motion=motion("hall"),
+        kitchen_lamp=lamp("kitchen"),
+        kitchen_motion=motion("kitchen"),
+    )
+    async with virtual_house_of("lights_out", world=world) as house:
+        await house.run_until("08:01:30")
+        await house.press("hall_lamp", "on")
+        await house.press("kitchen_lamp", "on")
+        await house.run_until("08:39")
+        assert is_on(world, "hall_lamp")
+        assert not is_on(world, "kitchen_lamp")
+
+
+async def test_nothing_is_turned_off_in_a_room_without_a_motion_sensor() -> None:
+    world = flat(hall_motion=motion("hall"), study_lamp=lamp("study"))
+    async with virtual_house_of("lights_out", world=world) as house:
+        await house.press("study_lamp", "on")
+        await house.run_for("3h")
+        assert is_on(world, "study_lamp")
+
+
+async def test_nothing_is_turned_off_while_one_of_two_sensors_is_without_power() -> None:
+    """What the other one says is not enough; when both tell again, the countdown begins anew."""
+    world = flat(
+        hall_lamp=lamp("hall"),
+        hall_motion=motion("hall"),
+        far_motion=motion("hall", faults={"unplugged": {"since": 3_600.0, "until": 10_800.0}}),
+    )
+    async with virtual_house_of("lights_out", world=world) as house:
+        await house.run_until("01:05")
+        await house.press("hall_lamp", "on")
+        await house.run_until("03:05")
+        assert is_on(world, "hall_lamp")
+        await house.run_until("03:15")
+        assert not is_on(world, "hall_lamp")
+
+
+async def test_a_deaf_lamp_is_told_about_with_what_became_of_the_command() -> None:
+    world = flat(hall_lamp=lamp("hall", faults={"deaf": {}}), other_lamp=lamp("hall"), hall_motion=motion("hall"))
+    with capture_logs() as lines:
+        async with virtual_house_of("lights_out", world=world) as house:
+            await house.press("hall_lamp", "on")
+            await house.press("other_lamp", "on")
+            await house.run_for("30m")
+            assert not is_on(world, "other_lamp")
+    told = [line["message"] for line in lines if line["event"] == "app.command_failed"]
+    assert told == ["hall_lamp: contradicted: on_off is on"]
+
+
+async def test_a_person_of_habits_sits_in_the_light_in_a_room_where_nothing_tells_of_them() -> None:
+    """A day in which they switch their lamps by hand: in the hall a sensor sees them, in the kitchen none."""
+    world = flat(
+        ("07:00", "kitchen"),
+        ("07:40", "outside"),
+        ("17:00", "hall"),
+        ("17:05", "kitchen"),
+        ("17:30", "outside"),
+        by_hand=True,
+        hall_lamp=lamp("hall"),
+        hall_motion=motion("hall"),
+        kitchen_lamp=lamp("kitchen"),
+    )
+    async with virtual_house_of("lights_out", world=world) as house:
+        await house.run_for("1d")
+    assert " told off" not in world.event_log.text()
