@@ -15,8 +15,8 @@ RIDDLE = re.compile(r"(What|Who|Whoever|Whom|Whose|Which|Whether|How|Where|When|
 VERBS = """
 Abort Accept Acknowledge Acquire Add Advance Advertise Allow Announce Answer Append Apply Arm Ask Assign Attach Await Be
 Begin Bind Book Bound Bring Build Cache Call Cancel Carry Change Charge Check Choose Clean Clear Close Collect
-Combine Compare Compute Confirm Connect Consume Convert Copy Count Create Cut Decide Declare Decode Decrypt Delete
-Deliver Derive Describe Detach Disable Disarm Discard Disconnect Dispatch Dispose Do Drain Draw Drop Emit Enable
+Combine Command Compare Compute Confirm Connect Consume Convert Copy Count Create Cut Decide Declare Decode Decrypt
+Delete Deliver Derive Describe Detach Disable Disarm Discard Disconnect Dispatch Dispose Do Drain Draw Drop Emit Enable
 Encode Encrypt End Ensure Enter Escape Estimate Evaluate Execute Exit Expand Expire Export Expose Extract Fail Feel
 Fetch
 Fill Filter Find Flatten Flush Fold Follow Forget Format Forward Free Gather Generate Get Give Go Group Guess Hand
@@ -24,7 +24,8 @@ Handle Hash Have Hide Hold Ignore Import Increment Insert Inspect Interpret Invo
 Limit List Load Lock Log Look Make Map Mark Match Measure Merge Move Name Need Normalise Note Notify Obey Offer Open
 Operate Order Override Pair Parse Pass Pause Perform Pick Plan Play Poll Pop Prefer Prepare Print Process Prune
 Publish Push Put Queue Quote Raise Rank Reach Read Rebuild Receive Reconnect Record Recover Reduce Refresh Refuse
-Register Reject Release Remember Remove Rename Render Repeat Replace Reply Report Request Require Reserve Reset Resist
+Register Reject Release Remember Remove Rename Render Renew Repeat Replace Reply Report Request Require Reserve Reset
+Resist
 Resolve Restart Restore Restrict Resume Retain Retry Return Reuse Revert Rewrite Rotate Round Route Run Save Scale
 Schedule Search See Select Send Serialise Serve Set Share Shift Shorten Show Simplify Simulate Skip Sleep Sort Spell
 Split Spread Stamp Start Step Stop Store Subscribe Sum Suppress Swap Sweep Switch Take Test Throttle Tilt Toggle Trace

@@ -226,3 +226,15 @@ async def test_a_network_that_is_lost_after_the_first_try_may_have_carried_it(op
         home.tasks.start_soon(pull_the_cable)
         assert isinstance(await lamp.turn_on(), Confirmed)
         assert len(home.commands) == 1
+
+
+async def test_a_lamp_that_is_about_to_change_is_told_although_it_is_still_so(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        await home.report("lamp", "on_off", False)
+        home.behaviours["lamp"] = obey_after(2.0)
+        lamp = await home.handle(Light)
+        home.tasks.start_soon(lamp.turn_on)
+        await anyio.sleep(1)
+        await lamp.turn_off()
+        assert [one.value.plain() for one in home.commands][:2] == [True, False]

@@ -60,6 +60,11 @@ class IssuedCommand:
         return None
 
     @property
+    def place(self) -> tuple[str, str]:
+        """The ids of the device and of the part."""
+        return self.device.id, self.part.id
+
+    @property
     def target(self) -> str:
         """The id of the device, with ``#`` and the id of the part where it has one."""
         return f"{self.device.id}#{self.part.id}" if self.part.id else self.device.id

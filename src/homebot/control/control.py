@@ -19,18 +19,20 @@ from homebot.control.journal.memory_store import MemoryStore
 from homebot.control.journal.store import JournalStore
 from homebot.control.judge import Judge
 from homebot.control.settings import ControlSettings
-from homebot.devices.names import COMMAND_DEVICES, PERFORM_COMMAND
+from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE
 from homebot.graph import Node
 
 if TYPE_CHECKING:
     from homebot.control.command_service import CommandService
     from homebot.control.executor import CommandExecutor
+    from homebot.control.lease_keeper import LeaseKeeper
     from homebot.devices.command_messages import (
         CommandDevicesRequest,
         CommandDevicesResponse,
         CommandRequest,
         CommandResult,
     )
+    from homebot.devices.lease_messages import HolderRequest, HoldRequest, LeaseResponse
 
 __all__ = ["Control"]
 
@@ -69,20 +71,26 @@ class Control:
         self._judge = Judge(node, self._settings, grants, self._journal, trusts_apps=trusts_apps)
         self._executor: CommandExecutor | None = None
         self._words: CommandService | None = None
+        self._keeper: LeaseKeeper | None = None
         self._begun = anyio.Event()
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Work until cancelled."""
         from homebot.devices.command_messages import CommandDevices, PerformCommand  # noqa: PLC0415 - see above
+        from homebot.devices.lease_messages import HoldPart, ReleaseLease, RenewLease  # noqa: PLC0415 - likewise
 
         self._node.create_service(PerformCommand, PERFORM_COMMAND, self.perform, concurrent=True)
         self._node.create_service(CommandDevices, COMMAND_DEVICES, self.command_devices, concurrent=True)
+        self._node.create_service(HoldPart, HOLD_PART, self.hold, concurrent=True)
+        self._node.create_service(RenewLease, RENEW_LEASE, self.renew)
+        self._node.create_service(ReleaseLease, RELEASE_LEASE, self.release)
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._journal.run)
             tasks.start_soon(self._house_watch.run)
             task_status.started()
             await self._begun.wait()
-            await self._execution().run()
+            tasks.start_soon(self._execution().run)
+            await self._leasing().run()
 
     async def perform(self, request: CommandRequest) -> CommandResult:
         """Carry out a command to one part, and return what became of it."""
@@ -96,6 +104,18 @@ class Control:
             self._words = CommandService(self._node, self.perform)
         return await self._words.serve(request)
 
+    async def hold(self, request: HoldRequest) -> LeaseResponse:
+        """Command a value of a part and hold it for somebody."""
+        return await self._leasing().hold(request)
+
+    def renew(self, request: HolderRequest) -> LeaseResponse:
+        """Let a holder hold on."""
+        return self._leasing().renew(request)
+
+    def release(self, request: HolderRequest) -> LeaseResponse:
+        """Let a holder hold no more."""
+        return self._leasing().release(request)
+
     def _store(self, file: Path | None) -> JournalStore:
         longest = self._settings.journal_days * _DAY
         in_memory = MemoryStore(MOST_IN_MEMORY, longest)
@@ -108,7 +128,17 @@ class Control:
     def _execution(self) -> CommandExecutor:
         if self._executor is None:
             from homebot.control.executor import CommandExecutor  # noqa: PLC0415 - see above
+            from homebot.control.leases import Leases  # noqa: PLC0415 - likewise
 
-            self._executor = CommandExecutor(self._node, self._settings, self._judge, self._journal)
+            leases = Leases(self._settings.hand_time)
+            self._journal.add_counter("leases_refused", lambda: leases.refused)
+            self._executor = CommandExecutor(self._node, self._settings, self._judge, self._journal, leases)
             self._begun.set()
         return self._executor
+
+    def _leasing(self) -> LeaseKeeper:
+        if self._keeper is None:
+            from homebot.control.lease_keeper import LeaseKeeper  # noqa: PLC0415 - likewise
+
+            self._keeper = LeaseKeeper(self._node, self._execution())
+        return self._keeper

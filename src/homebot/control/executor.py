@@ -12,6 +12,7 @@ from homebot.control.client_commands import POLICY, client_refusal
 from homebot.control.command import IssuedCommand
 from homebot.control.journal import CommandJournal
 from homebot.control.judge import Judge
+from homebot.control.leases import LEASE_POLICY, Leases
 from homebot.control.pending import PendingCommand
 from homebot.control.report_watch import ReportWatch
 from homebot.control.response_times import ResponseTimes
@@ -55,15 +56,22 @@ class CommandExecutor:
         settings: How long it waits.
         judge: Asks the policies.
         journal: Notes what becomes of each.
+        leases: The values that somebody holds.
+
+    Attributes:
+        leases: The same.
     """
 
-    def __init__(self, node: Node, settings: ControlSettings, judge: Judge, journal: CommandJournal) -> None:
+    def __init__(
+        self, node: Node, settings: ControlSettings, judge: Judge, journal: CommandJournal, leases: Leases
+    ) -> None:
         self._node = node
         self._settings = settings
         self._clock = node.graph.clock
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._judge = judge
         self._journal = journal
+        self.leases = leases
         self._sender = CommandSender(node)
         self._watch = ReportWatch(node)
         self._times = ResponseTimes(self._settings.timeout)
@@ -82,9 +90,19 @@ class CommandExecutor:
         self._journal.decided(name, request, result)
         return result
 
+    async def find_device(self, device_id: str) -> Device | None:
+        """Return a device by its id; None where there is none.
+
+        Raises:
+            ServiceError: The directory does not answer.
+        """
+        terms = query_terms(FactIs("id", device_id.casefold()))
+        found = (await self._find.call(FindDevicesRequest(query=terms))).devices
+        return next((one for one in found if one.id == device_id), None)
+
     async def _perform(self, name: str, request: CommandRequest) -> CommandResult:
         try:
-            device = await self._device(request.device)
+            device = await self.find_device(request.device)
         except ServiceError as exc:
             return result_of(NoAnswer(0.0, str(exc), command_id=name))
         part = None if device is None else next((one for one in device.parts if one.id == request.part), None)
@@ -111,15 +129,18 @@ class CommandExecutor:
         if len(self._pending) >= MOST_PENDING:
             problem = f"{MOST_PENDING:,} commands wait for their outcome"
             return result_of(Refused("control", problem, command_id=command.id))
-        if (refused := self._judge.refusal(command)) is not None:
+        refused = self._held(command) or self._judge.refusal(command)
+        if refused is not None:
             return result_of(refused)
         known, recent = self._known(command)
         changed = _Signal()
         pending = PendingCommand(command, known, _readable(command), self._clock.monotonic(), changed.set)
         stop = self._watch.watch(command.part.routes, partial(self._take, pending))
-        places = self._take_over(pending)
+        places = [(command.device.id, command.part.id, one) for one in command.settings]
+        is_at_rest = not any(one in self._pending for one in places)  # else the device may be about to change
+        self._take_over(pending, places)
         try:
-            if pending.was_so and recent and not _is_momentary(command):
+            if pending.was_so and recent and is_at_rest and not _is_momentary(command):
                 return result_of(AlreadySo(command_id=command.id))
             outcome = await self._send_and_wait(pending, changed)
             if isinstance(outcome, Confirmed):  # before the watch ends, which begins again at some cost
@@ -161,8 +182,11 @@ class CommandExecutor:
 
     async def _send(self, command: IssuedCommand, seconds: float) -> Outcome | None:
         """Send the settings in their order, to be done in so many *seconds*; return the outcome where that fails."""
+        self.leases.note_stop(command.place, command.settings, self._clock.monotonic())
         try:
             for capability, value in command.settings.items():
+                if (refused := self._held(command)) is not None:
+                    return refused  # since it was judged, or the setting before was sent
                 await self._sender.send(
                     command.device, command.part, capability, value, command.transition, command.code, seconds
                 )
@@ -173,20 +197,22 @@ class CommandExecutor:
         self._judge.note_sent(command)
         return None
 
+    def _held(self, command: IssuedCommand) -> Refused | None:
+        """Return the refusal of a command that would change what somebody holds."""
+        reason = self.leases.refusal(command.place, command.settings, self._clock.monotonic())
+        return Refused(LEASE_POLICY, reason, command_id=command.id) if reason else None
+
     def _take(self, pending: PendingCommand, capability: str, value: PlainValue) -> None:
         if pending.take(capability, value, self._clock.monotonic()):
             self._journal.reported(pending.command, capability, value)
 
-    def _take_over(self, pending: PendingCommand) -> list[_Place]:
+    def _take_over(self, pending: PendingCommand, places: list[_Place]) -> None:
         """Let *pending* take the place of older commands for the same."""
-        command = pending.command
-        places = [(command.device.id, command.part.id, one) for one in command.settings]
         for place in places:
             if (older := self._pending.get(place)) is not None:
-                older.supersede(command.id)
+                older.supersede(pending.command.id)
             self._pending[place] = pending
         self._settling.supersede(places)
-        return places
 
     def _known(self, command: IssuedCommand) -> tuple[dict[str, PlainValue], bool]:
         """Return the values that the part reported live, and whether all that are wanted were reported lately."""
@@ -198,11 +224,6 @@ class CommandExecutor:
                 known[state.capability] = state.value.plain()
                 ages.append(abs(now - state.told_at.to_seconds()))
         return known, max(ages) <= _RECENT
-
-    async def _device(self, device_id: str) -> Device | None:
-        terms = query_terms(FactIs("id", device_id.casefold()))
-        found = (await self._find.call(FindDevicesRequest(query=terms))).devices
-        return next((one for one in found if one.id == device_id), None)
 
 
 class _Signal:

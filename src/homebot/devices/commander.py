@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from contextlib import AbstractAsyncContextManager
 from typing import TYPE_CHECKING, Final
 
 from homebot.devices.command_messages import CommandRequest, CommandResult, PerformCommand, Setting, outcome_of
@@ -20,6 +21,7 @@ from homebot.messages import Time
 
 if TYPE_CHECKING:
     from homebot.devices.handles.tracked_device import TrackedDevice
+    from homebot.devices.hold import Hold
 
 __all__ = ["Commander"]
 
@@ -93,6 +95,14 @@ class Commander:
             return NoAnswer(0.0, str(exc))
         self._note_reported(tracked, part.id, result)
         return outcome_of(result)
+
+    def hold(
+        self, tracked: TrackedDevice, part_id: str, word: str, by: str, ttl: float
+    ) -> AbstractAsyncContextManager[Hold]:
+        """Return the block that holds a part; see :meth:`homebot.devices.handles.Handle.hold`."""
+        from homebot.devices.hold import hold_part  # noqa: PLC0415 - few apps hold anything
+
+        return hold_part(self._node, tracked, part_id, word, by, ttl)
 
     def _note_reported(self, tracked: TrackedDevice, part: str, result: CommandResult) -> None:
         stamp = Time.from_seconds(self._clock.now())

@@ -19,6 +19,7 @@ __all__ = [
     "GET_CHANGES",
     "GET_INDEX_DATA",
     "GET_PLACES",
+    "HOLD_PART",
     "IMPORT_PLACES",
     "JOURNAL_ENTRIES",
     "MERGE_DEVICES",
@@ -27,6 +28,8 @@ __all__ = [
     "PLACE_DEVICE",
     "QUERY_DEVICES",
     "READ_JOURNAL",
+    "RELEASE_LEASE",
+    "RENEW_LEASE",
     "RUNTIME_NODE",
     "SPLIT_DEVICE",
     "TAG_DEVICE",
@@ -58,6 +61,9 @@ DEVICE_STATES = "/discovery/states"
 DISCOVERY_HEALTH = "/discovery/health"
 PERFORM_COMMAND = "/control/perform"
 COMMAND_DEVICES = "/devices/command"
+HOLD_PART = "/control/hold"
+RENEW_LEASE = "/control/renew"
+RELEASE_LEASE = "/control/release"
 COMMAND_EVENTS = "/control/events"
 READ_JOURNAL = "/control/journal"
 JOURNAL_ENTRIES = "/control/journal_entries"

@@ -27,9 +27,12 @@ from homebot.devices.names import (
     GET_CHANGES,
     GET_INDEX_DATA,
     GET_PLACES,
+    HOLD_PART,
     PERFORM_COMMAND,
     QUERY_DEVICES,
     READ_JOURNAL,
+    RELEASE_LEASE,
+    RENEW_LEASE,
 )
 from homebot.errors import PeerError
 from homebot.messages.definition import fields_of
@@ -70,7 +73,7 @@ _READING: Final = frozenset(
     }
 )
 _READING_OF_GATEWAYS: Final = frozenset({"read_tag", "scan", "subscribe_to_topic"})
-_ACTING: Final = frozenset({COMMAND_DEVICES, PERFORM_COMMAND})
+_ACTING: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE})
 _SETTING_PARAMETERS: Final = frozenset({"/rosapi/delete_param", "/rosapi/set_param"})
 
 

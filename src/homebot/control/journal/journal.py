@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, final
 
 from homebot.control.command import IssuedCommand
@@ -59,6 +60,7 @@ class CommandJournal:
         self._session = f"{round(self._clock.now()):x}"
         self._number = 0
         self._store = store
+        self._counters: dict[str, Callable[[], int]] = {}
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._entries = node.create_publisher(JournalEntry, JOURNAL_ENTRIES, _DEPTH)
         node.create_service(ReadJournal, READ_JOURNAL, self.read, concurrent=True)
@@ -68,10 +70,15 @@ class CommandJournal:
         """Write what is noted until cancelled."""
         await self._store.run()
 
+    def add_counter(self, name: str, read: Callable[[], int]) -> None:
+        """Show in the health of the node what *read* returns, as *name*."""
+        self._counters[name] = read
+
     def health(self, _request: HealthRequest) -> HealthResponse:
-        """Return what became of the entries."""
+        """Return what became of the entries, and the further counters."""
         store = self._store
         counts = {"journal_expired": store.dropped, "journal_failures": store.failures}
+        counts |= {name: read() for name, read in self._counters.items()}
         return HealthResponse(
             counts=tuple(Count(name=name, count=count) for name, count in counts.items()),
             troubles=(store.problem,) if store.problem else (),

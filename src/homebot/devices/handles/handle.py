@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import AbstractAsyncContextManager
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self, Unpack
 
@@ -19,6 +20,7 @@ from homebot.folding import fold
 from homebot.similar import did_you_mean
 
 if TYPE_CHECKING:
+    from homebot.devices.hold import Hold
     from homebot.devices.outcomes import Outcome
 
 __all__ = ["Handle", "plain_value"]
@@ -157,6 +159,24 @@ class Handle:
         """
         plain = {capability: plain_value(value) for capability, value in settings.items()}
         return await self._handles.commander.perform(self._tracked, self._part_id, plain, transition, code)
+
+    def hold(self, value: str, *, by: str, ttl: float = 10.0) -> AbstractAsyncContextManager[Hold]:
+        """Command *value* and keep it while the block runs: ``async with door.hold("open", by="robot") as hold``.
+
+        Meanwhile every command that would change it is refused, whoever gives it; only stop commands pass. Others may
+        hold the same value. The block begins when the outcome of the command is known, whatever it is: look at
+        ``hold.succeeded`` or ``hold.outcome``. Leaving the block releases it.
+
+        Args:
+            value: A word that the part takes, as for ``homebot do``: ``open``, ``on``, ``locked``, ``0.4``.
+            by: Who holds it, for people; not empty.
+            ttl: Seconds after which it is free should this program die, 1 to 3,600; renewed while the block runs.
+
+        Raises:
+            UsageError: *by* is empty or *ttl* out of range.
+            RefusedError: It does not take this word, or the word is nothing that lasts, such as ``press``.
+        """
+        return self._handles.commander.hold(self._tracked, self._part_id, value, by, ttl)
 
     def _check_name(self, capability: str) -> None:
         if capability in EVENTS:

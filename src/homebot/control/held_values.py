@@ -1,0 +1,50 @@
+"""Commands that would change a held value of the same part. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+from homebot.control.tolerance import fits, is_intermediate
+from homebot.devices.value import PlainValue
+
+__all__ = ["STOPPED", "changes", "departs"]
+
+STOPPED: Final = "stopped"
+"""The value of a command that stops; it always passes."""
+
+_POSITIONS: Final[Mapping[PlainValue, float]] = MappingProxyType({"open": 100.0, "closed": 0.0})
+_OPENINGS: Final = frozenset({"movement", "valve", "position"})
+_POWERS: Final = frozenset({"on_off", "level", "fan_speed"})
+_PRESS: Final = "push"
+
+
+def changes(held: str, value: PlainValue, capability: str, wanted: PlainValue) -> bool:
+    """Return whether setting *capability* to *wanted* would change the capability *held* from *value*.
+
+    Openness is one thing, by word or by position; so is power, by on, off, level or speed. What a press does is not
+    known.
+    """
+    if capability == held:
+        return not fits(held, value, wanted)
+    if {held, capability} <= _OPENINGS:
+        return not fits("position", _position(value), _position(wanted))
+    if {held, capability} <= _POWERS:
+        return _is_on(value) != _is_on(wanted)
+    return capability == _PRESS
+
+
+def departs(capability: str, value: PlainValue, seen: PlainValue) -> bool:
+    """Return whether a report of *seen* shows that the device is not at *value*, nor on its way there."""
+    if fits(capability, value, seen):
+        return False
+    return not (isinstance(seen, str) and is_intermediate(capability, value, seen))
+
+
+def _position(value: PlainValue) -> PlainValue:
+    return _POSITIONS.get(value, value)
+
+
+def _is_on(value: PlainValue) -> bool:
+    return value is not None and value is not False and value != 0.0

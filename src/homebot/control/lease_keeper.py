@@ -1,0 +1,230 @@
+"""The services that keep parts as somebody holds them: each value is commanded, watched, and commanded again."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Final, final
+
+import anyio
+from anyio.abc import TaskGroup
+
+from homebot.control.executor import CommandExecutor
+from homebot.control.held_values import STOPPED
+from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, value_text
+from homebot.control.report_watch import ReportWatch
+from homebot.devices.capabilities import MOMENTARY
+from homebot.devices.command_messages import CommandRequest, CommandResult, Setting, outcome_of, result_of
+from homebot.devices.lease_messages import HolderRequest, HoldRequest, LeaseResponse
+from homebot.devices.outcomes import Contradicted, Gone, NoAnswer, Outcome, Refused
+from homebot.devices.value import PlainValue, Value
+from homebot.errors import ServiceError
+from homebot.graph import Node
+
+__all__ = ["LeaseKeeper"]
+
+_AGAIN: Final = 30.0
+"""Seconds after a command without success in which the value is commanded again."""
+
+_NOT_HELD: Final = "there is no such lease: it is over or was released"
+
+
+@dataclass(slots=True)
+class _WatchedLease:
+    """Watch over one lease, while it lasts, and its newest command."""
+
+    stop: Callable[[], None]
+    one_by_one: anyio.Lock = field(default_factory=anyio.Lock)
+    result: CommandResult | None = None
+    seen: PlainValue = None
+
+
+@final
+class LeaseKeeper:
+    """Keeps parts as they are held.
+
+    Args:
+        node: The node that it is on the graph.
+        executor: Carries the commands out, and asks its leases about each.
+    """
+
+    def __init__(self, node: Node, executor: CommandExecutor) -> None:
+        self._node = node
+        self._clock = node.graph.clock
+        self._executor = executor
+        self._leases = executor.leases
+        self._watch = ReportWatch(node)
+        self._kept: dict[Lease, _WatchedLease] = {}
+        self._changed = anyio.Event()
+
+    async def run(self) -> None:
+        """End leases in their time, and command again what is to be, until cancelled."""
+        async with anyio.create_task_group() as tasks:
+            while True:
+                self._changed = anyio.Event()
+                self._expire()
+                self._begin_due(tasks)
+                left = self._leases.next_time() - self._clock.monotonic()
+                with anyio.move_on_after(None if left == math.inf else max(0.0, left)):
+                    await self._changed.wait()
+
+    async def hold(self, request: HoldRequest) -> LeaseResponse:
+        """Command a value and hold it; return when the outcome of the command is known."""
+        try:
+            device = await self._executor.find_device(request.device)
+        except ServiceError as exc:
+            return LeaseResponse(held=False, result=result_of(NoAnswer(0.0, str(exc))))
+        part = None if device is None else next((one for one in device.parts if one.id == request.part), None)
+        if part is None:
+            return LeaseResponse(held=False, result=result_of(Gone()))
+        lease = self._begin(request)
+        if isinstance(lease, str):
+            return self._refused(request, lease)
+        if lease not in self._kept:
+            kept = self._kept[lease] = _WatchedLease(lambda: None)
+            kept.stop = self._watch.watch(part.routes, partial(self._take, lease))
+            self._changed.set()
+        self._log("control.held", lease, f"is {lease.text(self._clock.monotonic())}")
+        key = _key(request)
+        result = await self._command(lease, request.issuer, request.scope)
+        if result is None:  # over, or a hand came, before its turn; its rights were not looked at
+            self._release(key)
+            return self._refused(request, "a hand outranks it now, or its time is over")
+        if result.outcome in {"refused", "gone"} and key in lease.holders:
+            self._release(key)
+        return LeaseResponse(held=key in lease.holders, result=result)
+
+    def renew(self, request: HolderRequest) -> LeaseResponse:
+        """Let a holder hold on, and tell it how things are."""
+        now = self._clock.monotonic()
+        lease = self._leases.renew(_key(request), now)
+        if lease is None:
+            return LeaseResponse(held=False, result=result_of(Refused(LEASE_POLICY, _NOT_HELD)))
+        return LeaseResponse(held=True, result=self._state(lease, now))
+
+    def release(self, request: HolderRequest) -> LeaseResponse:
+        """Let a holder hold no more; one that holds nothing is fine."""
+        lease = self._release(_key(request))
+        if lease is not None:
+            self._log("control.released", lease, f"is no more held {value_text(lease.value)} by {request.by}")
+        return LeaseResponse(held=False, result=result_of(Refused(LEASE_POLICY, "it was released")))
+
+    def _begin(self, request: HoldRequest) -> Lease | str:
+        """Return the lease of a new holder, or why there is none."""
+        capability, value = request.setting.capability, request.setting.value.plain()
+        if not request.by.strip():
+            return "a holder needs a name"
+        if capability in MOMENTARY or value in {STOPPED, None}:
+            return f"{capability} {value_text(value)} is nothing that lasts"
+        self._expire()
+        now = self._clock.monotonic()
+        holder = LeaseHolder(request.by, request.ttl, now + request.ttl, request.scope)
+        lease = self._leases.hold((request.device, request.part), capability, value, _key(request), holder, now)
+        self._changed.set()
+        return lease
+
+    async def _command(self, lease: Lease, issuer: str, scope: tuple[str, ...]) -> CommandResult | None:
+        """Command what is held, for one holder after the other; return what became of it, or None if nothing was."""
+        kept = self._kept.get(lease)
+        if kept is None:
+            return None
+        async with kept.one_by_one:
+            if not lease.holders or self._clock.monotonic() < lease.hand_until:
+                return None
+            kept.seen = None
+            device, part = lease.part
+            setting = Setting(capability=lease.capability, value=Value.of(lease.value))
+            kept.result = result = await self._executor.perform(
+                CommandRequest(device=device, part=part, settings=(setting,), issuer=issuer, scope=scope)
+            )
+            self._note(lease, kept, outcome_of(result))
+        self._changed.set()
+        return result
+
+    def _note(self, lease: Lease, kept: _WatchedLease, outcome: Outcome) -> None:
+        """Note the outcome of a command for *lease*."""
+        now = self._clock.monotonic()
+        if now < lease.hand_until:
+            return  # it was stopped meanwhile
+        if isinstance(outcome, Contradicted):
+            lease.outrank(outcome.saw, now + self._leases.hand_time)
+        elif not outcome.succeeded:
+            lease.again_at = now + _AGAIN
+        else:
+            lease.set_so()
+            if kept.seen is not None:
+                self._judge(lease, kept.seen)
+
+    def _take(self, lease: Lease, capability: str, value: PlainValue) -> None:
+        """Take in a live report of the part."""
+        kept = self._kept.get(lease)
+        if kept is None or capability != lease.capability:
+            return
+        kept.seen = value
+        if not kept.one_by_one.locked():
+            self._judge(lease, value)
+
+    def _judge(self, lease: Lease, value: PlainValue) -> None:
+        if lease.fits(value):
+            lease.set_so()
+        elif lease.is_so and lease.departs(value):
+            lease.outrank(
+                f"{lease.capability} is {value_text(value)}", self._clock.monotonic() + self._leases.hand_time
+            )
+            self._log("control.hand", lease, f"was changed by hand: {lease.saw}")
+            self._changed.set()
+
+    def _state(self, lease: Lease, now: float) -> CommandResult:
+        """Return the result of the newest command, or what a hand did since."""
+        if now < lease.hand_until:
+            left = math.ceil(lease.hand_until - now)
+            return result_of(Contradicted(f"{lease.saw}; it is commanded again in {left} s"))
+        result = self._kept[lease].result
+        return result_of(NoAnswer(0.0, "it is being commanded")) if result is None else result
+
+    async def _command_again(self, lease: Lease, issuer: str, scope: tuple[str, ...]) -> None:
+        await self._command(lease, issuer, scope)
+
+    def _begin_due(self, tasks: TaskGroup) -> None:
+        """Begin to command again what is due."""
+        now = self._clock.monotonic()
+        for lease in self._leases:
+            if lease.again_at <= now:
+                lease.again_at = math.inf
+                (issuer, _, _), holder = next(iter(lease.holders.items()))
+                tasks.start_soon(self._command_again, lease, issuer, holder.scope)
+
+    def _expire(self) -> None:
+        for lease, holder in self._leases.expire(self._clock.monotonic()):
+            self._end_if_over(lease)
+            self._log(
+                "control.expired", lease, f"is no more held {value_text(lease.value)} by {holder.by}: time is over"
+            )
+
+    def _release(self, key: HolderKey) -> Lease | None:
+        lease = self._leases.release(key)
+        if lease is not None:
+            self._end_if_over(lease)
+        return lease
+
+    def _end_if_over(self, lease: Lease) -> None:
+        if not lease.holders and (kept := self._kept.pop(lease, None)) is not None:
+            kept.stop()
+
+    def _refused(self, request: HoldRequest, reason: str) -> LeaseResponse:
+        self._node.log.info(
+            "control.lease_refused",
+            message=f"{request.device} is not held for {request.by}: {reason}",
+            device=request.device,
+        )
+        return LeaseResponse(held=False, result=result_of(Refused(LEASE_POLICY, reason)))
+
+    def _log(self, event: str, lease: Lease, text: str) -> None:
+        device, part = lease.part
+        self._node.log.info(event, message=f"{device}#{part} {text}" if part else f"{device} {text}", device=device)
+
+
+def _key(request: HoldRequest | HolderRequest) -> HolderKey:
+    return request.issuer, request.by, request.lease

@@ -1,0 +1,198 @@
+"""Leases: the values of parts that somebody holds, and until when. Pure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Final, TypeAlias, final
+
+from homebot.control.held_values import STOPPED, changes, departs
+from homebot.control.tolerance import fits
+from homebot.devices.value import PlainValue
+
+__all__ = ["LEASE_POLICY", "MOST_HOLDERS", "HolderKey", "Lease", "LeaseHolder", "Leases", "value_text"]
+
+LEASE_POLICY: Final = "lease"
+"""The policy that a refusal names."""
+
+MOST_HOLDERS: Final = 1000
+"""Holders in all; further ones are refused and counted."""
+
+_MOST_NAMED: Final = 3
+
+HolderKey: TypeAlias = tuple[str, str, str]
+"""Issuer, name for people, and the name of the lease."""
+
+_Part: TypeAlias = tuple[str, str]
+
+
+@dataclass(slots=True)
+class LeaseHolder:
+    """One who holds a lease.
+
+    Attributes:
+        by: Its name for people.
+        ttl: Seconds that each renewal gives.
+        deadline: Seconds of the monotonic clock at which it holds no more.
+        scope: Its rights, where it is a client of the door.
+    """
+
+    by: str
+    ttl: float
+    deadline: float
+    scope: tuple[str, ...] = ()
+
+
+@dataclass(slots=True, eq=False)
+class Lease:
+    """A value that somebody holds.
+
+    Attributes:
+        part: The ids of the device and of the part.
+        capability: What is held.
+        value: At which value.
+        holders: Those who hold it, the first one first.
+        is_so: Whether the device is known to be so.
+        again_at: Seconds of the monotonic clock at which the value is commanded again; endless where it need not be.
+        hand_until: Until when a hand, or a stop command, outranks the lease.
+        saw: What was reported when the hand came.
+    """
+
+    part: _Part
+    capability: str
+    value: PlainValue
+    holders: dict[HolderKey, LeaseHolder] = field(default_factory=dict)
+    is_so: bool = False
+    again_at: float = math.inf
+    hand_until: float = -math.inf
+    saw: str = ""
+
+    def text(self, now: float) -> str:
+        """Return what is held, by whom and for how long, for people."""
+        names = list(dict.fromkeys(one.by for one in self.holders.values()))
+        more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
+        left = max((one.deadline - now for one in self.holders.values()), default=0.0)
+        who = ", ".join(names[:_MOST_NAMED])
+        return f"held {value_text(self.value)} by {who}{more} for {math.ceil(left)} s more"
+
+    def set_so(self) -> None:
+        """Note that the device is as it is held."""
+        self.is_so, self.again_at, self.hand_until, self.saw = True, math.inf, -math.inf, ""
+
+    def outrank(self, saw: str, until: float) -> None:
+        """Note that a hand changed it: nothing is commanded before *until*."""
+        self.is_so, self.again_at, self.hand_until, self.saw = False, until, until, saw
+
+    def fits(self, value: PlainValue) -> bool:
+        """Return whether a report of *value* shows that the device is as it is held."""
+        return fits(self.capability, self.value, value)
+
+    def departs(self, value: PlainValue) -> bool:
+        """Return whether a report of *value* shows that the device is not as it is held."""
+        return departs(self.capability, self.value, value)
+
+
+@final
+class Leases:
+    """The leases of a home: one for each part and capability, with any number of holders of the same value.
+
+    Args:
+        hand_time: Seconds for which a hand outranks a lease.
+
+    Attributes:
+        refused: Holders that were refused because there were :data:`MOST_HOLDERS`.
+    """
+
+    def __init__(self, hand_time: float) -> None:
+        self.refused = 0
+        self.hand_time = hand_time
+        self._parts: dict[_Part, dict[str, Lease]] = {}
+        self._of: dict[HolderKey, Lease] = {}
+
+    def __iter__(self) -> Iterator[Lease]:
+        return (one for leases in self._parts.values() for one in leases.values())
+
+    def hold(
+        self, part: _Part, capability: str, value: PlainValue, key: HolderKey, holder: LeaseHolder, now: float
+    ) -> Lease | str:
+        """Let *holder* hold a value from *now* on, after :meth:`expire`; return the lease, or why not."""
+        if problem := self.refusal(part, {capability: value}, now):
+            return problem
+        if key in self._of:
+            return f"{key[1]} has a lease {key[2]} already"
+        if len(self._of) >= MOST_HOLDERS:
+            self.refused += 1
+            return f"there are {MOST_HOLDERS:,} holders already"
+        lease = self._parts.setdefault(part, {}).setdefault(capability, Lease(part, capability, value))
+        if now < lease.hand_until:
+            return f"{lease.saw}, which outranks leases for {math.ceil(lease.hand_until - now)} s more"
+        lease.holders[key] = holder
+        self._of[key] = lease
+        return lease
+
+    def renew(self, key: HolderKey, now: float) -> Lease | None:
+        """Let a holder hold on for its time; return its lease, or None where it has none any more."""
+        lease = self._of.get(key)
+        if lease is None or (holder := lease.holders[key]).deadline <= now:
+            return None
+        holder.deadline = now + holder.ttl
+        return lease
+
+    def release(self, key: HolderKey) -> Lease | None:
+        """Let a holder hold no more; return the lease that it had."""
+        lease = self._of.pop(key, None)
+        if lease is None:
+            return None
+        del lease.holders[key]
+        if not lease.holders:
+            leases = self._parts[lease.part]
+            del leases[lease.capability]
+            if not leases:
+                del self._parts[lease.part]
+        return lease
+
+    def expire(self, now: float) -> list[tuple[Lease, LeaseHolder]]:
+        """Release the holders whose time is over at *now*, and return them with their leases."""
+        over = [(key, lease.holders[key]) for key, lease in self._of.items() if lease.holders[key].deadline <= now]
+        return [(lease, holder) for key, holder in over if (lease := self.release(key)) is not None]
+
+    def refusal(self, part: _Part, settings: Mapping[str, PlainValue], now: float) -> str:
+        """Return why a command is refused at *now*; empty where no lease forbids it."""
+        leases = self._parts.get(part)
+        if leases is None:
+            return ""
+        for lease in leases.values():
+            if all(one.deadline <= now for one in lease.holders.values()):
+                continue  # over, and not yet taken away
+            for capability, value in settings.items():
+                if value != STOPPED and changes(lease.capability, lease.value, capability, value):
+                    return lease.text(now)
+        return ""
+
+    def note_stop(self, part: _Part, settings: Mapping[str, PlainValue], now: float) -> None:
+        """Let a stop command outrank the leases of its part, as a hand does."""
+        leases = self._parts.get(part)
+        if leases is not None and STOPPED in settings.values():
+            for lease in leases.values():
+                lease.outrank("it was stopped", now + self.hand_time)
+
+    def next_time(self) -> float:
+        """Return when the next holder's time is over, or a value is to be commanded again; endless for never."""
+        return min(self._times(), default=math.inf)
+
+    def _times(self) -> Iterable[float]:
+        for lease in self:
+            yield lease.again_at
+            for holder in lease.holders.values():
+                yield holder.deadline
+
+
+def value_text(value: PlainValue) -> str:
+    """Return a value as one word for people."""
+    match value:
+        case bool():
+            return "on" if value else "off"
+        case float():
+            return f"at {value:g}"
+    return str(value)[:40]

@@ -1,0 +1,172 @@
+"""A value of a part that a block of code holds."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from typing import Final
+
+import anyio
+
+from homebot.devices.capabilities import MOMENTARY
+from homebot.devices.command_messages import Setting, outcome_of
+from homebot.devices.commander import NO_CONTROL
+from homebot.devices.handles.tracked_device import TrackedDevice
+from homebot.devices.lease_messages import (
+    LONGEST_TTL,
+    SHORTEST_TTL,
+    HolderRequest,
+    HoldPart,
+    HoldRequest,
+    LeaseResponse,
+    ReleaseLease,
+    RenewLease,
+)
+from homebot.devices.names import HOLD_PART, RELEASE_LEASE, RENEW_LEASE
+from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
+from homebot.devices.text.commands import decode_command
+from homebot.devices.value import Value
+from homebot.errors import RefusedError, ServiceError, UsageError
+from homebot.graph import Node
+
+__all__ = ["Hold", "hold_part"]
+
+_LONGEST: Final = 900.0
+"""Seconds after which the control layer has answered: it bounds its waiting itself."""
+
+_RELEASE: Final = 5.0
+_NUMBERS = itertools.count(1)
+
+
+class Hold:
+    """Value that a block holds, as :meth:`homebot.devices.handles.Handle.hold` gives it.
+
+    Attributes:
+        outcome: The outcome of the command; each renewal brings it up to date, so that it is `Contradicted` once a
+            person's hand has changed the device, and `Refused` where somebody holds another value.
+        is_held: Whether it is held, as far as the last answer tells.
+    """
+
+    def __init__(self) -> None:
+        self.outcome: Outcome = NoAnswer(0.0, NO_CONTROL)
+        self.is_held = False
+
+    @property
+    def succeeded(self) -> bool:
+        """True if it is held, and the device was as it is to be when that was last told."""
+        return self.is_held and self.outcome.succeeded
+
+
+@asynccontextmanager
+async def hold_part(
+    node: Node, tracked: TrackedDevice, part_id: str, word: str, by: str, ttl: float
+) -> AsyncIterator[Hold]:
+    """Hold a part for the time of the block; see :meth:`homebot.devices.handles.Handle.hold`."""
+    setting = _setting(tracked, part_id, word)
+    if not by.strip():
+        raise UsageError("a holder needs a name: by='robot'")
+    if not (SHORTEST_TTL <= ttl <= LONGEST_TTL):
+        raise UsageError(f"a ttl of {ttl} s is out of range: {SHORTEST_TTL:g} to {LONGEST_TTL:g} s")
+    if setting is None:
+        hold = Hold()
+        hold.outcome = Gone()
+        yield hold
+        return
+    request = HoldRequest(
+        device=tracked.device.id,
+        part=part_id,
+        setting=setting,
+        lease=f"block-{next(_NUMBERS)}",
+        by=by,
+        ttl=ttl,
+        issuer=node.full_name,
+    )
+    holder = _BlockHolder(node, request)
+    error: Exception | None = None
+    try:
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(holder.renew)
+            try:
+                await holder.begin()
+                yield holder.hold
+            except Exception as exc:  # noqa: BLE001 - raised below, as itself rather than in the group of the tasks
+                error = exc
+            tasks.cancel_scope.cancel()
+    finally:
+        await holder.end()
+    if error is not None:
+        raise error
+
+
+class _BlockHolder:
+    """Begins, renews and ends the lease of one block."""
+
+    def __init__(self, node: Node, request: HoldRequest) -> None:
+        self.hold = Hold()
+        self._request = request
+        self._key = HolderRequest(lease=request.lease, by=request.by, issuer=request.issuer)
+        self._begin = node.create_client(HoldPart, HOLD_PART)
+        self._renew = node.create_client(RenewLease, RENEW_LEASE)
+        self._release = node.create_client(ReleaseLease, RELEASE_LEASE)
+        self._is_beginning = True
+        self._may_begin = True
+
+    async def begin(self) -> None:
+        """Begin to hold, and wait until the outcome of the command is known."""
+        self._is_beginning = True
+        try:
+            self._take(await self._begin.call(self._request, timeout=_LONGEST))
+        except ServiceError as exc:
+            self._take_failure(exc)
+        finally:
+            self._is_beginning = False
+        self._may_begin = not isinstance(self.hold.outcome, Refused | Gone)
+
+    async def renew(self) -> None:
+        """Renew until cancelled, also while the first command is on its way; begin anew where the lease was lost."""
+        while True:
+            await anyio.sleep(self._request.ttl / 3)
+            if not self._may_begin:
+                return
+            try:
+                answer = await self._renew.call(self._key, timeout=self._request.ttl)
+            except ServiceError as exc:
+                if not self._is_beginning:
+                    self._take_failure(exc)
+                continue
+            if self._is_beginning:
+                continue
+            if answer.held:
+                self._take(answer)
+            else:
+                await self.begin()
+
+    async def end(self) -> None:
+        """Hold no more; where nobody answers, the time of the lease ends it."""
+        self.hold.is_held = False
+        with anyio.CancelScope(shield=True), suppress(ServiceError):
+            await self._release.call(self._key, timeout=_RELEASE)
+        for client in (self._begin, self._renew, self._release):
+            client.close()
+
+    def _take(self, answer: LeaseResponse) -> None:
+        self.hold.is_held, self.hold.outcome = answer.held, outcome_of(answer.result)
+
+    def _take_failure(self, error: ServiceError) -> None:
+        self.hold.is_held, self.hold.outcome = False, NoAnswer(0.0, str(error))
+
+
+def _setting(tracked: TrackedDevice, part_id: str, word: str) -> Setting | None:
+    """Return what *word* sets; None where the device or the part is gone.
+
+    Raises:
+        RefusedError: The part does not take it, or it does not last.
+    """
+    part = None if tracked.is_gone else tracked.part(part_id)
+    if part is None:
+        return None
+    capability, value = decode_command(word, part.part)
+    if capability in MOMENTARY or value == "stopped":
+        raise RefusedError(f"to hold {word!r}", "it is nothing that lasts")
+    return Setting(capability=capability, value=Value.of(value))

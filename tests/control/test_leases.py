@@ -1,0 +1,391 @@
+"""Leases: a part stays as somebody holds it; in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import anyio
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from tests.control.conftest import Home, OpenHome, ignore, obey_after, report
+
+from homebot.control.leases import MOST_HOLDERS, LeaseHolder, Leases
+from homebot.devices.command_messages import Setting
+from homebot.devices.gateway_messages import Command
+from homebot.devices.handles import Closure, DoorLock, Light
+from homebot.devices.lease_messages import HoldPart, HoldRequest, LeaseResponse
+from homebot.devices.names import HOLD_PART
+from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Refused
+from homebot.devices.value import Value
+from homebot.errors import RefusedError, UsageError
+
+pytestmark = pytest.mark.virtual_time
+
+
+@asynccontextmanager
+async def a_door(
+    open_home: OpenHome, *, hand_time: float = 300, retries: int = 2
+) -> AsyncIterator[tuple[Home, Closure]]:
+    """Open a home with a closed door."""
+    async with open_home(always_ask=False, rate_limit=False, hand_time=hand_time, retries=retries) as home:
+        home.put("door", "closure", "movement", "position")
+        await home.report("door", "movement", "closed")
+        yield home, await home.handle(Closure)
+
+
+def request(door: Closure, *, value: str = "open", by: str = "robot", ttl: float = 10, lease: str = "1") -> HoldRequest:
+    return HoldRequest(
+        device=door.device.id,
+        setting=Setting(capability="movement", value=Value.of(value)),
+        lease=lease,
+        by=by,
+        ttl=ttl,
+        issuer="client:robot",
+        scope=("act: closure",),
+    )
+
+
+async def hold(home: Home, wanted: HoldRequest) -> LeaseResponse:
+    """Hold as a program outside does, which may be killed."""
+    return await home.app.create_client(HoldPart, HOLD_PART).call(wanted, timeout=900)
+
+
+async def test_a_door_is_opened_and_a_close_of_another_is_refused_while_it_is_held(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door):
+        async with door.hold("open", by="robot", ttl=10) as held:
+            assert isinstance(held.outcome, Confirmed)
+            assert held.succeeded
+            await anyio.sleep(2)
+            refused = await door.close()
+            assert isinstance(refused, Refused)
+            assert (refused.policy, refused.reason) == ("lease", "held open by robot for 8 s more")
+            assert isinstance(await door.set_position(30), Refused)
+            assert [one.value.plain() for one in home.commands] == ["open"]
+        assert not held.is_held
+        assert (await door.close()).succeeded
+
+
+async def test_a_command_for_the_same_and_a_stop_pass(open_home: OpenHome) -> None:
+    async with a_door(open_home, hand_time=20) as (home, door), door.hold("open", by="robot"):
+        assert (await door.open()).succeeded
+        home.behaviours["door"] = report((1.0, "stopped"))
+        home.tasks.start_soon(home.report, "door", "movement", "opening")
+        await anyio.sleep(0.1)
+        assert not isinstance(await door.stop(), Refused)
+        del home.behaviours["door"]
+        assert home.commands[-1].value.plain() == "stopped"
+        await anyio.sleep(15)
+        assert home.commands[-1].value.plain() == "stopped"
+        await anyio.sleep(10)
+        assert home.commands[-1].value.plain() == "open"
+
+
+async def test_a_second_holder_joins_and_the_door_is_free_when_both_have_left(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door):
+        async with door.hold("open", by="robot"):
+            async with door.hold("open", by="vacuum") as second:
+                assert second.succeeded
+                refused = await door.close()
+                assert isinstance(refused, Refused)
+                assert "held open by robot, vacuum" in refused.reason
+            assert isinstance(await door.close(), Refused)
+        assert (await door.close()).succeeded
+        assert len(home.commands) == 2
+
+
+async def test_two_who_begin_at_once_do_not_supersede_each_other(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door):
+        home.behaviours["door"] = obey_after(1)
+        succeeded: list[bool] = []
+
+        async def pass_through(by: str) -> None:
+            async with door.hold("open", by=by) as held:
+                succeeded.append(held.succeeded)
+
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(pass_through, "robot")
+            tasks.start_soon(pass_through, "vacuum")
+        assert succeeded == [True, True]
+
+
+async def test_who_wants_another_value_is_refused_and_its_block_holds_nothing(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door), door.hold("open", by="robot"):
+        async with door.hold("close", by="guard") as other:
+            assert isinstance(other.outcome, Refused)
+            assert not other.is_held
+            await anyio.sleep(60)
+        assert [one.value.plain() for one in home.commands] == ["open"]
+
+
+async def test_a_block_holds_for_longer_than_its_ttl(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door), door.hold("open", by="robot", ttl=1) as held:
+        await anyio.sleep(600)
+        assert held.succeeded
+        assert isinstance(await door.close(), Refused)
+        assert len(home.commands) == 1
+
+
+async def test_a_door_that_opens_slower_than_the_ttl_is_held_meanwhile(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door):
+        home.behaviours["door"] = report((0.1, "opening"), (15.0, "open"))
+        async with door.hold("open", by="robot", ttl=3) as held:
+            assert held.succeeded
+
+
+async def test_a_holder_that_died_blocks_no_longer_than_its_ttl(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door):
+        assert (await hold(home, request(door))).held
+        await anyio.sleep(9.9)
+        assert isinstance(await door.close(), Refused)
+        await anyio.sleep(0.2)
+        assert (await door.close()).succeeded
+
+
+async def test_two_holders_whose_time_is_over_at_once_are_both_released(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door):
+        await home.report("door", "movement", "open")
+        async with anyio.create_task_group() as tasks:
+            for name in ("1", "2"):
+                tasks.start_soon(hold, home, request(door, lease=name))
+        await anyio.sleep(10.1)
+        assert (await door.close()).succeeded
+
+
+async def test_a_block_that_is_cancelled_while_it_begins_holds_nothing(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door):
+        home.behaviours["door"] = obey_after(5)
+        with anyio.move_on_after(1):
+            async with door.hold("open", by="robot", ttl=3600):
+                pytest.fail("it was not open yet")
+        assert not isinstance(await door.close(), Refused)
+
+
+async def test_an_error_in_the_block_comes_out_as_itself(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (_, door):
+        with pytest.raises(ValueError, match="lost the way"):
+            async with door.hold("open", by="robot"):
+                raise ValueError("lost the way")
+        assert (await door.close()).succeeded
+
+
+async def test_a_hand_outranks_the_holder_and_is_then_handed_back(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door), door.hold("open", by="robot", ttl=9) as held:
+        await anyio.sleep(20)
+        await home.report("door", "movement", "closed")
+        await anyio.sleep(3.1)
+        assert isinstance(held.outcome, Contradicted)
+        assert held.is_held
+        assert held.outcome.saw == "movement is closed; it is commanded again in 299 s"
+        await anyio.sleep(295)
+        assert len(home.commands) == 1
+        await anyio.sleep(6)
+        assert [one.value.plain() for one in home.commands] == ["open", "open"]
+        assert held.succeeded
+
+
+async def test_after_a_hand_nothing_is_commanded_for_a_holder_that_left(open_home: OpenHome) -> None:
+    async with a_door(open_home, hand_time=30) as (home, door):
+        async with door.hold("open", by="robot"):
+            await anyio.sleep(20)
+            await home.report("door", "movement", "closed")
+            await anyio.sleep(1)
+        await anyio.sleep(600)
+        assert len(home.commands) == 1
+
+
+async def test_a_hand_that_opens_it_again_ends_the_wait(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door), door.hold("open", by="robot") as held:
+        await anyio.sleep(20)
+        await home.report("door", "movement", "closed")
+        await home.report("door", "movement", "open")
+        await anyio.sleep(400)
+        assert held.succeeded
+        assert len(home.commands) == 1
+
+
+async def test_a_door_that_did_not_hear_is_told_again_while_it_is_held(open_home: OpenHome) -> None:
+    async with a_door(open_home, retries=0) as (home, door):
+        home.behaviours["door"] = ignore
+        async with door.hold("open", by="robot") as held:
+            assert isinstance(held.outcome, NoAnswer)
+            del home.behaviours["door"]
+            await anyio.sleep(40)
+            assert held.succeeded
+            assert len(home.commands) == 2
+
+
+async def test_a_close_that_is_on_its_way_is_not_repeated_once_the_door_is_held(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door):
+        await home.report("door", "movement", "open")
+        await anyio.sleep(70)
+        home.behaviours["door"] = ignore
+        home.tasks.start_soon(door.set_position, 0.0)
+        await anyio.sleep(1)
+        async with door.hold("open", by="robot"):
+            await anyio.sleep(60)
+        assert [one.value.plain() for one in home.commands[:2]] == [0.0, "open"]
+        assert all(one.value.plain() == "open" for one in home.commands[1:])
+
+
+async def test_a_dimmed_lamp_is_on_and_dark_is_off(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        lamp = await home.handle(Light)
+        async with lamp.hold("on", by="cook"):
+            assert not isinstance(await lamp.set_level(30), Refused)
+            assert isinstance(await lamp.set_level(0), Refused)
+            refused = await lamp.turn_off()
+            assert isinstance(refused, Refused)
+            assert refused.reason.startswith("held on by cook for ")
+
+
+@pytest.mark.parametrize(("word", "by", "ttl"), [("open", "", 10), ("open", "  ", 10), ("open", "robot", 0.5)])
+async def test_a_holder_without_a_name_or_with_a_bad_ttl_is_an_error(
+    open_home: OpenHome, word: str, by: str, ttl: float
+) -> None:
+    async with a_door(open_home) as (home, door):
+        with pytest.raises(UsageError):
+            async with door.hold(word, by=by, ttl=ttl):
+                pytest.fail("nothing is held")
+        assert home.commands == []
+
+
+@pytest.mark.parametrize("word", ["stop", "boil"])
+async def test_what_does_not_last_or_is_not_understood_cannot_be_held(open_home: OpenHome, word: str) -> None:
+    async with a_door(open_home) as (_, door):
+        with pytest.raises(RefusedError):
+            async with door.hold(word, by="robot"):
+                pytest.fail("nothing is held")
+
+
+async def test_a_client_without_a_name_or_a_right_blocks_nobody(open_home: OpenHome) -> None:
+    async with open_home(always_ask=False) as home:
+        home.put("lock", "door_lock", "lock")
+        home.put("door", "closure", "movement")
+        door = await home.handle(Closure, "door")
+        blank = await hold(home, request(door, by=" "))
+        assert (blank.held, blank.result.policy) == (False, "lease")
+        lock = await home.handle(DoorLock, "lock")
+        wanted = Setting(capability="lock", value=Value.of("unlocked"))
+        refused = await hold(home, request(door).model_copy(update={"device": lock.device.id, "setting": wanted}))
+        assert (refused.held, refused.result.policy) == (False, "rights")
+        assert (await door.close()).succeeded
+        assert (await lock.unlock()).succeeded
+
+
+def test_the_border_takes_no_lease_without_a_name_or_without_an_end() -> None:
+    fields = {"device": "d", "setting": {"capability": "movement", "value": {}}, "lease": "1", "issuer": "/app"}
+    for wrong in ({"by": "", "ttl": 10}, {"by": "r", "ttl": 3601}, {"by": "r", "ttl": 0}, {"by": "r", "ttl": "nan"}):
+        with pytest.raises(ValueError, match=r"by|ttl"):
+            HoldRequest.model_validate({**fields, **wrong})
+
+
+def test_further_holders_are_refused_and_counted() -> None:
+    leases = Leases(300)
+    for number in range(MOST_HOLDERS):
+        held = leases.hold(("d", ""), "lock", "locked", ("", "r", str(number)), LeaseHolder("r", 10, 10), 0)
+        assert not isinstance(held, str)
+    refused = leases.hold(("d", ""), "lock", "locked", ("", "r", "last"), LeaseHolder("r", 10, 10), 0)
+    assert refused == "there are 1,000 holders already"
+    assert leases.refused == 1
+    assert len(leases.expire(10)) == MOST_HOLDERS
+    assert list(leases) == []
+
+
+STEPS = st.lists(
+    st.tuples(
+        st.sampled_from(["first", "second", "leave first", "leave second", "killed", "close", "lower", "hand", "deaf"]),
+        st.floats(0.0, 12.0),
+    ),
+    max_size=14,
+)
+
+
+class Doorway:
+    """A door, two robots that pass it, programs that hold it and are killed, and people.
+
+    Attributes:
+        closed_on: The commands to close that reached the door while somebody held it.
+        is_deaf: Whether the door hears nothing.
+    """
+
+    def __init__(self, home: Home, door: Closure, delay: float) -> None:
+        self.closed_on: list[Command] = []
+        self.is_deaf = False
+        self._home = home
+        self._door = door
+        self._delay = delay
+        self._inside: set[str] = set()
+        self._leaving: dict[str, anyio.Event] = {}
+        self._held_until = 0.0
+        home.behaviours["door"] = self._obey
+
+    async def step(self, step: str, number: int) -> None:
+        """Let one thing happen."""
+        match step.split():
+            case ["leave", robot]:
+                self._leave(robot)
+            case ["killed"]:
+                self._home.tasks.start_soon(self._die, request(self._door, ttl=5, lease=str(number)))
+            case ["close"]:
+                self._home.tasks.start_soon(self._door.close)
+            case ["lower"]:
+                self._home.tasks.start_soon(self._door.set_position, 0.0)
+            case ["hand"]:
+                await self._home.report("door", "movement", "closed")
+            case ["deaf"]:
+                self.is_deaf = not self.is_deaf
+            case [robot] if robot not in self._leaving:
+                self._leaving[robot] = anyio.Event()
+                self._home.tasks.start_soon(self._pass, robot, self._leaving[robot])
+
+    async def empty(self) -> None:
+        """Let everybody leave, and wait for longer than any command takes."""
+        for robot in tuple(self._leaving):
+            self._leave(robot)
+        await anyio.sleep(400)
+
+    def _leave(self, robot: str) -> None:
+        if robot in self._leaving:
+            self._leaving.pop(robot).set()
+
+    async def _pass(self, robot: str, leave: anyio.Event) -> None:
+        async with self._door.hold("open", by=robot, ttl=6) as held:
+            if held.is_held:
+                self._inside.add(robot)
+            await leave.wait()
+            self._inside.discard(robot)
+
+    async def _die(self, wanted: HoldRequest) -> None:
+        began = anyio.current_time()
+        if (await hold(self._home, wanted)).held:
+            self._held_until = max(self._held_until, began + wanted.ttl)
+
+    async def _obey(self, home: Home, command: Command) -> None:
+        is_held = self._inside or anyio.current_time() < self._held_until
+        if is_held and command.value.plain() in {"closed", 0.0}:
+            self.closed_on.append(command)
+        if not self.is_deaf:
+            home.later(self._delay, command.key, command.capability, command.value.plain())
+
+
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(STEPS, st.floats(0.0, 3.0))
+async def test_the_door_never_closes_on_a_holder_and_is_free_after_the_last_ttl(
+    open_home: OpenHome, steps: list[tuple[str, float]], delay: float
+) -> None:
+    """Two robots, somebody who wants it closed, a hand, and a holder that is killed."""
+    async with a_door(open_home, hand_time=20) as (home, door):
+        doorway = Doorway(home, door, delay)
+        for number, (step, seconds) in enumerate(steps):
+            await doorway.step(step, number)
+            await anyio.sleep(seconds)
+        await doorway.empty()
+        assert doorway.closed_on == []
+        doorway.is_deaf = False
+        await home.report("door", "movement", "open")
+        await anyio.sleep(70)
+        assert (await door.close()).succeeded
+        assert (await door.set_position(50)).succeeded
