@@ -13,7 +13,8 @@ pytestmark = pytest.mark.no_cover
 RIDDLE = re.compile(r"(What|Who|Whoever|Whom|Whose|Which|Whether|How|Where|When|Why|Whatever)\b")
 
 VERBS = """
-Abort Accept Acknowledge Acquire Add Advance Advertise Allow Announce Answer Append Apply Arm Ask Assign Attach Await Be
+Abort Accept Acknowledge Acquire Add Advance Advertise Allow Announce Answer Append Apply
+Approve Arm Ask Assign Attach Await Be
 Begin Bind Book Bound Bring Build Cache Call Cancel Carry Change Charge Check Choose Clean Clear Close Collect
 Combine Command Compare Compute Confirm Connect Consume Convert Copy Count Create Cut Decide Declare Decode Decrypt
 Delete Deliver Derive Describe Detach Disable Disarm Discard Disconnect Dispatch Dispose Do Drain Draw Drop Emit Enable

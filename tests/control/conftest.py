@@ -139,7 +139,7 @@ class OpenHome(Protocol):
 
 @pytest.fixture
 def open_home() -> OpenHome:
-    """Give what opens a home; its arguments are those of `ControlSettings`, and ``grants``."""
+    """Give what opens a home; its arguments are those of `ControlSettings`, without approvals, and ``grants``."""
 
     @asynccontextmanager
     async def opened(grants: Mapping[str, tuple[str, ...]] = NO_GRANTS, **settings: object) -> AsyncIterator[Home]:
@@ -152,7 +152,7 @@ def open_home() -> OpenHome:
             anyio.create_task_group() as tasks,
         ):
             gateway = RecordingGateway(gateway_node)
-            control = Control(control_node, ControlSettings.model_validate(settings), grants)
+            control = Control(control_node, ControlSettings.model_validate({"approvals": False, **settings}), grants)
             await tasks.start(gateway.serve)
             await tasks.start(Directory(directory_node, DirectorySettings()).serve)
             await tasks.start(control.serve)

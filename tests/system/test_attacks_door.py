@@ -359,8 +359,9 @@ def test_a_program_without_the_right_opens_no_lock_and_forges_nothing(tmp_path: 
             lock.send(
                 Publish("homeassistant/lock/front/config", config, 0, retain=True), Publish("front/state", b"LOCKED")
             )
-            while not call(watcher, "/discovery/find_devices")["values"]["devices"]:
+            while not (known := call(watcher, "/discovery/find_devices")["values"]["devices"]):
                 pass
+            assert call(watcher, "/discovery/approve", device=known[0]["id"])["values"]["success"]
             for token in ("", "lamps-secret"):
                 with guest(homebot, token) as peer:
                     for topic, ros_type, message in FORGED:

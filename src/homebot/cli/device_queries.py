@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TypeVar, cast
 
+from homebot.cli.directory import entities
 from homebot.cli.door_client import DoorClient
-from homebot.cli.records import DeviceRecord, QueryResponseRecord, TimeRecord
+from homebot.cli.records import DeviceRecord, QueryResponseRecord, TimeRecord, UnapprovedRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import progress
 from homebot.cli.time_format import to_seconds
-from homebot.devices.names import FIND_DEVICES, QUERY_DEVICES
+from homebot.devices.names import FIND_DEVICES, GET_UNAPPROVED, QUERY_DEVICES
 from homebot.devices.query.tokens import quoted
 from homebot.errors import PeerError, UsageError
 from homebot.folding import fold
 from homebot.similar import did_you_mean
 
-__all__ = ["all_devices", "find_devices", "house_time", "named_device", "reasons_for"]
+__all__ = ["all_devices", "find_devices", "house_time", "named_device", "reasons_for", "unapproved"]
 
 T = TypeVar("T")
 
@@ -80,6 +81,14 @@ def reasons_for(door: DoorClient, device: DeviceRecord) -> Sequence[str]:
     """Return why a search for the device's name finds it, and why it stands where it stands."""
     found = find_devices(door, quoted(device["name"]))
     return next((one["reasons"] for one in found["results"] if one["device"]["id"] == device["id"]), ())
+
+
+def unapproved(door: DoorClient, device: str = "") -> frozenset[str]:
+    """Return the ids of the devices that wait for approval; of *device* alone where one is given."""
+    if not entities(door, kind="service", name=GET_UNAPPROVED):  # a homebot of an older version
+        return frozenset()
+    answer = cast("UnapprovedRecord", door.call(GET_UNAPPROVED, {"device": device}))
+    return frozenset(answer["devices"])
 
 
 def house_time(door: DoorClient) -> float:

@@ -38,6 +38,7 @@ COMMANDS: Final = {
     "split": "make several devices of one that is not one",
     "place": "say which room a device is in",
     "alias": "give a device a further name",
+    "approve": "approve a device that can hurt, so that it may be driven",
     "places": "list, export and import the rooms of the house",
     "import": "add a device from a W3C Thing Description",
     "why": "tell why a device is as it is",

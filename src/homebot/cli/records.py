@@ -10,6 +10,7 @@ from typing import TypedDict
 
 __all__ = [
     "AliasResponseRecord",
+    "ApproveResponseRecord",
     "CapabilityRecord",
     "CommandDevicesRecord",
     "CommandResultRecord",
@@ -36,6 +37,7 @@ __all__ = [
     "StateRecord",
     "TagResponseRecord",
     "TimeRecord",
+    "UnapprovedRecord",
     "ValueRecord",
     "WriteTagRecord",
 ]
@@ -253,6 +255,19 @@ class AliasResponseRecord(TypedDict):
     success: bool
     message: str
     aliases: list[str]
+
+
+class ApproveResponseRecord(TypedDict):
+    """:class:`homebot.devices.approval_messages.ApproveDeviceResponse`."""
+
+    success: bool
+    message: str
+
+
+class UnapprovedRecord(TypedDict):
+    """:class:`homebot.devices.approval_messages.UnapprovedResponse`."""
+
+    devices: list[str]
 
 
 class TagResponseRecord(TypedDict):

@@ -6,6 +6,7 @@ What carries them out is loaded with the first one: most homes start without.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, final
@@ -19,13 +20,23 @@ from homebot.control.journal.memory_store import MemoryStore
 from homebot.control.journal.store import JournalStore
 from homebot.control.judge import Judge
 from homebot.control.settings import ControlSettings
-from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE
+from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
+from homebot.devices.names import (
+    COMMAND_DEVICES,
+    GET_UNAPPROVED,
+    HOLD_PART,
+    PERFORM_COMMAND,
+    RELEASE_LEASE,
+    RENEW_LEASE,
+)
 from homebot.graph import Node
 
 if TYPE_CHECKING:
+    from homebot.control.approvals import Approvals
     from homebot.control.command_service import CommandService
     from homebot.control.executor import CommandExecutor
     from homebot.control.lease_keeper import LeaseKeeper
+    from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
     from homebot.devices.command_messages import (
         CommandDevicesRequest,
         CommandDevicesResponse,
@@ -76,6 +87,18 @@ class Control:
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Work until cancelled."""
+        self.register()
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self._journal.run)
+            tasks.start_soon(self._house_watch.run)
+            task_status.started()
+            await self._begun.wait()
+            tasks.start_soon(self._execution().run)
+            await self._leasing().run()
+
+    def register(self) -> None:
+        """Offer the services; what they begin is carried out while it serves."""
+        from homebot.devices.approval_messages import GetUnapproved  # noqa: PLC0415 - see above
         from homebot.devices.command_messages import CommandDevices, PerformCommand  # noqa: PLC0415 - see above
         from homebot.devices.lease_messages import HoldPart, ReleaseLease, RenewLease  # noqa: PLC0415 - likewise
 
@@ -84,13 +107,8 @@ class Control:
         self._node.create_service(HoldPart, HOLD_PART, self.hold, concurrent=True)
         self._node.create_service(RenewLease, RENEW_LEASE, self.renew)
         self._node.create_service(ReleaseLease, RELEASE_LEASE, self.release)
-        async with anyio.create_task_group() as tasks:
-            tasks.start_soon(self._journal.run)
-            tasks.start_soon(self._house_watch.run)
-            task_status.started()
-            await self._begun.wait()
-            tasks.start_soon(self._execution().run)
-            await self._leasing().run()
+        self._node.create_service(GetUnapproved, GET_UNAPPROVED, self.unapproved)
+        self._node.create_service(GetHealth, "~/health", self.health)
 
     async def perform(self, request: CommandRequest) -> CommandResult:
         """Carry out a command to one part, and return what became of it."""
@@ -115,6 +133,20 @@ class Control:
     def release(self, request: HolderRequest) -> LeaseResponse:
         """Let a holder hold no more."""
         return self._leasing().release(request)
+
+    async def unapproved(self, request: UnapprovedRequest) -> UnapprovedResponse:
+        """Return the devices that wait for the owner's approval."""
+        return await self._approvals.unapproved(request)
+
+    async def health(self, _: HealthRequest) -> HealthResponse:
+        """Return the health of the journal, with a note on the devices that wait for the owner's approval."""
+        return self._journal.health().with_checked(notes=await self._approvals.notes())
+
+    @cached_property
+    def _approvals(self) -> Approvals:
+        from homebot.control.approvals import Approvals  # noqa: PLC0415 - for people who ask
+
+        return Approvals(self._node, is_needed=self._settings.approvals)
 
     def _store(self, file: Path | None) -> JournalStore:
         longest = self._settings.journal_days * _DAY

@@ -185,7 +185,7 @@ class Device(Message):
         identifiers: Its identifiers, such as hardware addresses; see :func:`homebot.devices.identity.identifiers`.
         parts: Its parts, each once.
         facts: Facts about it, each with its source and time; of several with one name, the one in use comes first.
-            Those that the owner states are ``area``, ``name`` for an alias, and ``tag``.
+            Those that the owner states are ``area``, ``name`` for an alias, ``tag``, and ``approved``.
         reachable: Whether it can be reached, as its parts together report.
         offline_parts: The ids of parts that report that they cannot be reached.
         states: The latest value of each capability of its parts.

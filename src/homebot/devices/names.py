@@ -7,6 +7,7 @@ from homebot.names import escape_token
 __all__ = [
     "ACCESS_REFUSALS",
     "ALIAS_DEVICE",
+    "APPROVE_DEVICE",
     "COMMAND_DEVICES",
     "COMMAND_EVENTS",
     "DEVICE_CHANGES",
@@ -19,6 +20,7 @@ __all__ = [
     "GET_CHANGES",
     "GET_INDEX_DATA",
     "GET_PLACES",
+    "GET_UNAPPROVED",
     "HOLD_PART",
     "IMPORT_PLACES",
     "JOURNAL_ENTRIES",
@@ -52,6 +54,7 @@ MERGE_DEVICES = "/discovery/merge"
 PLACE_DEVICE = "/discovery/place"
 ALIAS_DEVICE = "/discovery/alias"
 TAG_DEVICE = "/discovery/tag"
+APPROVE_DEVICE = "/discovery/approve"
 GET_PLACES = "/discovery/places"
 EXPORT_PLACES = "/discovery/export_places"
 IMPORT_PLACES = "/discovery/import_places"
@@ -66,6 +69,7 @@ RENEW_LEASE = "/control/renew"
 RELEASE_LEASE = "/control/release"
 COMMAND_EVENTS = "/control/events"
 READ_JOURNAL = "/control/journal"
+GET_UNAPPROVED = "/control/unapproved"
 JOURNAL_ENTRIES = "/control/journal_entries"
 ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
 

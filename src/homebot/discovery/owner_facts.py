@@ -1,9 +1,10 @@
-"""Facts that the owner states of devices: rooms, aliases and tags, which outrank what devices announce. Pure.
+"""Facts that the owner states of devices: rooms, aliases, tags and approvals, which outrank what they announce. Pure.
 
 A statement by a command or an import belongs to the announcements that the device had at the time, so that each keeps
 it when devices are merged and split. It is also kept by device id, for a device whose announcements are new, and by
-hardware address where a places file gives one. The configuration names devices by id or hardware address; which id the
-device of an announcement had is remembered, so that it is found after a merge.
+hardware address where a places file gives one. An approval is not, nor does a later announcement inherit it: that may
+be of another device. The configuration names devices by id or hardware address; which id the device of an announcement
+had is remembered, so that it is found after a merge.
 
 Of two statements on one fact a command outranks an import, an import the configuration, and a later one an earlier one.
 """
@@ -18,6 +19,7 @@ from typing import TypeAlias, final
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from homebot.config import UNNAMED
+from homebot.devices.approval import APPROVED
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import ConfigError, RefusedError, WireError
 from homebot.folding import fold
@@ -96,7 +98,7 @@ class OwnerFacts:
         self.is_empty = not self._configured
 
     def of(self, device_id: str, sources: Collection[SourceRecord]) -> _Facts:
-        """Return the facts of a device, each once: its room, its aliases, those that are shown first first, its tags.
+        """Return the facts of a device, each once: room, aliases, those shown first first, tags, approval.
 
         Only to be asked for where it :attr:`is_empty` no longer.
 
@@ -112,12 +114,11 @@ class OwnerFacts:
         """Return the facts that commands and imports stated of a device: those of commands first, later ones first."""
         by_key = self._by_key
         found = dict.fromkeys(by_key[source.key] for source in sources if source.key in by_key)
-        if not found and self._by_name:
-            by_name = self._by_name
-            found = dict.fromkeys(by_name[name] for name in _names(device_id, sources) if name in by_name)
-        if not found:
+        if found:
+            return _once(sorted((fact for statement in found for fact in statement.facts), key=_rank))
+        if not self._by_name:
             return _NONE
-        return _once(sorted((fact for statement in found for fact in statement.facts), key=_rank))
+        return tuple(fact for fact in self.stated_of(_names(device_id, sources)) if fact.name != APPROVED)
 
     def known_as(self, key: SourceKey) -> str:
         """Return the name by which the configuration states something of an announcement; empty for none."""
@@ -234,12 +235,12 @@ class OwnerFacts:
                 self.is_unsaved = True
             stated = next((self._by_name[name] for name in names if name in self._by_name), None)
             if stated is not None and source.key not in self._by_key:
-                self._add_key(stated, source.key)
+                self._add_stated(stated, source.key)
 
     def inherit(self, sibling: SourceKey, key: SourceKey) -> None:
-        """Give the announcement *key* what is stated of *sibling*, which is of the same device."""
+        """Give the announcement *key* what is stated of *sibling*, which is of the same device, but an approval."""
         if sibling in self._by_key and key not in self._by_key:
-            self._add_key(self._by_key[sibling], key)
+            self._add_stated(self._by_key[sibling], key)
         if sibling in self._known_as and key not in self._known_as and self._has_room():
             self._known_as[key] = self._known_as[sibling]
             self.is_unsaved = True
@@ -303,6 +304,15 @@ class OwnerFacts:
         self._by_name.update(dict.fromkeys(statement.names, statement))
         self.is_empty = False
 
+    def _add_stated(self, stated: _Statement, key: SourceKey) -> None:
+        """Give a new announcement what is stated of its device, but an approval, which was of those before it."""
+        facts = tuple(fact for fact in stated.facts if fact.name != APPROVED)
+        if len(facts) == len(stated.facts):
+            self._add_key(stated, key)
+        elif facts and self._has_room():
+            self._put(_Statement(facts, {key: None}))
+            self.is_unsaved = True
+
     def _add_key(self, statement: _Statement, key: SourceKey) -> None:
         if self._has_room():
             statement.keys[key] = None
@@ -319,7 +329,7 @@ def _names(device_id: str, sources: Iterable[SourceRecord]) -> Iterator[str]:
         yield from source.sighting.identifiers
 
 
-_ORDER: Mapping[str, int] = {"area": 0, "name": 1, "tag": 2}
+_ORDER: Mapping[str, int] = {"area": 0, "name": 1, "tag": 2, "approved": 3}
 
 
 def _rank(fact: OwnerFact) -> tuple[bool, float]:
@@ -327,7 +337,7 @@ def _rank(fact: OwnerFact) -> tuple[bool, float]:
 
 
 def _once(facts: Iterable[OwnerFact]) -> _Facts:
-    """Return the first room, and each alias and tag once, in this order of kinds."""
+    """Return the first room, each alias and tag once, and the approval, in this order of kinds."""
     found: dict[tuple[str, str], OwnerFact] = {}
     for fact in facts:
         found.setdefault((fact.name, "" if fact.name == "area" else fold(fact.value)), fact)

@@ -1,10 +1,11 @@
-"""Editor of what the owner states of devices at run time: a room, aliases and tags. Pure."""
+"""Editor of what the owner states of devices at run time: a room, aliases, tags and an approval. Pure."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from typing import final
 
+from homebot.devices.approval import APPROVED
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.errors import RefusedError, UsageError
@@ -16,7 +17,7 @@ __all__ = ["PlacesEditor"]
 _MOST = 50
 """Aliases, and tags, of a device."""
 
-_WORDS: Mapping[FactName, str] = {"area": "room", "name": "alias", "tag": "tag"}
+_WORDS: Mapping[FactName, str] = {"area": "room", "name": "alias", "tag": "tag", "approved": "approval"}
 
 
 @final
@@ -100,6 +101,29 @@ class PlacesEditor:
             raise RefusedError(f"to take back the {_WORDS[name]} {value!r}", why)
         self.state(entry, facts, f"the owner took back its {_WORDS[name]} {value}")
         return self._values(entry, name)
+
+    def approve(self, device_id: str, now: float) -> None:
+        """Approve a device, so that it may be driven; again is fine.
+
+        Raises:
+            RefusedError: There is no such device, or there are too many statements.
+        """
+        entry = self._entry(device_id)
+        stated = self.stated(entry)
+        if all(fact.name != APPROVED for fact in stated):
+            self.state(entry, [OwnerFact(APPROVED, "yes", "command", now), *stated], "the owner approved it")
+
+    def disapprove(self, device_id: str) -> None:
+        """Take back the approval of a device; where it has none, nothing happens.
+
+        Raises:
+            RefusedError: There is no such device.
+        """
+        entry = self._entry(device_id)
+        stated = self.stated(entry)
+        facts = [fact for fact in stated if fact.name != APPROVED]
+        if len(facts) < len(stated):
+            self.state(entry, facts, "the owner took back the approval")
 
     def stated(self, entry: Entry) -> tuple[OwnerFact, ...]:
         """Return the facts that commands and imports state of a device."""

@@ -6,6 +6,7 @@ from collections.abc import Generator, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import final
 
+from homebot.devices.approval import APPROVED
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.places_editor import PlacesEditor
@@ -51,6 +52,8 @@ class PlacesExchange:
     def export_text(self) -> Generator[None, None, str]:
         """Return all rooms, and all that the owner states of devices, as the text of a places file.
 
+        Approvals are not in it: who takes over a file of others would approve devices unseen.
+
         Others may have their turn at each step.
         """
         owner = self._table.owner
@@ -62,9 +65,10 @@ class PlacesExchange:
             known.add(entry.id)
             known.update(one for source in sources for one in source.sighting.identifiers)
             known.update(owner.known_as(key) for key in entry.sources)
-            if facts := owner.of(entry.id, sources):
+            if facts := _without_approval(owner.of(entry.id, sources)):
                 devices.append((entry.id, facts, entry.hardware()))
-        devices += [(name, facts, ()) for name, facts in owner.unknown(known)]
+        unknown = ((name, _without_approval(facts)) for name, facts in owner.unknown(known))
+        devices += [(name, facts, ()) for name, facts in unknown if facts]
         return places_text(owner.plan.home, owner.plan.rooms, sorted(devices, key=lambda one: one[0]))
 
     def take(self, places: Places, *, replaces: bool = False) -> Generator[None, None, Imported]:
@@ -160,6 +164,10 @@ def parse_places(text: str, home: str, now: float) -> Places:
         ConfigError: The first mistake; names the key and the value.
     """
     return read_places(_places_table(text), home, SOURCE, "import", now)
+
+
+def _without_approval(facts: tuple[OwnerFact, ...]) -> tuple[OwnerFact, ...]:
+    return tuple(fact for fact in facts if fact.name != APPROVED)
 
 
 def _places_table(text: str) -> Mapping[str, object]:

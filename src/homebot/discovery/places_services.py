@@ -1,4 +1,4 @@
-"""Services by which the owner states where devices are and what they are called."""
+"""Services by which the owner states where devices are, what they are called, and which may be driven."""
 
 from __future__ import annotations
 
@@ -9,7 +9,16 @@ from typing import TypeVar
 from anyio import to_thread
 
 from homebot.clock import Clock, TimeSlice
-from homebot.devices.names import ALIAS_DEVICE, EXPORT_PLACES, GET_PLACES, IMPORT_PLACES, PLACE_DEVICE, TAG_DEVICE
+from homebot.devices.approval_messages import ApproveDevice, ApproveDeviceRequest, ApproveDeviceResponse
+from homebot.devices.names import (
+    ALIAS_DEVICE,
+    APPROVE_DEVICE,
+    EXPORT_PLACES,
+    GET_PLACES,
+    IMPORT_PLACES,
+    PLACE_DEVICE,
+    TAG_DEVICE,
+)
 from homebot.devices.places import (
     AliasDevice,
     AliasDeviceRequest,
@@ -62,6 +71,7 @@ class PlacesServices:
         node.create_service(PlaceDevice, PLACE_DEVICE, self._place)
         node.create_service(AliasDevice, ALIAS_DEVICE, self._add_alias)
         node.create_service(TagDevice, TAG_DEVICE, self._add_tag)
+        node.create_service(ApproveDevice, APPROVE_DEVICE, self._approve)
         node.create_service(GetPlaces, GET_PLACES, self._get_places)
         node.create_service(ExportPlaces, EXPORT_PLACES, self._export)
         node.create_service(ImportPlaces, IMPORT_PLACES, self._import)
@@ -101,6 +111,18 @@ class PlacesServices:
             return TagDeviceResponse(success=False, message=str(exc))
         self._publish_all()
         return TagDeviceResponse(success=True, tags=tags)
+
+    def _approve(self, request: ApproveDeviceRequest) -> ApproveDeviceResponse:
+        places = self._index.places
+        try:
+            if request.remove:
+                places.disapprove(request.device)
+            else:
+                places.approve(request.device, self._clock.now())
+        except RefusedError as exc:
+            return ApproveDeviceResponse(success=False, message=str(exc))
+        self._publish_all()
+        return ApproveDeviceResponse(success=True)
 
     def _get_places(self, _: GetPlacesRequest) -> GetPlacesResponse:
         plan = self._index.owner.plan

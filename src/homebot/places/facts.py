@@ -10,7 +10,7 @@ from homebot.places.plan import HouseRoom
 
 __all__ = ["NO_PLACES", "FactName", "OwnerFact", "Places"]
 
-FactName: TypeAlias = Literal["area", "name", "tag"]
+FactName: TypeAlias = Literal["area", "name", "tag", "approved"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +18,7 @@ class OwnerFact:
     """A fact about a device that the owner states; it outranks what the device announces.
 
     Attributes:
-        name: ``area`` for the room, ``name`` for an alias, or ``tag``.
+        name: ``area`` for the room, ``name`` for an alias, ``tag``, or ``approved``.
         value: The value.
         source: How it was stated: ``configuration``, ``command`` or ``import``.
         said_at: When, in seconds since the Unix epoch.

@@ -76,7 +76,7 @@ class Runtime:
         loop_watch: Watches for code that blocks the event loop; health reports show what it found.
         lost_lines: Returns the number of log lines lost so far.
         trusts_apps: Whether apps may command what always asks without a grant, since no device is real; always so with
-            a *house*.
+            a *house*. No device needs an approval then, but where a *house* has gateways that may find real ones.
         index_file: The file in which the directory keeps devices over a restart; None for none.
 
     Attributes:
@@ -114,8 +114,10 @@ class Runtime:
             _check_hosts_house(self._needed, config.source)
         self._simulated = house
         self._local_rights = LOCAL_RIGHTS
+        self._approves_all = trusts_apps
         if house is not None and not _real_gateways(self._plan, own_gateways):
             self._local_rights = SIMULATED_HOUSE_RIGHTS
+            self._approves_all = True
         self._with_door = with_door
         self._trusts_apps = trusts_apps or house is not None
         self._context = GatewayContext.of(*services, random=random)
@@ -263,9 +265,10 @@ class Runtime:
         async with Node(self.graph, "control") as node:
             index, is_kept = self._index_file, self._plan.discovery.persist
             journal = index.with_name(JOURNAL_FILE) if index is not None and is_kept else None
-            control = Control(
-                node, self._plan.control, self._plan.grants, trusts_apps=self._trusts_apps, journal_file=journal
-            )
+            settings = self._plan.control
+            if self._approves_all:
+                settings = settings.model_copy(update={"approvals": False})
+            control = Control(node, settings, self._plan.grants, trusts_apps=self._trusts_apps, journal_file=journal)
             await run_as(node.full_name, partial(control.serve, task_status=task_status))
 
     async def _rosapi(self, *, task_status: TaskStatus[None]) -> None:

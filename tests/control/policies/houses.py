@@ -8,7 +8,7 @@ from datetime import UTC, tzinfo
 from homebot.control.command import IssuedCommand
 from homebot.control.policies import Facts, House
 from homebot.control.policies.recent_commands import RecentCommands
-from homebot.devices import Device, DevicePart, Endpoint, Freshness, State
+from homebot.devices import Device, DevicePart, Endpoint, Fact, Freshness, State
 from homebot.devices.client_rights import LOCAL_RIGHTS, read_scope
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue, Value
@@ -30,6 +30,7 @@ def make_device(
     is_live: bool = True,
     since: float = START,
     values: Mapping[str, PlainValue] = NONE,
+    facts: tuple[Fact, ...] = (),
 ) -> Device:
     """Return a device of one part with these values."""
     names = dict.fromkeys((*settable, *values))
@@ -47,6 +48,7 @@ def make_device(
         expires=stamp,
         freshness=freshness,
         area=room,
+        facts=facts,
         parts=(DevicePart(id="", part=part, routes=()),),
         states=tuple(
             State(part="", capability=name, value=Value.of(value), since=stamp, told_at=stamp, live=is_live)

@@ -26,7 +26,7 @@ OVEN = make_device("oven", "plug", room="kitchen", settable=("on_off",))
 
 def refused_by(scope: tuple[str, ...], device: Device, **settings: bool | str) -> str:
     """Return the policy that refuses an app of this scope the command; empty for none."""
-    policies = Policies(ControlSettings())
+    policies = Policies(ControlSettings(approvals=False))
     verdict = policies.judge(make_command(device, settings, scope=scope), make_facts())[-1]
     return "" if verdict.allowed else verdict.policy
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from typing import TypeVar
 
 from homebot.cli.arguments import add_broker_option, set_client_command
 from homebot.cli.device_json import device_json, json_text, list_text
-from homebot.cli.device_queries import all_devices, house_time
+from homebot.cli.device_queries import all_devices, house_time, unapproved
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.records import DeviceRecord
 from homebot.cli.terminal import print_table
@@ -36,7 +36,7 @@ STATE is what the device last reported. COMMAND TOPIC is where it takes commands
 `homebot topic pub --once /gateway/mqtt/out '{address: home/lights/lamp/in, payload: off}'`. AVAILABILITY is `fresh`
 if the device reported recently, `unconfirmed` if it is known only from a retained message or the index file, `stale`
 if it has been silent for too long, `unreachable` if it or its last will says offline, and `partly unreachable` if
-only some of its parts are.
+only some of its parts are. An `unapproved` device can hurt, and is not driven before `homebot approve DEVICE`.
 """
 
 
@@ -70,7 +70,8 @@ class _UnknownTypeError(UsageError):
 
 def _print_table(door: DoorClient, options: argparse.Namespace) -> None:
     now = house_time(door)
-    rows = _all(door, options.type, lambda device: _row(device, now))
+    waiting = unapproved(door)
+    rows = _all(door, options.type, lambda device: _row(device, now, waiting))
     if rows:
         print_table(_HEAD, rows, if_any=_IF_ANY, if_room=_IF_ROOM, in_colour="AVAILABILITY")
     else:
@@ -100,7 +101,7 @@ def _all(door: DoorClient, service_type: str, convert: Callable[[DeviceRecord], 
     return devices
 
 
-def _row(device: DeviceRecord, now: float) -> tuple[str, ...]:
+def _row(device: DeviceRecord, now: float, waiting: Container[str]) -> tuple[str, ...]:
     first = device["endpoints"][0] if device["endpoints"] else None
     return (
         device["id"],
@@ -109,7 +110,7 @@ def _row(device: DeviceRecord, now: float) -> tuple[str, ...]:
         state_text(device),
         first["gateway"] if first else "",
         _command_topic(device),
-        life(device),
+        life(device) + (", unapproved" if device["id"] in waiting else ""),
         ago(device["last_seen"], now),
     )
 

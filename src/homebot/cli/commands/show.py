@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from homebot.cli.arguments import add_broker_option, set_client_command
 from homebot.cli.device_json import device_json, json_text
-from homebot.cli.device_queries import house_time, named_device, reasons_for
+from homebot.cli.device_queries import house_time, named_device, reasons_for, unapproved
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.records import (
     CapabilityRecord,
@@ -29,6 +29,7 @@ __all__ = ["add_arguments"]
 
 _USES = {(True, True): "read and set", (True, False): "read", (False, True): "set", (False, False): ""}
 _STATED_BY = {"configuration": ", in the configuration", "import": ", in an imported file"}
+_WAITS = ("approval", "waits for it: it can hurt, and is not driven before `homebot approve DEVICE`")
 
 _EXAMPLES = """\
   homebot show lights/roomlights405
@@ -60,22 +61,24 @@ def _show(options: argparse.Namespace) -> int:
             print(json_text(device_json(device)))
         else:
             reasons = reasons_for(door, device)
-            _describe(device, reasons, house_time(door))
+            waits = bool(unapproved(door, device["id"]))
+            _describe(device, reasons, house_time(door), waits=waits)
         return 0
 
     return with_client(options, run)
 
 
-def _describe(device: DeviceRecord, reasons: Sequence[str], now: float) -> None:
+def _describe(device: DeviceRecord, reasons: Sequence[str], now: float, *, waits: bool) -> None:
     """Print what is known of *device*.
 
     Args:
         device: The device.
         reasons: Why a search for its name finds it.
         now: The house's time.
+        waits: Whether it waits for approval.
     """
     print_line(f"{printable(device['id'])}  {printable(device['name'])}".rstrip(), "bold")
-    print_rows([*_overview(device, now)])
+    print_rows([*_overview(device, now), *([_WAITS] if waits else [])])
     values = {(one["part"], one["capability"]): one for one in (*device["states"], *device["events"])}
     for part in device["parts"]:
         title = _title(part) + (": unreachable" if part["id"] in device["offline_parts"] else "")

@@ -11,7 +11,7 @@ from homebot.control.journal.store import JournalStore
 from homebot.devices import FIND_DEVICES, FindDevices, RawCommand, StateChange
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
 from homebot.devices.device import KeyValue
-from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
+from homebot.devices.health import Count, HealthResponse
 from homebot.devices.journal_messages import (
     EntryKind,
     JournalEntry,
@@ -64,7 +64,6 @@ class CommandJournal:
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._entries = node.create_publisher(JournalEntry, JOURNAL_ENTRIES, _DEPTH)
         node.create_service(ReadJournal, READ_JOURNAL, self.read, concurrent=True)
-        node.create_service(GetHealth, "~/health", self.health)
 
     async def run(self) -> None:
         """Write what is noted until cancelled."""
@@ -74,7 +73,7 @@ class CommandJournal:
         """Show in the health of the node what *read* returns, as *name*."""
         self._counters[name] = read
 
-    def health(self, _request: HealthRequest) -> HealthResponse:
+    def health(self) -> HealthResponse:
         """Return what became of the entries, and the further counters."""
         store = self._store
         counts = {"journal_expired": store.dropped, "journal_failures": store.failures}

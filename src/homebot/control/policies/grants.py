@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.command_pattern import VERBS
 from homebot.control.policies.facts import Facts
+from homebot.control.policies.safe_side import is_safe
 from homebot.control.policies.verdict import Verdict
 from homebot.devices.always_ask import always_asks
 from homebot.devices.client_rights import LOCAL_RIGHTS
@@ -17,8 +17,6 @@ NAME: Final = "grants"
 ALWAYS_ASK: Final = "always_ask"
 
 _NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
-
-_SAFE: Final = ("lock", "turn off")
 
 
 def judge_grants(command: IssuedCommand, _facts: Facts) -> Verdict:
@@ -31,19 +29,8 @@ def judge_grants(command: IssuedCommand, _facts: Facts) -> Verdict:
     if not always_asks(command.device, command.part):
         own = ", ".join(command.rights.act_scope) or "nothing"
         return Verdict(NAME, allowed=False, reason=f"{command.issuer} may not command {command.target}, only: {own}")
-    if command.rights is LOCAL_RIGHTS and _is_safe(command):
+    if command.rights is LOCAL_RIGHTS and is_safe(command):
         return Verdict(ALWAYS_ASK, allowed=True, reason="it is to the safe side")
     hint = f'[apps.{command.issuer.removeprefix("/")}] act = "id={command.device.id}"'
     reason = f"{command.target} always asks, and {command.issuer} has no right that names it; {hint} gives one"
     return Verdict(ALWAYS_ASK, allowed=False, reason=reason)
-
-
-def _is_safe(command: IssuedCommand) -> bool:
-    """Return whether all that is set makes the house safer: a valve that closes does, a door that closes may hurt."""
-    return all(
-        any(VERBS[verb](name, value, None) for verb in _SAFE)
-        or value == "stopped"
-        or (name, value) == ("valve", "closed")
-        or (name == "alarm" and isinstance(value, str) and value.startswith("armed"))
-        for name, value in command.settings.items()
-    )

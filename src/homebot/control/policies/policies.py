@@ -7,6 +7,7 @@ from functools import partial
 from typing import TypeAlias, final
 
 from homebot.control.command import IssuedCommand
+from homebot.control.policies.approval import judge_approval
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.grants import judge_grants
 from homebot.control.policies.interlock import InterlockRule, judge_interlocks
@@ -51,6 +52,8 @@ class Policies:
 def _policies(settings: PolicySettings) -> Iterator[Policy]:
     """Yield the policies that are on: who may, before what may be done, before when."""
     yield judge_grants
+    if settings.approvals:
+        yield judge_approval
     if settings.interlocks:
         yield partial(judge_interlocks, tuple(map(InterlockRule.of, settings.interlocks)))
     if settings.quiet_hours:

@@ -141,6 +141,7 @@ class PolicySettings(BaseModel):
         interlocks: What is not done while something else is so.
         rate_limit: How often a device may be switched to and fro; ``false`` for no limit.
         always_ask: Whether locks, garage doors, ovens and their like take a right that names them.
+        approvals: Whether these are not driven until the owner approves each device.
         time_zone: The time zone of the home, such as ``Europe/Vienna``; empty for that of the computer.
     """
 
@@ -151,6 +152,7 @@ class PolicySettings(BaseModel):
     interlocks: _Interlocks = ()
     rate_limit: _Rate = RateLimitSettings()
     always_ask: bool = True
+    approvals: bool = True
     time_zone: Annotated[str, AfterValidator(_zone)] = ""
 
     @property

@@ -1,0 +1,47 @@
+"""``homebot approve``."""
+
+from __future__ import annotations
+
+import argparse
+from typing import cast
+
+from homebot.cli.arguments import set_client_command
+from homebot.cli.device_queries import named_device
+from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.records import ApproveResponseRecord
+from homebot.cli.table import printable
+from homebot.devices.names import APPROVE_DEVICE
+from homebot.errors import PeerError
+
+__all__ = ["add_arguments"]
+
+
+_EXAMPLES = """\
+  homebot approve 'Front door'
+  homebot approve 'Front door' --undo
+
+Locks, garage doors, ovens, boilers, valves and alarm panels wait for this: until then they only lock, close a valve,
+turn off, stop or arm. `homebot devices` shows which ones wait. The directory remembers an approval over a restart.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot approve``."""
+    set_client_command(parser, _approve, _EXAMPLES)
+    parser.add_argument("device", metavar="DEVICE", help="its id or its name")
+    parser.add_argument("--undo", action="store_true", help="take the approval back")
+
+
+def _approve(options: argparse.Namespace) -> int:
+    """Approve a device, or take that back."""
+
+    def run(door: DoorClient) -> int:
+        device = named_device(door, options.device)["id"]
+        request = {"device": device, "remove": options.undo}
+        answer = cast("ApproveResponseRecord", door.call(APPROVE_DEVICE, request))
+        if not answer["success"]:
+            raise PeerError(answer["message"])
+        print(f"{printable(device)} is {'not approved any more' if options.undo else 'approved'}")
+        return 0
+
+    return with_client(options, run)

@@ -1,0 +1,32 @@
+"""Approval: a device that can hurt is not driven until the owner approved it. Pure."""
+
+from __future__ import annotations
+
+import shlex
+from typing import Final
+
+from homebot.control.command import IssuedCommand
+from homebot.control.policies.facts import Facts
+from homebot.control.policies.safe_side import is_safe
+from homebot.control.policies.verdict import FactUsed, Verdict
+from homebot.devices.always_ask import always_asks
+from homebot.devices.approval import APPROVED, is_approved
+
+__all__ = ["judge_approval"]
+
+NAME: Final = "approval"
+
+_NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
+
+
+def judge_approval(command: IssuedCommand, _facts: Facts) -> Verdict:
+    """Refuse everybody a command to a part that can hurt, of a device that is not approved, but to the safe side."""
+    device = command.device
+    if not always_asks(device, command.part) or is_approved(device):
+        return _NOT_CONCERNED
+    if is_safe(command):
+        return Verdict(NAME, allowed=True, reason="it is to the safe side")
+    used = FactUsed(f"{APPROVED} of {device.id}", value=False)
+    hint = f"approve it with `homebot approve {shlex.quote(device.name or device.id)}`"
+    reason = f"{command.target} can hurt, and the owner has not approved it; {hint}"
+    return Verdict(NAME, allowed=False, reason=reason, facts=(used,))

@@ -1,0 +1,55 @@
+"""The services by which the owner approves devices that can hurt, and learns which of them wait for it."""
+
+from __future__ import annotations
+
+from homebot.messages.message import Message, ServiceType
+
+__all__ = ["ApproveDevice", "GetUnapproved"]
+
+
+class ApproveDeviceRequest(Message):
+    """Approve a device, so that it may be driven; the directory remembers that over a restart.
+
+    Attributes:
+        device: The id of the device.
+        remove: Whether to take the approval back instead.
+    """
+
+    device: str
+    remove: bool = False
+
+
+class ApproveDeviceResponse(Message):
+    """The result of an approval.
+
+    Attributes:
+        success: Whether it is approved, or no longer is.
+        message: Why not.
+    """
+
+    success: bool
+    message: str = ""
+
+
+class UnapprovedRequest(Message):
+    """A question for the devices that can hurt and wait for approval.
+
+    Attributes:
+        device: The id of the only one that matters; empty for all.
+    """
+
+    device: str = ""
+
+
+class UnapprovedResponse(Message):
+    """The devices that wait; none where no device needs an approval, as in a simulated house.
+
+    Attributes:
+        devices: Their ids, sorted.
+    """
+
+    devices: tuple[str, ...] = ()
+
+
+ApproveDevice = ServiceType("homebot/srv/ApproveDevice", ApproveDeviceRequest, ApproveDeviceResponse)
+GetUnapproved = ServiceType("homebot/srv/GetUnapproved", UnapprovedRequest, UnapprovedResponse)

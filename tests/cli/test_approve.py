@@ -1,0 +1,75 @@
+"""``homebot approve``, and what the other commands tell of devices that wait, against a real directory and control."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from tests.cli.test_places import NOW, sighting
+
+from homebot.cli import main
+from homebot.clock import Clock, ManualClock
+from homebot.control import Control
+from homebot.devices.part import Capability, Part
+from homebot.discovery import DeviceIndex
+from homebot.discovery.persistence import IndexPersistence
+from homebot.discovery.services import DirectoryServices
+from homebot.graph import Graph, Node
+
+if TYPE_CHECKING:
+    from tests.cli.conftest import Homebot
+
+Run = Callable[..., tuple[int, str]]
+
+
+def index_node(graph: Graph) -> Node:
+    """A directory with a lamp and a lock, and the services of the control layer that are asked here."""
+    node = Node(graph, "discovery")
+    index = DeviceIndex(forget_after=1000.0)
+    lock = Part(id="l", service_type="door_lock", capabilities=(Capability(name="lock", settable=True),))
+    index.observe(sighting(0, "Lamp", ""), NOW)
+    index.observe(sighting(1, "Front door", "Hall").model_copy(update={"parts": (lock,)}), NOW)
+    persistence = IndexPersistence(node, index, None)
+    DirectoryServices(node, index, persistence, lambda at_most: len(index.take_changes(at_most)) >= at_most).register()
+    control = Control(Node(graph, "control"))
+    control.register()
+    return node
+
+
+@pytest.fixture
+def run(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], capsys: pytest.CaptureFixture[str]) -> Run:
+    """Runs a command, and returns its exit code and what it printed, each run of spaces as one."""
+    made: Homebot = homebot_with(index_node, ManualClock(NOW))
+
+    def homebot(*arguments: str) -> tuple[int, str]:
+        code = main(["--door", made.door, *arguments])
+        out, err = capsys.readouterr()
+        return code, "\n".join(" ".join(line.split()) for line in (out + err).splitlines())
+
+    return homebot
+
+
+def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
+    waits = "approval waits for it: it can hurt, and is not driven before `homebot approve DEVICE`"
+    note = "note on control: 1 device waits for approval, and only locks, closes or stops until then"
+    _, listed = run("devices")
+    assert "front_door door_lock Hall unknown mqtt fresh, unapproved now" in listed
+    assert listed.count("unapproved") == 1
+    assert waits in run("show", "Front door")[1]
+    assert waits not in run("show", "Lamp")[1]
+    assert f"{note} (`homebot approve DEVICE`): front_door" in run("doctor")[1]
+    assert run("approve", "front door") == (0, "front_door is approved")
+    assert "unapproved" not in run("devices")[1]
+    _, shown = run("show", "Front door")
+    assert waits not in shown
+    assert "approved yes by the owner now" in shown
+    assert note not in run("doctor")[1]
+    assert run("approve", "front door", "--undo") == (0, "front_door is not approved any more")
+    assert waits in run("show", "Front door")[1]
+
+
+def test_a_device_that_is_not_there_cannot_be_approved(run: Run) -> None:
+    code, problem = run("approve", "Back door")
+    assert code != 0
+    assert "there is no device Back door" in problem

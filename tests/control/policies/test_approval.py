@@ -1,0 +1,146 @@
+"""A device that can hurt is listed and not driven until the owner approved it."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tests.control.conftest import Home, OpenHome
+from tests.control.policies.houses import make_command, make_device, make_facts
+
+from homebot.control import ControlSettings
+from homebot.control.policies import Policies, Verdict
+from homebot.control.policies.approval import judge_approval
+from homebot.devices import Fact
+from homebot.devices.always_ask import always_asks
+from homebot.devices.approval_messages import ApproveDevice, GetUnapproved
+from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
+from homebot.devices.handles import DoorLock, Light
+from homebot.devices.health import GetHealth
+from homebot.devices.names import APPROVE_DEVICE, GET_UNAPPROVED
+from homebot.devices.outcomes import Refused
+from homebot.devices.value import PlainValue, Value
+from homebot.messages import Time
+
+KINDS = {
+    "light": ("on_off", (True, False)),
+    "plug": ("on_off", (True, False)),
+    "door_lock": ("lock", ("locked", "unlocked", "open")),
+    "closure": ("movement", ("open", "closed", "stopped")),
+    "water_valve": ("valve", ("open", "closed")),
+    "x_alarm_panel": ("alarm", ("armed_away", "disarmed")),
+}
+SAFE = {("lock", "locked"), ("movement", "stopped"), ("valve", "closed"), ("alarm", "armed_away"), ("on_off", False)}
+
+
+def fact(gateway: str = "", convention: str = "owner", name: str = "approved") -> Fact:
+    return Fact(
+        name=name, value="yes", gateway=gateway, convention=convention, key="command", said_at=Time.from_seconds(0)
+    )
+
+
+def judged(kind: str, value: PlainValue, *facts: Fact, key: str = "it", issuer: str = "/app") -> Verdict:
+    capability = KINDS[kind][0]
+    device = make_device(key, kind, settable=(capability,), facts=facts)
+    return judge_approval(make_command(device, {capability: value}, issuer, ("act: all",)), make_facts())
+
+
+@pytest.mark.parametrize("issuer", ["/app", "client:owner", "client:local"])
+def test_a_lock_that_is_not_approved_is_unlocked_by_nobody(issuer: str) -> None:
+    verdict = judged("door_lock", "unlocked", key="front door", issuer=issuer)
+    assert (verdict.policy, verdict.allowed) == ("approval", False)
+    assert "approve it with `homebot approve 'front door'`" in verdict.reason
+    assert [(one.name, one.value) for one in verdict.facts] == [("approved of front door", False)]
+
+
+def test_what_a_device_announces_of_itself_is_no_approval() -> None:
+    assert not judged("door_lock", "unlocked", fact(gateway="mqtt")).allowed
+    assert not judged("door_lock", "unlocked", fact(convention="homeassistant")).allowed
+    assert not judged("door_lock", "unlocked", fact(name="tag")).allowed
+    assert judged("door_lock", "unlocked", fact()).allowed
+
+
+@given(
+    st.sampled_from(sorted(KINDS)).flatmap(lambda kind: st.tuples(st.just(kind), st.sampled_from(KINDS[kind][1]))),
+    st.sampled_from(["it", "Oven", "Main valve", "Lamp"]),
+    st.sampled_from([(), (fact(),), (fact(gateway="mqtt"),)]),
+)
+def test_only_a_command_that_can_hurt_takes_an_approval(
+    wanted: tuple[str, PlainValue], key: str, facts: tuple[Fact, ...]
+) -> None:
+    kind, value = wanted
+    capability = KINDS[kind][0]
+    device = make_device(key, kind, settable=(capability,))
+    can_hurt = always_asks(device, device.parts[0]) and (capability, value) not in SAFE
+    verdict = judged(kind, value, *facts, key=key)
+    assert verdict.allowed is (facts == (fact(),) or not can_hurt)
+    assert verdict.allowed or verdict.reason
+
+
+def test_the_configuration_turns_it_off() -> None:
+    lock = make_device("lock", "door_lock", settable=("lock",))
+    command = make_command(lock, {"lock": "unlocked"}, scope=("act: all",))
+    assert not Policies(ControlSettings()).judge(command, make_facts())[-1].allowed
+    assert Policies(ControlSettings(approvals=False)).judge(command, make_facts())[-1].allowed
+
+
+async def approve(home: Home, device: str, *, remove: bool = False) -> None:
+    client = home.app.create_client(ApproveDevice, APPROVE_DEVICE)
+    assert (await client.call(ApproveDevice.Request(device=device, remove=remove))).success
+
+
+async def waiting(home: Home, device: str = "") -> tuple[str, ...]:
+    return (
+        await home.app.create_client(GetUnapproved, GET_UNAPPROVED).call(GetUnapproved.Request(device=device))
+    ).devices
+
+
+async def unlock(home: Home, device: str, issuer: str = "client:owner") -> CommandResult:
+    setting = Setting(capability="lock", value=Value.of("unlocked"))
+    request = CommandRequest(device=device, part="", settings=(setting,), issuer=issuer, scope=("act: all",))
+    return await home.control.perform(request)
+
+
+@pytest.mark.virtual_time
+async def test_a_new_lock_is_listed_and_not_driven_until_it_is_approved(open_home: OpenHome) -> None:
+    async with open_home(grants={"/app": ("act: all",)}, approvals=True) as home:
+        home.put("lock", "door_lock", "lock")
+        home.put("lamp", "light", "on_off")
+        lock = await home.handle(DoorLock, "lock")
+        assert (await (await home.handle(Light, "lamp")).turn_on()).succeeded
+        outcome = await lock.unlock()
+        assert isinstance(outcome, Refused)
+        assert outcome.policy == "approval"
+        assert (await unlock(home, lock.device.id)).outcome == "refused"
+        assert (await lock.lock()).succeeded
+        await approve(home, lock.device.id)
+        assert (await lock.unlock()).succeeded
+        await approve(home, lock.device.id)  # again is fine
+        await approve(home, lock.device.id, remove=True)
+        await lock.lock()
+        assert isinstance(await lock.unlock(), Refused)
+        assert [one.value.plain() for one in home.commands] == [True, "locked", "unlocked", "locked"]
+
+
+@pytest.mark.virtual_time
+async def test_who_asks_learns_which_devices_wait(open_home: OpenHome) -> None:
+    async with open_home(approvals=True) as home:
+        home.put("lamp", "light", "on_off")
+        home.put("lock", "door_lock", "lock")
+        home.put("lock_2", "door_lock", "lock")
+        await home.handle(Light, "lamp")
+        health = home.app.create_client(GetHealth, "/control/health")
+        assert await waiting(home) == ("lock", "lock_2")
+        assert await waiting(home, "lock") == ("lock",)
+        assert await waiting(home, "lamp") == ()
+        (note,) = (await health.call(GetHealth.Request())).notes
+        assert note.startswith("2 devices wait for approval")
+        assert note.endswith("lock, lock_2")
+        for one in await waiting(home):
+            await approve(home, one)
+        assert await waiting(home) == ()
+        assert (await health.call(GetHealth.Request())).notes == ()
+    async with open_home() as home:
+        home.put("lock", "door_lock", "lock")
+        await home.handle(DoorLock)
+        assert await waiting(home) == ()
