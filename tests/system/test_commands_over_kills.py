@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import anyio
 import pytest
+from tests.mqtt.client.broker_process import BrokerProcess
 from tests.mqtt.client.mosquitto_broker import MOSQUITTO, MosquittoBroker
 from tests.patience import PATIENCE
 
@@ -16,20 +17,19 @@ from homebot.devices import Devices
 from homebot.devices.handles import Handle, Light
 from homebot.devices.outcomes import Confirmed, Evidence, Outcome
 from homebot.graph import Node
+from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
 
-pytestmark = [
-    pytest.mark.system,
-    pytest.mark.skipif(MOSQUITTO is None, reason="mosquitto is not installed"),
-]
+pytestmark = pytest.mark.system
 
 KILLS = 10
 LATEST = 12.0
 """Seconds: the longest wait for an answer, and one more second, in which brokers count; and a busy machine."""
+CREDENTIALS = {"anna": "right"}
 LAMP = {
     "unique_id": "lamp",
     "name": "Lamp",
@@ -84,14 +84,33 @@ class RealDevices:
 
 
 @pytest.mark.no_cover
-async def test_what_is_confirmed_has_happened_and_nothing_happens_late_or_twice() -> None:
+@pytest.mark.skipif(MOSQUITTO is None, reason="mosquitto is not installed")
+async def test_mosquitto_is_killed() -> None:
+    await check_commands_over_kills(MosquittoBroker(credentials=CREDENTIALS, policy=None))
+
+
+@pytest.mark.no_cover
+async def test_the_embedded_broker_is_killed_and_has_forgotten_everything() -> None:
+    await check_commands_over_kills(BrokerProcess(credentials=CREDENTIALS))
+
+
+@pytest.mark.no_cover
+async def test_the_embedded_broker_drops_all_links_and_remembers_its_sessions() -> None:
+    await check_commands_over_kills(Broker(credentials=CREDENTIALS))
+
+
+async def check_commands_over_kills(broker: MosquittoBroker | BrokerProcess | Broker) -> None:
+    """What is confirmed has happened; nothing happens after its time, and no press twice."""
     devices_there = RealDevices()
     given: list[tuple[float, float, int, Outcome]] = []
     presses: list[Outcome] = []
-    broker = MosquittoBroker(credentials={"anna": "right"}, policy=None)
     async with broker, anyio.create_task_group() as tasks:
         url = f"mqtt://anna:right@127.0.0.1:{broker.port}"
-        tables = {"gateways": {"mqtt": {"url": url, "act": True}}, "discovery": {"persist": False}}
+        tables = {
+            "gateways": {"mqtt": {"url": url, "act": True}},
+            "discovery": {"persist": False},
+            "control": {"rate_limit": False},
+        }
         config = parse_config(tables, "test")
         other = MqttOptions.from_url(url, client_id="devices")
         async with (
