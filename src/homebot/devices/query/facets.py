@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import islice
+from itertools import chain
 
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
@@ -57,7 +57,7 @@ class Facets:
     settable: frozenset[str]
     areas: tuple[str, ...]
     tags: frozenset[str]
-    words: frozenset[str]
+    words: tuple[str, ...]
     freshness: str
     reachable: str
     gateways: frozenset[str]
@@ -191,7 +191,7 @@ def _folded_facts(device: Device) -> dict[str, tuple[str, ...]]:
     return found
 
 
-def _words(device: Device, facts: Mapping[str, tuple[str, ...]]) -> frozenset[str]:
+def _words(device: Device, facts: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
     texts = [device.id, *device.names, device.name, device.area]
     if len(device.outer_areas) > 1 or device.tags:
         texts += (*device.outer_areas[:-1], *device.tags)  # not the home, in which all are
@@ -201,7 +201,4 @@ def _words(device: Device, facts: Mapping[str, tuple[str, ...]]) -> frozenset[st
     for each in device.parts:
         if not each.part.category:
             texts.append(each.part.name)
-    found = frozenset[str]().union(*map(words_of, texts))
-    if len(found) <= _MAX_WORDS:
-        return found
-    return frozenset(islice(dict.fromkeys(word for text in texts for word in words_of(text)), _MAX_WORDS))
+    return tuple(dict.fromkeys(chain.from_iterable(map(words_of, texts))))[:_MAX_WORDS]

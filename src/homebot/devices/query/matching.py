@@ -107,7 +107,7 @@ class PartFacets:
         return frozenset(map(fold, self._device.tags))
 
     @property
-    def words(self) -> frozenset[str]:
+    def words(self) -> tuple[str, ...]:
         """The words of its device."""
         return facets_of(self._device).words
 

@@ -43,7 +43,6 @@ _Key: TypeAlias = tuple[object, ...]
 
 _NONE: frozenset[str] = frozenset()
 _DISPUTED = ("disputed", True)
-_NOWHERE = ("nowhere", True)
 _FEW = 200
 """Devices that are sooner looked at one by one than by going through all values of a capability."""
 
@@ -61,7 +60,7 @@ class Postings:
     def __init__(self) -> None:
         self._posted: dict[str, _Posted] = {}
         self._mixed_ids: set[str] = set()  # those with upper case, which few have
-        self._sets: dict[_Key, set[str]] = {}
+        self._sets: dict[_Key, str | set[str]] = {}  # most keys, such as names, have one device: that alone
         self._values_of: dict[str, set[_Key]] = {}
         self._columns: dict[tuple[str, str], Column] = {}
         self._types_with: dict[str, set[str]] = {}
@@ -80,8 +79,10 @@ class Postings:
                 found = sets.get(key)
                 if found is None:
                     self._begin(key, device_id)
-                else:
+                elif type(found) is set:
                     found.add(device_id)
+                else:
+                    self._join(key, device_id)
         else:
             keys, known = frozenset(_keys(facets)), frozenset(_keys(before.facets))
             for key in known - keys:
@@ -160,22 +161,24 @@ class Postings:
     ) -> Found:
         match query:
             case IsDisputed():
-                return self._sets.get(_DISPUTED, _NONE)
+                return self._devices(_DISPUTED)
             case CanDo(name, settable):
-                return self._sets.get(("set" if settable else "can", name), _NONE)
+                return self._devices(("set" if settable else "can", name))
             case AreaIs(area):
-                return self._sets.get(("area", area) if area else _NOWHERE, _NONE)
+                if area:
+                    return self._devices(("area", area))
+                return {device_id for device_id, posted in self._posted.items() if not posted.facets.areas}
             case NameIs(name):
-                named = self._sets.get(("fact name", name), _NONE)
+                named = self._devices(("fact name", name))
                 return named | {device_id for device_id in self._posted if fold(device_id) == name}
             case InArea(area):
                 return self._begins("area", area)
             case FreshnessIs(freshness):
-                return self._sets.get(("freshness", freshness), _NONE)
+                return self._devices(("freshness", freshness))
             case ReachableIs(state):
-                return self._sets.get(("reachable", state), _NONE)
+                return self._devices(("reachable", state))
             case GatewayIs(gateway):
-                return self._sets.get(("gateway", gateway), _NONE)
+                return self._devices(("gateway", gateway))
             case FactIs(name, value):
                 return self._by_fact(name, value)
 
@@ -184,7 +187,7 @@ class Postings:
             found = {device_id for device_id in self._mixed_ids if device_id.casefold() == value}
             return found | {value} if value in self._posted else found
         if name in {"convention", "category", "tag"}:
-            return self._sets.get((name, value), _NONE)
+            return self._devices((name, value))
         return self._begins(f"fact {name}", value)
 
     def _all(self, terms: tuple[Query, ...]) -> Found:
@@ -232,18 +235,24 @@ class Postings:
         return self._union((field_name, *one) for one in fitting)
 
     def _union(self, keys: Iterable[_Key]) -> Found:
-        sets = [self._sets[key] for key in keys if key in self._sets]
+        sets = [self._devices(key) for key in keys]
         return sets[0] if len(sets) == 1 else _NONE.union(*sets)
+
+    def _devices(self, key: _Key) -> Found:
+        found = self._sets.get(key, _NONE)
+        return {found} if isinstance(found, str) else found
 
     def _join(self, key: _Key, device_id: str) -> None:
         found = self._sets.get(key)
         if found is None:
             self._begin(key, device_id)
-        else:
+        elif isinstance(found, set):
             found.add(device_id)
+        elif found != device_id:
+            self._sets[key] = {found, device_id}
 
     def _begin(self, key: _Key, device_id: str) -> None:
-        self._sets[key] = {device_id}
+        self._sets[key] = device_id
         if key[0] == "word":
             self._words.add(str(key[1]))
         else:
@@ -251,9 +260,10 @@ class Postings:
 
     def _leave(self, key: _Key, device_id: str) -> None:
         found = self._sets[key]
-        found.discard(device_id)
-        if found:
-            return
+        if isinstance(found, set):
+            found.discard(device_id)
+            if found:
+                return
         del self._sets[key]
         if key[0] == "word":
             self._words.discard(str(key[1]))
@@ -269,10 +279,7 @@ def _keys(facets: Facets) -> list[_Key]:
     keys: list[_Key] = [("freshness", facets.freshness), ("reachable", facets.reachable)]
     if facets.name not in facets.facts.get("name", ()):
         keys.append(("fact name", facets.name))
-    if facets.areas:
-        keys += zip(repeat("area"), facets.areas)
-    else:
-        keys.append(_NOWHERE)
+    keys += zip(repeat("area"), facets.areas)
     if facets.tags:
         keys += zip(repeat("tag"), facets.tags)
     if facets.possible_types:

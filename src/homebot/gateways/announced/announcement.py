@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Literal, TypeAlias
+from types import MappingProxyType
+from typing import Any, Literal, TypeAlias
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, TextEndpoint
 from homebot.devices import KeyValue, Sighting
@@ -20,6 +21,9 @@ from homebot.messages import Time
 __all__ = ["AnnouncedPart", "AvailabilityReader", "SightingKind", "StoredAnnouncement"]
 
 SightingKind: TypeAlias = Literal["appeared", "updated", "removed"]
+
+_NOTHING: Mapping[str, Any] = MappingProxyType({})
+"""Most devices have none of what few have; a dict of their own would be 64 bytes of each device."""
 
 _MAX_STREAMS = 100
 _MAX_READINGS = 100
@@ -107,20 +111,21 @@ class StoredAnnouncement:
     excess: int = 0
     stale_after: float = 0.0
     parts: dict[str, AnnouncedPart] = field(init=False)
-    reachability: dict[str, ReachabilityReader] = field(init=False)
+    reachability: Mapping[str, ReachabilityReader] = field(init=False)
     subscriptions: list[tuple[str, AnnouncedPart | AvailabilityReader]] = field(default_factory=list, init=False)
     is_confirmed: bool = field(default=False, init=False)
     refresh_at: float = field(default=0.0, init=False)
-    reachable: dict[str, bool | None] = field(default_factory=dict, init=False)
+    reachable: Mapping[str, bool | None] = field(init=False)
     report_streams: dict[str, str] = field(default_factory=dict, init=False)
     template: Sighting = field(init=False)
     readings: dict[str, dict[str, tuple[PlainValue, Reading]]] | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         described, text = self.described, self.described.text
-        self.parts, self.reachability = {}, {}
+        self.parts, self.reachable = {}, _NOTHING
+        readers: dict[str, ReachabilityReader] = {}
         if described.availability is not None and described.availability.sources:
-            self.reachability[""] = ReachabilityReader(described.availability)
+            readers[""] = ReachabilityReader(described.availability)
         shown: list[Part] = []
         for one in described.parts:
             part = one.part.id
@@ -128,7 +133,8 @@ class StoredAnnouncement:
                 shown.append(one.part)
             self.parts[part] = AnnouncedPart(self, one, text_address(self.key, part) if text is None else text.address)
             if one.availability is not None and one.availability.sources:
-                self.reachability[part] = ReachabilityReader(one.availability)
+                readers[part] = ReachabilityReader(one.availability)
+        self.reachability = readers or _NOTHING
         self.template = self._template(tuple(shown))  # so that what cannot be told is found at once
 
     def publishes_the_same(self, other: StoredAnnouncement) -> bool:
@@ -157,22 +163,31 @@ class StoredAnnouncement:
         self.is_confirmed = before.is_confirmed
         self.refresh_at = before.refresh_at
         self.report_streams = before.report_streams
-        self.reachable = {
+        known = {
             part: told
             for part, told in before.reachable.items()
             if part in self.reachability or part not in before.reachability  # what the gateway itself knows
         }
+        self.reachable = known or _NOTHING
+        readers = dict(self.reachability)
         for part, reachability in self.reachability.items():
             old_one = before.reachability.get(part)
             if old_one is not None and old_one.availability == reachability.availability:
-                self.reachability[part] = old_one
+                readers[part] = old_one
+        self.reachability = readers or _NOTHING
         for part_id, announced_part in self.parts.items():
             if (old := before.parts.get(part_id)) is not None:
                 announced_part.take_over(old)
 
     def let_go(self) -> None:
         """Forget its parts, which know it: what stands no more must not wait for the collector of circular garbage."""
-        self.parts, self.reachability, self.subscriptions = {}, {}, []
+        self.parts, self.reachability, self.subscriptions = {}, _NOTHING, []
+
+    def note_reachable(self, part: str, reachable: bool | None) -> None:  # noqa: FBT001 - the value itself
+        """Note what is published of whether *part* can be reached; most devices tell nothing of it."""
+        if not isinstance(self.reachable, dict):
+            self.reachable = {}
+        self.reachable[part] = reachable
 
     def _template(self, parts: tuple[Part, ...]) -> Sighting:
         """Return what all its sightings have in common; its addresses are those of its main part's texts.

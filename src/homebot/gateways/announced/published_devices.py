@@ -164,7 +164,7 @@ class PublishedDevices:
         if stored is None or (part in stored.reachable and stored.reachable[part] is reachable):
             return
         self._reporter.refresh_time()
-        stored.reachable[part] = reachable
+        stored.note_reachable(part, reachable)
         # Without an address it would say that the device reports it no longer, which is what None means.
         address = "" if reachable is None else stored.template.address or key
         self._reporter.report_reachable(stored, part, address, reachable=reachable, retained=False)

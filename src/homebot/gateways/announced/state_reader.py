@@ -207,7 +207,7 @@ class StateReader:
             return
         if part not in stored.reachable and reachable is None:
             return
-        stored.reachable[part] = reachable
+        stored.note_reachable(part, reachable)
         self._reporter.report_reachable(stored, part, address, reachable=reachable, retained=retained)
 
     def _keep_late(self, announced_part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool) -> None:
