@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from functools import partial
 from typing import Final, final
 
 import anyio
 
 from homebot.clock import TimeSlice
+from homebot.control.journal.command_addresses import CommandAddresses
 from homebot.control.journal.explained_changes import WATCHED
 from homebot.control.journal.journal import CommandJournal
-from homebot.devices import DEVICE_STATES, FIND_DEVICES, Device, FindDevices, GatewayNames, RawCommand, StateChange
+from homebot.devices import DEVICE_STATES, GatewayNames, RawCommand, StateChange
 from homebot.devices.names import DIRECTORY_NODE, gateway_of
-from homebot.devices.services import FindDevicesRequest
-from homebot.errors import InvalidNameError, ServiceError
+from homebot.errors import InvalidNameError
 from homebot.graph import Node, QoSProfile, ReliabilityPolicy, Subscription
 
 __all__ = ["HouseWatch"]
@@ -27,8 +26,6 @@ _STATES: Final = QoSProfile(depth=10)
 
 _RAW: Final = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
 """The oldest is dropped where they come too fast; a gateway's commands never wait for the journal."""
-
-_MOST_ADDRESSES: Final = 1000
 
 
 @final
@@ -44,9 +41,8 @@ class HouseWatch:
         self._node = node
         self._clock = node.graph.clock
         self._journal = journal
-        self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._raw: dict[str, Subscription[RawCommand]] = {}
-        self._addresses: OrderedDict[tuple[str, str], str] = OrderedDict()
+        self._addresses = CommandAddresses(node)
 
     async def run(self) -> None:
         """Work until cancelled."""
@@ -90,25 +86,6 @@ class HouseWatch:
 
     async def _take_raw(self, gateway: str, command: RawCommand) -> None:
         now = self._clock.now()
-        device = self._addresses.get((gateway, command.address)) or await self._device_at(gateway, command.address)
+        device = await self._addresses.device_at(gateway, command.address)
         if device:
             self._journal.published(device, command, now)
-
-    async def _device_at(self, gateway: str, address: str) -> str:
-        """Return the id of the device that takes commands at *address*; empty where none is known to."""
-        try:
-            devices = (await self._find.call(FindDevicesRequest())).devices
-        except ServiceError:
-            return ""
-        found = next((one.id for one in devices if _takes_commands_at(one, gateway, address)), "")
-        if found:
-            self._addresses[gateway, address] = found
-            if len(self._addresses) > _MOST_ADDRESSES:
-                self._addresses.popitem(last=False)
-        return found
-
-
-def _takes_commands_at(device: Device, gateway: str, address: str) -> bool:
-    return any(one.gateway == gateway and one.command_address == address for one in device.endpoints) or any(
-        address in part.part.writes for part in device.parts
-    )

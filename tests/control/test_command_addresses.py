@@ -1,0 +1,60 @@
+"""The devices behind the addresses of raw commands, in virtual time."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from tests.control.conftest import OpenHome
+
+from homebot.control.journal.command_addresses import CommandAddresses
+from homebot.devices import FIND_DEVICES, FindDevices
+from homebot.devices.handles import Light
+from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+from homebot.graph import Graph, Node
+
+pytestmark = pytest.mark.virtual_time
+
+
+async def test_a_device_is_found_by_its_address(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        lamp = (await home.handle(Light)).device
+        addresses = CommandAddresses(home.app)
+        assert await addresses.device_at("memory", lamp.endpoints[0].command_address) == lamp.id
+        assert await addresses.device_at("mqtt", lamp.endpoints[0].command_address) == ""
+
+
+async def test_a_device_is_found_by_what_its_parts_take(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        part = simple_part("light", settable=("on_off",)).model_copy(update={"writes": ("kettle/set",)})
+        home.gateway.devices.put(GatewayDevice("kettle", "Kettle", (part,)), "the test says so")
+        kettle = (await home.handle(Light)).device
+        assert await CommandAddresses(home.app).device_at("memory", "kettle/set") == kettle.id
+
+
+async def test_a_device_that_appears_later_is_found_a_second_later(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        addresses = CommandAddresses(home.app)
+        await addresses.device_at("memory", "nowhere")
+        home.put("lamp", "light", "on_off")
+        lamp = (await home.handle(Light)).device
+        await anyio.sleep(1)
+        assert await addresses.device_at("memory", lamp.endpoints[0].command_address) == lamp.id
+
+
+async def test_a_flood_of_unknown_addresses_reads_the_devices_once_a_second() -> None:
+    requests: list[FindDevicesRequest] = []
+
+    def find(request: FindDevicesRequest) -> FindDevicesResponse:
+        requests.append(request)
+        return FindDevicesResponse(devices=(), sequence=0)
+
+    graph = Graph()
+    async with Node(graph, "directory") as directory, Node(graph, "control") as control:
+        directory.create_service(FindDevices, FIND_DEVICES, find)
+        addresses = CommandAddresses(control)
+        for number in range(1000):  # within ten seconds
+            assert await addresses.device_at("memory", f"nowhere/{number}") == ""
+            await anyio.sleep(0.01)
+    assert 1 < len(requests) <= 11
