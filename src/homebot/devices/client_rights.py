@@ -13,6 +13,7 @@ from homebot.similar import did_you_mean
 
 __all__ = [
     "ALL_RIGHTS",
+    "HARMLESS",
     "LOCAL_CLIENT",
     "LOCAL_RIGHTS",
     "OWNER_CLIENT",
@@ -31,7 +32,12 @@ OWNER_CLIENT = "owner"
 """The name of clients with the one token that has no name of its own."""
 
 
-_KNOWN = "known are read, act: QUERY, act: all, manage, raw"
+HARMLESS = "harmless"
+"""In place of a query: every device but those that always ask."""
+
+_KNOWN = "known are read, act: QUERY, act: harmless, act: all, manage, raw"
+
+_ANY = And(())
 
 
 class Right(Enum):
@@ -109,12 +115,17 @@ class ClientRights:
         return any(fits(query, facets) and (not asks or names_it(query)) for query in self.acts_on)
 
     @property
+    def acts_on_harmless(self) -> bool:
+        """True if it may command everything that does not always ask."""
+        return self.acts_on_all or _ANY in self.acts_on
+
+    @property
     def text(self) -> str:
         """Their names, for people."""
         return ", ".join(one.value for one in Right if self.has(one)) or "none"
 
 
-LOCAL_RIGHTS = ClientRights(reads=True, acts_on=(And(()),), manages=True)
+LOCAL_RIGHTS = ClientRights(reads=True, acts_on=(_ANY,), manages=True)
 """Those of a client without a token: it commands every device but those that always ask."""
 
 ALL_RIGHTS = ClientRights(reads=True, acts_on_all=True, act_scope=("act: all",), manages=True, is_raw=True)
@@ -154,7 +165,7 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
     wanted = found.get(Right.ACT, [])
     return ClientRights(
         reads=Right.READ in found,
-        acts_on=tuple(_parse(query) for query in wanted if query != "all"),
+        acts_on=tuple(_ANY if query == HARMLESS else _parse(query) for query in wanted if query != "all"),
         acts_on_all="all" in wanted,
         act_scope=tuple(f"act: {query}" for query in wanted),
         manages=Right.MANAGE in found,

@@ -36,6 +36,7 @@ __all__ = [
     "SPLIT_DEVICE",
     "TAG_DEVICE",
     "TEXT_SCHEME",
+    "THING_DIRECTORY_NODE",
     "CommissioningNames",
     "GatewayNames",
     "TagNames",
@@ -75,6 +76,9 @@ ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
 
 DIRECTORY_NODE = "/discovery"
 """The node of the directory, the only one that publishes changes of devices."""
+
+THING_DIRECTORY_NODE = "/thing_directory"
+"""The node of homebot's own directory of things, which commands devices for its clients."""
 
 RUNTIME_NODE = "/homebot"
 """The node of a runtime, whose commands all pass the control layer."""

@@ -16,6 +16,7 @@ from homebot.bridges.access_settings import AccessSettings
 from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
 from homebot.config import Config, FilePath, Table, parse_settings, read_secret
 from homebot.control import ControlSettings
+from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.extras import check_extra
@@ -77,7 +78,7 @@ class PlannedComponent(Generic[ComponentT]):
 
 
 ACT = "act"
-"""The key in the table of an app that says which devices it may command."""
+"""The key in a table of an app, or of the directory of things, that says which devices it may command."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +91,8 @@ class Plan:
         apps: The apps, in the order of the file.
         discovery: The directory's settings.
         control: The control layer's settings.
-        grants: The scope of each app that may not command everything, by the full name of its node.
+        grants: The scope of each app that may not command everything, and of the directory of things likewise, by the
+            full names of their nodes.
         door: The door's settings.
         thing_directory: The settings of the directory that is served over HTTP; None where none is.
         places: The rooms, and what the owner states of devices.
@@ -180,24 +182,26 @@ def _app(name: str, table: Table, config: Config) -> PlannedComponent[App]:
         raise ConfigError(
             config.source, f"apps.{name}", "is the name of one of homebot's own nodes; give the app another name"
         )
-    _scope(name, table, config)
-    own = {key: value for key, value in table.items() if key != ACT}
-    return _component(base, APPS, name, own, config, f"apps.{name}")
+    _scope(f"apps.{name}", table, config)
+    return _component(base, APPS, name, _without_act(table), config, f"apps.{name}")
 
 
 def _grants(config: Config) -> Iterator[tuple[str, tuple[str, ...]]]:
-    for name, table in config.apps.items():
-        if (scope := _scope(name, table, config)) is not None:
-            yield f"/{name}", scope
+    tables = {f"/{name}": (f"apps.{name}", table) for name, table in config.apps.items()}
+    if config.thing_directory is not None:
+        tables[THING_DIRECTORY_NODE] = ("thing_directory", config.thing_directory)
+    for node, (key, table) in tables.items():
+        if (scope := _scope(key, table, config)) is not None:
+            yield node, scope
 
 
-def _scope(name: str, table: Table, config: Config) -> tuple[str, ...] | None:
-    """Return what the table of an app lets it command; None where it says nothing."""
+def _scope(key: str, table: Table, config: Config) -> tuple[str, ...] | None:
+    """Return what the table *key* lets its node command; None where it says nothing."""
     if (act := table.get(ACT)) is None:
         return None
     from homebot.devices.client_rights import read_scope  # noqa: PLC0415 - few tables have it
 
-    key, queries = f"apps.{name}.{ACT}", [act] if isinstance(act, str) else act
+    key, queries = f"{key}.{ACT}", [act] if isinstance(act, str) else act
     if not isinstance(queries, list) or not all(isinstance(one, str) for one in queries):
         raise ConfigError(config.source, key, f"must be a query such as 'light in hall', or several, got {act!r}")
     scope = tuple(f"act: {one}" for one in queries) or ("read",)
@@ -206,6 +210,10 @@ def _scope(name: str, table: Table, config: Config) -> tuple[str, ...] | None:
     except UsageError as exc:
         raise ConfigError(config.source, key, str(exc)) from exc
     return scope
+
+
+def _without_act(table: Table) -> Table:
+    return {key: value for key, value in table.items() if key != ACT}
 
 
 def _control(config: Config) -> ControlSettings:
@@ -258,7 +266,9 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings  # noqa: PLC0415 - for those who serve it
     from homebot.runtime.thing_directory_table import ThingDirectoryTable  # noqa: PLC0415 - likewise
 
-    given = parse_settings(ThingDirectoryTable, config.thing_directory, config.source, key, config.folder)
+    _scope(key, config.thing_directory, config)
+    own = _without_act(config.thing_directory)
+    given = parse_settings(ThingDirectoryTable, own, config.source, key, config.folder)
     try:
         check_extra("the directory of things", "mdns", "aiohttp")
     except UsageError as exc:

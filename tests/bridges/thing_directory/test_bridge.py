@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from typing import Any
 from urllib.parse import quote
 
@@ -15,10 +16,13 @@ from yarl import URL
 
 from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge
 from homebot.bridges.thing_directory.settings import DirectoryBridgeSettings
+from homebot.config import parse_config
+from homebot.control import Control, ControlSettings
 from homebot.devices.health import HealthRequest
 from homebot.errors import ConfigError, UsageError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.graph import Graph, Node
+from homebot.runtime.plan import make_plan
 from homebot.wot import read_thing
 
 
@@ -107,6 +111,32 @@ async def test_what_cannot_be_set_is_not_set(served_house: OpenHouse) -> None:
         status, problem = await house.put(f"{path}/properties/on_off", b"true")
         assert status == 503
         assert "no radio" in problem["detail"]
+
+
+async def test_a_lock_is_not_unlocked_until_the_owner_allows_it(served_house: OpenHouse) -> None:
+    """The refusal says how: the line of the table, which works as it stands."""
+    grants: dict[str, tuple[str, ...]] = {}
+    async with (
+        served_house() as house,
+        Node(house.gateway.node.graph, "control") as node,
+        anyio.create_task_group() as tasks,
+    ):
+        await tasks.start(Control(node, ControlSettings(approvals=False), grants, trusts_apps=False).serve)
+        house.gateway.devices.put(
+            GatewayDevice("door", "Front door", (simple_part("door_lock", settable=("lock",)),)), "new"
+        )
+        lock = next(one["id"] for one in await house.things(3) if one["title"] == "Front door")
+        where = f"/things/{quote(lock, safe='')}/properties/lock"
+        status, problem = await house.put(where, b'"unlocked"')
+        assert status == 403
+        line = problem["detail"].partition("; ")[2].removesuffix(" gives one")
+        assert line.startswith("[thing_directory] act = [")
+        config = parse_config(tomllib.loads(line.replace("] act", "]\nact")), "homebot.toml")
+        grants |= make_plan(config).grants
+        assert not house.gateway.commands
+        assert await house.put(where, b'"unlocked"') == (204, None)
+        assert [one.value.plain() for one in house.gateway.commands] == ["unlocked"]
+        tasks.cancel_scope.cancel()
 
 
 async def test_the_list_is_read_only(served_house: OpenHouse) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import tomllib
+from dataclasses import replace
+
 import pytest
 from tests.control.conftest import OpenHome
 from tests.control.policies.houses import make_command, make_device, make_facts
@@ -10,6 +13,7 @@ from homebot.config import parse_config
 from homebot.control import ControlSettings
 from homebot.control.policies import Policies
 from homebot.devices import Device
+from homebot.devices.client_rights import read_scope
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.handles import DoorLock, Light
 from homebot.devices.outcomes import Refused
@@ -66,6 +70,35 @@ def test_garage_doors_valves_and_ovens_always_ask() -> None:
     assert refused_by((), OVEN, on_off=True) == "always_ask"
 
 
+def test_harmless_is_what_does_not_always_ask() -> None:
+    assert refused_by(("act: harmless",), LAMP, on_off=True) == ""
+    assert refused_by(("act: harmless",), LOCK, lock="unlocked") == "always_ask"
+    assert refused_by(("act: harmless",), LOCK, lock="locked") == ""
+    assert refused_by(("act: harmless", "act: lock"), LOCK, lock="unlocked") == ""
+
+
+@pytest.mark.parametrize(
+    ("scope", "act"),
+    [
+        ((), """['harmless', 'id="front_door"']"""),
+        (("act: light", "act: plug"), """['light', 'plug', 'id="front_door"']"""),
+        (("act: harmless",), """['harmless', 'id="front_door"']"""),
+        (("read",), """['id="front_door"']"""),
+    ],
+)
+@pytest.mark.parametrize(
+    ("issuer", "table"), [("/light_service", "apps.light_service"), ("/thing_directory", "thing_directory")]
+)
+def test_a_refusal_has_the_line_that_allows_it(scope: tuple[str, ...], act: str, issuer: str, table: str) -> None:
+    command = make_command(LOCK, {"lock": "unlocked"}, scope=scope, issuer=issuer)
+    reason = Policies(ControlSettings(approvals=False)).judge(command, make_facts())[-1].reason
+    line = f"[{table}] act = {act}"
+    assert reason == f"front_door always asks, and {issuer} has no right that names it; {line} gives one"
+    config = parse_config(tomllib.loads(f"{table}.act = {act}"), "homebot.toml")
+    allowed = replace(command, rights=read_scope(make_plan(config).grants[issuer]))
+    assert Policies(ControlSettings(approvals=False)).judge(allowed, make_facts())[-1].allowed
+
+
 def test_the_table_of_an_app_says_what_it_may_command() -> None:
     tables = {"apps": {"light_service": {"act": ["light in hall", "plug"]}}, "gateways": {"mqtt": {}}}
     plan = make_plan(parse_config(tables, "homebot.toml"))
@@ -73,10 +106,13 @@ def test_the_table_of_an_app_says_what_it_may_command() -> None:
 
 
 @pytest.mark.parametrize("act", [5, "(light"])
-def test_a_wrong_grant_is_an_error_of_the_configuration(act: object) -> None:
+@pytest.mark.parametrize("table", ["apps.light_service", "thing_directory"])
+def test_a_wrong_grant_is_an_error_of_the_configuration(table: str, act: object) -> None:
+    own: dict[str, object] = {"act": act}
+    tables = {"thing_directory": own} if table == "thing_directory" else {"apps": {"light_service": own}}
     with pytest.raises(ConfigError) as raised:
-        make_plan(parse_config({"apps": {"light_service": {"act": act}}}, "homebot.toml"))
-    assert raised.value.key == "apps.light_service.act"
+        make_plan(parse_config(tables, "homebot.toml"))
+    assert raised.value.key == f"{table}.act"
 
 
 @pytest.mark.virtual_time

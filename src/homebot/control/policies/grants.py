@@ -9,7 +9,8 @@ from homebot.control.policies.facts import Facts
 from homebot.control.policies.safe_side import is_safe
 from homebot.control.policies.verdict import Verdict
 from homebot.devices.always_ask import always_asks
-from homebot.devices.client_rights import LOCAL_RIGHTS
+from homebot.devices.client_rights import HARMLESS
+from homebot.devices.names import THING_DIRECTORY_NODE
 
 __all__ = ["judge_grants"]
 
@@ -22,15 +23,26 @@ _NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
 def judge_grants(command: IssuedCommand, _facts: Facts) -> Verdict:
     """Refuse a command to a device that its issuer may not command.
 
-    Who has no scope may command everything but what always asks, and that to the safe side: lock, stop, turn off.
+    Who may command everything but what always asks may command that as well to the safe side: lock, stop, turn off.
     """
     if command.rights.may_command(command.device, command.part):
         return _NOT_CONCERNED
     if not always_asks(command.device, command.part):
         own = ", ".join(command.rights.act_scope) or "nothing"
         return Verdict(NAME, allowed=False, reason=f"{command.issuer} may not command {command.target}, only: {own}")
-    if command.rights is LOCAL_RIGHTS and is_safe(command):
+    if command.rights.acts_on_harmless and is_safe(command):
         return Verdict(ALWAYS_ASK, allowed=True, reason="it is to the safe side")
-    hint = f'[apps.{command.issuer.removeprefix("/")}] act = "id={command.device.id}"'
-    reason = f"{command.target} always asks, and {command.issuer} has no right that names it; {hint} gives one"
+    reason = (
+        f"{command.target} always asks, and {command.issuer} has no right that names it; {_hint(command)} gives one"
+    )
     return Verdict(ALWAYS_ASK, allowed=False, reason=reason)
+
+
+def _hint(command: IssuedCommand) -> str:
+    """Return the line of the configuration that lets the issuer of *command* do this, and what it may do already."""
+    table = command.issuer.removeprefix("/")
+    key = table if command.issuer == THING_DIRECTORY_NODE else f"apps.{table}"
+    rights = command.rights
+    own = [HARMLESS] if rights.acts_on_harmless else [one.removeprefix("act: ") for one in rights.act_scope]
+    queries = ", ".join(f"'{one}'" for one in (*own, f'id="{command.device.id}"'))
+    return f"[{key}] act = [{queries}]"
