@@ -83,7 +83,7 @@ class DeviceHistory:
         self.begins = found["begins"]
         entries = found["entries"]
         wanted = [one for one in entries if one["kind"] in {"requested", "published"} and asks_for(one, state)]
-        return [self._chain(one, 1) for one in wanted]
+        return [self._chain(one, 1) for one in {one["command"]: one for one in wanted}.values()]
 
     def _chain(self, entry: JournalEntryRecord, deepest: int) -> Chain:
         if not entry["command"]:

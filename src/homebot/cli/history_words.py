@@ -42,7 +42,7 @@ def result_text(chain: Chain) -> str:
     decided = [one for one in chain.entries if one["kind"] in {"outcome", "reverted"}]
     if decided:
         return entry_text(decided[-1], {})
-    if chain.first["kind"] == "published":
+    if any(one["kind"] == "published" for one in chain.entries):
         reports = [one for one in chain.entries if one["kind"] == "reported"]
         return f"it reported {settings_text(reports[-1]['settings'])}" if reports else "it reported nothing new"
     return "its outcome is not known yet"

@@ -28,6 +28,7 @@ from homebot.devices.names import (
     PERFORM_COMMAND,
     RELEASE_LEASE,
     RENEW_LEASE,
+    SEND_TEXT,
 )
 from homebot.graph import Node
 
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from homebot.control.command_service import CommandService
     from homebot.control.executor import CommandExecutor
     from homebot.control.lease_keeper import LeaseKeeper
+    from homebot.control.text_commands import TextCommands
     from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
     from homebot.devices.command_messages import (
         CommandDevicesRequest,
@@ -44,6 +46,7 @@ if TYPE_CHECKING:
         CommandResult,
     )
     from homebot.devices.lease_messages import HolderRequest, HoldRequest, LeaseResponse
+    from homebot.devices.text_messages import SendTextRequest, SendTextResponse
 
 __all__ = ["Control"]
 
@@ -83,6 +86,7 @@ class Control:
         self._executor: CommandExecutor | None = None
         self._words: CommandService | None = None
         self._keeper: LeaseKeeper | None = None
+        self._texts: TextCommands | None = None
         self._begun = anyio.Event()
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
@@ -101,8 +105,10 @@ class Control:
         from homebot.devices.approval_messages import GetUnapproved  # noqa: PLC0415 - see above
         from homebot.devices.command_messages import CommandDevices, PerformCommand  # noqa: PLC0415 - see above
         from homebot.devices.lease_messages import HoldPart, ReleaseLease, RenewLease  # noqa: PLC0415 - likewise
+        from homebot.devices.text_messages import SendText  # noqa: PLC0415 - likewise
 
         self._node.create_service(PerformCommand, PERFORM_COMMAND, self.perform, concurrent=True)
+        self._node.create_service(SendText, SEND_TEXT, self.send_text, concurrent=True)
         self._node.create_service(CommandDevices, COMMAND_DEVICES, self.command_devices, concurrent=True)
         self._node.create_service(HoldPart, HOLD_PART, self.hold, concurrent=True)
         self._node.create_service(RenewLease, RENEW_LEASE, self.renew)
@@ -113,6 +119,14 @@ class Control:
     async def perform(self, request: CommandRequest) -> CommandResult:
         """Carry out a command to one part, and return what became of it."""
         return await self._execution().perform(request)
+
+    async def send_text(self, request: SendTextRequest) -> SendTextResponse:
+        """Send a raw text to a device; return when its gateway has queued it."""
+        if self._texts is None:
+            from homebot.control.text_commands import TextCommands  # noqa: PLC0415 - few apps send texts
+
+            self._texts = TextCommands(self._node, self._execution(), self._judge, self._journal)
+        return await self._texts.send(request)
 
     async def command_devices(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
         """Carry out a command in words, to one device or to all that fit a query."""

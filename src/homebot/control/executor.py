@@ -100,6 +100,20 @@ class CommandExecutor:
         found = (await self._find.call(FindDevicesRequest(query=terms))).devices
         return next((one for one in found if one.id == device_id), None)
 
+    def refusal(self, command: IssuedCommand) -> Refused | None:
+        """Return the refusal of *command* by a lease or a policy; None if it may be sent now."""
+        return self._held(command) or self._judge.refusal(command)
+
+    def note_text(self, command: IssuedCommand) -> None:
+        """Note that *command* is sent as a text: nobody waits for its outcome, and older ones for the same are over."""
+        self.leases.note_stop(command.place, command.settings, self._clock.monotonic())
+        self._judge.note_sent(command)
+        places = [(command.device.id, command.part.id, one) for one in command.settings]
+        for place in places:
+            if (older := self._pending.get(place)) is not None:
+                older.supersede(command.id)
+        self._settling.supersede(places)
+
     async def _perform(self, name: str, request: CommandRequest) -> CommandResult:
         try:
             device = await self.find_device(request.device)
@@ -129,7 +143,7 @@ class CommandExecutor:
         if len(self._pending) >= MOST_PENDING:
             problem = f"{MOST_PENDING:,} commands wait for their outcome"
             return result_of(Refused("control", problem, command_id=command.id))
-        refused = self._held(command) or self._judge.refusal(command)
+        refused = self.refusal(command)
         if refused is not None:
             return result_of(refused)
         known, recent = self._known(command)

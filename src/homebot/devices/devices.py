@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping
-from typing import ParamSpec, TypeAlias, TypeVar, overload
+from typing import TYPE_CHECKING, ParamSpec, TypeAlias, TypeVar, overload
 
 import anyio.lowlevel
 
-from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import Device, Endpoint
 from homebot.devices.exposure import ExposedDevice, Exposure
 from homebot.devices.follow import Follow
-from homebot.devices.gateway_messages import ONLY_OBSERVES, GatewayState, RawCommand, RawMessage
+from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.handles.follow import FollowHandles
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleType
 from homebot.devices.handles.handles import Handles
-from homebot.devices.names import FIND_DEVICES, RUNTIME_NODE, GatewayNames
+from homebot.devices.names import FIND_DEVICES, GatewayNames
 from homebot.devices.services import (
     FindDevices,
     FindDevicesRequest,
@@ -24,13 +23,15 @@ from homebot.devices.services import (
     SubscribeToTopicRequest,
     SubscribeToTopicResponse,
 )
-from homebot.devices.text.address import command_address, others_at
-from homebot.errors import ClosedError, InvalidNameError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
-from homebot.graph import Client, Node, Publisher, Subscription, qos_profile_latched
+from homebot.devices.text_sender import check_gateway
+from homebot.errors import ClosedError, RefusedError, ServiceError, ServiceUnavailableError
+from homebot.graph import Client, Node, Subscription
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.log import LogLimit
 from homebot.messages import Time
-from homebot.names import validate_node_name
+
+if TYPE_CHECKING:
+    from homebot.devices.text_commander import TextCommander
 
 __all__ = ["Devices", "MessageHandler"]
 
@@ -41,10 +42,7 @@ MessageHandler: TypeAlias = Callable[[RawMessage], Awaitable[None] | None]
 
 NOT_HEARD = "devices.not_heard"
 
-_LIGHTS = frozenset({"light", "lights"})
-
 _INBOX_DEPTH = 10_000
-_COMMANDS_DEPTH = 1000
 
 
 class Devices:
@@ -66,9 +64,7 @@ class Devices:
         self._watches_services = False
         self._subscriptions: dict[str, Subscription[RawMessage]] = {}
         self._gateways: dict[str, Client[SubscribeToTopicRequest, SubscribeToTopicResponse]] = {}
-        self._commands: dict[str, Publisher[RawCommand]] = {}
-        self._states: dict[str, Subscription[GatewayState]] = {}
-        self._observing: dict[str, str] = {}
+        self._texts: TextCommander | None = None
         self._limit = LogLimit(node.graph.clock)
         self._handles: Handles | None = None
 
@@ -165,6 +161,9 @@ class Devices:
     async def tell(self, device: Device, payload: str) -> tuple[str, ...]:
         """Send the text *payload*, for example ``on``, through the first endpoint that accepts commands.
 
+        It is judged as the command that it is. One that cannot be read as a command of the device is judged as a use of
+        it; a device that always asks takes none of these.
+
         It returns when the gateway has queued the command. Whether the device obeyed shows in what it reports next. A
         text reaches one part of a device; to reach others, use their handles (:meth:`handles`).
 
@@ -173,43 +172,17 @@ class Devices:
             of a wall switch.
 
         Raises:
-            RefusedError: The device accepts no commands, or its gateway only observes; or it always asks, as a lock
-                does, and the policies of a runtime judge the commands of handles alone.
-            LinkError: None of its gateways is running; nothing was sent.
+            RefusedError: The device accepts no commands, its gateway only observes, or a policy or a lease says no.
+            LinkError: None of its gateways is running, or the control layer is away; nothing was sent.
         """
-        is_light = device.service_type in _LIGHTS and len(device.parts) == 1
-        if not is_light and self._node.graph.get_node(RUNTIME_NODE) is not None:
-            _check_text(device)
-        gateway = ""
-        problem: RefusedError | None = None
-        for endpoint in device.endpoints:
-            if not endpoint.command_address:
-                continue
-            gateway = gateway or endpoint.gateway
-            try:
-                out = self._out(endpoint)
-            except RefusedError as exc:
-                problem = exc
-                continue
-            if why_not := self._refusal_of(endpoint.gateway):
-                raise RefusedError(f"a command to {device.id}", why_not)
-            node = GatewayNames(endpoint.gateway).node
-            if out.reaches(node):
-                has_one_way = len(device.parts) == 1 and len(device.parts[0].routes) == 1
-                address = endpoint.command_address if has_one_way else command_address(device, endpoint, payload)
-                await out.send(
-                    RawCommand(address=address, payload=payload, issuer=self._node.full_name, trigger=current_trigger())
-                )
-                if out.reaches(node):  # else the gateway went while its queue was full
-                    return () if has_one_way else others_at(device, address, payload)
-        if problem is not None:
-            raise problem
-        if not gateway:
-            raise RefusedError(f"a command to {device.id}", "it takes no commands")
-        raise LinkError(f"{payload!r} was not sent to {device.id}: its gateway {gateway} is not running")
+        if self._texts is None:
+            from homebot.devices.text_commander import TextCommander  # noqa: PLC0415 - few apps send texts
+
+            self._texts = TextCommander(self._node)
+        return await self._texts.send(device, payload)
 
     async def _listen_at(self, device_id: str, endpoint: Endpoint, handler: MessageHandler) -> None:
-        _check(endpoint)
+        check_gateway(endpoint)
         if endpoint.address not in self._listened.setdefault(endpoint.gateway, set()):
             await self._listen_to(endpoint.gateway, endpoint.address)
         self._handlers[endpoint.gateway, endpoint.key] = device_id, handler
@@ -276,26 +249,6 @@ class Devices:
             self._gateways[gateway] = self._node.create_client(SubscribeToTopic, GatewayNames(gateway).subscribe)
         return self._gateways[gateway]
 
-    def _out(self, endpoint: Endpoint) -> Publisher[RawCommand]:
-        gateway = endpoint.gateway
-        if gateway not in self._commands:
-            _check(endpoint)
-            self._commands[gateway] = self._node.create_publisher(
-                RawCommand, GatewayNames(gateway).out, _COMMANDS_DEPTH
-            )
-        return self._commands[gateway]
-
-    def _refusal_of(self, gateway: str) -> str:
-        """Return why *gateway* sends no commands, by its last state; empty where it does, or reported none yet."""
-        if gateway not in self._states:
-            names = GatewayNames(gateway)
-            self._states[gateway] = self._node.create_subscription(
-                GatewayState, names.state, qos_profile=qos_profile_latched, from_node=names.node
-            )
-        if (state := self._states[gateway].take()) is not None:
-            self._observing[gateway] = "" if state.acts else state.reason or ONLY_OBSERVES
-        return self._observing.get(gateway, "")
-
     def _subscribe(self, topic: str, missed: tuple[RawMessage, ...]) -> None:
         """Subscribe; no other task runs since the gateway's answer, so nothing is lost and nothing comes twice."""
         if topic not in self._subscriptions:
@@ -310,22 +263,6 @@ class Devices:
         device_id, handler = found
         CURRENT_CAUSE.set((device_id, message))
         return handler(message)
-
-
-def _check(endpoint: Endpoint) -> None:
-    """Refuse an endpoint of something that cannot be a gateway: an app must not end because of it."""
-    try:
-        validate_node_name(endpoint.gateway)
-    except InvalidNameError as exc:
-        raise RefusedError(f"the endpoint {endpoint.key[:100]}", str(exc)) from exc
-
-
-def _check_text(device: Device) -> None:
-    """Refuse a text to a device that always asks: no policy sees it."""
-    from homebot.devices.always_ask import always_asks  # noqa: PLC0415 - few apps send texts
-
-    if any(always_asks(device, part) for part in device.parts):
-        raise RefusedError(f"a text to {device.id}", "it always asks; command it by its handle, which policies judge")
 
 
 def _check_plain(service_type: str, extra: tuple[object, ...], conditions: Mapping[str, object]) -> None:

@@ -217,6 +217,8 @@ class RawCommand(Message):
         retain: Whether the broker retains it.
         issuer: The name of the node that publishes it; empty where that is not known.
         trigger: What led to it, as far as the issuer knows.
+        command_id: The id that the control layer gave it, which has noted it in the journal; empty where it did not
+            pass there.
     """
 
     address: str
@@ -225,6 +227,7 @@ class RawCommand(Message):
     retain: bool = False
     issuer: str = ""
     trigger: Trigger = NO_TRIGGER
+    command_id: str = ""
 
 
 class GatewayState(Message):

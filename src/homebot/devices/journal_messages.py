@@ -71,8 +71,8 @@ class JournalEntry(Message):
         kind: ``requested``: somebody gave a command; ``judged``: a policy gave its verdict; ``sent``: it was handed to
             the gateway, each try is an entry; ``acknowledged``: the network accepted it; ``reported``: the device
             reported what bears on it; ``outcome``: its outcome became known; ``reverted``: the device went back later;
-            ``changed``: the device changed, and no command explains it; ``published``: a program published a raw
-            command, which nobody verifies.
+            ``changed``: the device changed, and no command explains it; ``published``: a raw text
+            was published, by `Devices.tell` or by another program, which nobody verifies.
         at: When.
         device: The id of the device.
         part: The id of the part.

@@ -33,6 +33,7 @@ __all__ = [
     "RELEASE_LEASE",
     "RENEW_LEASE",
     "RUNTIME_NODE",
+    "SEND_TEXT",
     "SPLIT_DEVICE",
     "TAG_DEVICE",
     "TEXT_SCHEME",
@@ -64,6 +65,7 @@ DEVICE_CHANGES = "/discovery/changes"
 DEVICE_STATES = "/discovery/states"
 DISCOVERY_HEALTH = "/discovery/health"
 PERFORM_COMMAND = "/control/perform"
+SEND_TEXT = "/control/send_text"
 COMMAND_DEVICES = "/devices/command"
 HOLD_PART = "/control/hold"
 RENEW_LEASE = "/control/renew"

@@ -308,6 +308,7 @@ def test_each_token_has_a_secret_of_its_own_which_no_error_shows() -> None:
         ("/light_service/health", Right.READ),
         ("/devices/command", Right.ACT),
         ("/control/perform", Right.ACT),
+        ("/control/send_text", Right.ACT),
         ("/control/hold", Right.ACT),
         ("/control/renew", Right.ACT),
         ("/control/release", Right.ACT),

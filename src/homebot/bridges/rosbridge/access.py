@@ -34,6 +34,7 @@ from homebot.devices.names import (
     READ_JOURNAL,
     RELEASE_LEASE,
     RENEW_LEASE,
+    SEND_TEXT,
 )
 from homebot.errors import PeerError
 from homebot.messages.definition import fields_of
@@ -75,7 +76,7 @@ _READING: Final = frozenset(
     }
 )
 _READING_OF_GATEWAYS: Final = frozenset({"read_tag", "scan", "subscribe_to_topic"})
-_ACTING: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE})
+_ACTING: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE, SEND_TEXT})
 _SETTING_PARAMETERS: Final = frozenset({"/rosapi/delete_param", "/rosapi/set_param"})
 
 

@@ -85,6 +85,8 @@ class HouseWatch:
             return  # nobody publishes under such a name
 
     async def _take_raw(self, gateway: str, command: RawCommand) -> None:
+        if command.command_id:
+            return  # it passed the control layer, which noted it
         now = self._clock.now()
         device = await self._addresses.device_at(gateway, command.address)
         if device:

@@ -165,7 +165,7 @@ class CommandJournal:
 
     def published(self, device: str, command: RawCommand, at: float) -> None:
         """Note a raw command for a device that came at *at*, in seconds since the Unix epoch."""
-        name = self.next_id()
+        name = command.command_id or self.next_id()
         self._changes.begin_raw(device, name, command.payload, at)
         self._note(
             "published",

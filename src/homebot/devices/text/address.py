@@ -8,7 +8,7 @@ from homebot.devices.names import is_text_address, read_text_address, text_addre
 from homebot.devices.text.commands import decode_command
 from homebot.errors import RefusedError
 
-__all__ = ["command_address", "others_at", "sending_part"]
+__all__ = ["command_address", "others_at", "part_at", "sending_part"]
 
 
 def command_address(device: Device, endpoint: Endpoint, text: str) -> str:
@@ -47,6 +47,18 @@ def others_at(device: Device, address: str, text: str) -> tuple[str, ...]:
         and one.part.category == target.part.category
         and _takes(one, text)
     )
+
+
+def part_at(device: Device, gateway: str, address: str) -> DevicePart | None:
+    """Return the part of *device* that takes texts at *address* of *gateway*; None where that is not known."""
+    if is_text_address(address):
+        return _part_at(device, address)
+    keys = {one.key for one in device.endpoints if one.gateway == gateway and one.command_address == address}
+    for part in device.parts:
+        is_there = any(one.gateway == gateway and one.key in keys for one in part.routes)
+        if is_there or address in part.part.writes:
+            return part
+    return None
 
 
 def sending_part(device: Device, message: RawMessage) -> DevicePart | None:

@@ -1,0 +1,159 @@
+"""Raw texts to devices: judged as the commands that they are, sent once, and not verified."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final, final
+
+from homebot.control.client_commands import POLICY, client_refusal
+from homebot.control.command import IssuedCommand
+from homebot.control.executor import CommandExecutor
+from homebot.control.journal import CommandJournal
+from homebot.control.judge import Judge
+from homebot.devices import Device, DevicePart
+from homebot.devices.always_ask import always_asks
+from homebot.devices.command_messages import CommandRequest, Setting, result_of
+from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
+from homebot.devices.part import Part
+from homebot.devices.text.address import part_at
+from homebot.devices.text.commands import decode_command
+from homebot.devices.text_messages import SendTextRequest, SendTextResponse
+from homebot.devices.text_sender import TextSender, TextTarget
+from homebot.devices.value import PlainValue, Value
+from homebot.errors import LinkError, RefusedError, ServiceError
+from homebot.graph import Node
+
+__all__ = ["UNREAD", "TextCommands"]
+
+UNREAD: Final = "raw_text"
+"""The capability that stands for a text of which nobody knows what it does; no verb but ``use`` is about it."""
+
+_LONGEST_NOTED: Final = 500
+_ALWAYS_ASK: Final = "always_ask"
+_UNREADABLE: Final = "it always asks, and this text cannot be read as a command; command it by its handle"
+
+
+@final
+class TextCommands:
+    """Serves the texts of applications.
+
+    Args:
+        node: The node that publishes them.
+        executor: Knows the devices, the leases and the commands under way.
+        judge: Asks the policies.
+        journal: Notes each text.
+    """
+
+    def __init__(self, node: Node, executor: CommandExecutor, judge: Judge, journal: CommandJournal) -> None:
+        self._clock = node.graph.clock
+        self._executor = executor
+        self._judge = judge
+        self._journal = journal
+        self._sender = TextSender(node)
+
+    async def send(self, request: SendTextRequest) -> SendTextResponse:
+        """Send a text, and return when its gateway has queued it; never raises."""
+        name = self._journal.next_id()
+        try:
+            device = await self._executor.find_device(request.device)
+        except ServiceError as exc:
+            return self._failed(name, request, NoAnswer(0.0, str(exc), command_id=name))
+        if device is None:
+            return self._failed(name, request, Gone(command_id=name))
+        try:
+            target = self._sender.target(device, request.payload)
+        except RefusedError as exc:
+            return self._failed(name, request, Refused("gateway", exc.reason, command_id=name))
+        except LinkError as exc:
+            return self._failed(name, request, NoAnswer(0.0, str(exc), command_id=name))
+        return await self._send(name, request, device, target)
+
+    async def _send(self, name: str, request: SendTextRequest, device: Device, target: TextTarget) -> SendTextResponse:
+        part = part_at(device, target.gateway, target.address) or _unknown_part(device)
+        settings = _settings(request.payload, part)
+        noted = _command_request(request, part.id, settings)
+        self._journal.requested(name, noted)
+        command = IssuedCommand(
+            id=name,
+            device=device,
+            part=part,
+            settings=settings,
+            issuer=request.issuer,
+            rights=self._judge.rights(request.issuer),
+            cause=request.trigger.id,
+            trigger=request.trigger,
+            issued_at=self._clock.now(),
+        )
+        refused = self._refusal(command, noted)
+        if refused is not None:
+            self._journal.decided(name, noted, result_of(refused))
+            return _response(refused)
+        self._executor.note_text(command)
+        try:
+            sent = await self._sender.send(
+                device, request.payload, target, request.issuer, request.trigger, command_id=name
+            )
+        except LinkError as exc:
+            outcome = NoAnswer(0.0, str(exc), command_id=name)
+            self._journal.decided(name, noted, result_of(outcome))
+            return _response(outcome)
+        self._journal.published(device.id, sent, self._clock.now())
+        return SendTextResponse(success=True, others=target.others, command_id=name)
+
+    def _refusal(self, command: IssuedCommand, noted: CommandRequest) -> Refused | None:
+        if problem := client_refusal(noted, command.device, command.part):
+            return Refused(POLICY, problem, command_id=command.id)
+        if UNREAD in command.settings and any(always_asks(command.device, one) for one in command.device.parts):
+            return Refused(_ALWAYS_ASK, _UNREADABLE, command_id=command.id)
+        return self._executor.refusal(command)
+
+    def _failed(self, name: str, request: SendTextRequest, outcome: Outcome) -> SendTextResponse:
+        noted = _command_request(request, "", {UNREAD: request.payload})
+        self._journal.requested(name, noted)
+        self._journal.decided(name, noted, result_of(outcome))
+        return _response(outcome)
+
+
+def _settings(payload: str, part: DevicePart) -> Mapping[str, PlainValue]:
+    """Return what *payload* sets at *part*; a device may take a word in another case, or between spaces."""
+    for text in (payload, payload.strip().casefold()):
+        try:
+            capability, value = decode_command(text, part.part)
+        except RefusedError:
+            continue
+        return {capability: value}
+    return {UNREAD: payload}
+
+
+def _command_request(request: SendTextRequest, part: str, settings: Mapping[str, PlainValue]) -> CommandRequest:
+    """Return the same as a command, for the journal and the rights of clients."""
+    noted = {name: one[:_LONGEST_NOTED] if isinstance(one, str) else one for name, one in settings.items()}
+    return CommandRequest(
+        device=request.device,
+        part=part,
+        settings=tuple(Setting(capability=name, value=Value.of(one)) for name, one in noted.items()),
+        issuer=request.issuer,
+        scope=request.scope,
+        cause=request.trigger.id,
+        trigger=request.trigger,
+    )
+
+
+def _unknown_part(device: Device) -> DevicePart:
+    """Return what stands for the part of a device of which none is known at the address."""
+    return DevicePart(id="", part=Part(id="", service_type=device.service_type), routes=())
+
+
+def _response(outcome: Outcome) -> SendTextResponse:
+    match outcome:
+        case Refused():
+            problem, message = "refused", f"{outcome.reason} ({outcome.policy})"
+        case Gone():
+            problem, message = "refused", outcome.text
+        case NoAnswer():
+            problem, message = "unreachable", outcome.reason
+        case _:
+            raise AssertionError(outcome)
+    return SendTextResponse.model_validate(
+        {"success": False, "problem": problem, "message": message, "command_id": outcome.command_id}
+    )

@@ -1,0 +1,139 @@
+"""Sender of raw texts: to the first endpoint of a device that accepts commands and whose gateway is running."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from homebot.devices.device import Device, Endpoint
+from homebot.devices.gateway_messages import ONLY_OBSERVES, GatewayState, RawCommand
+from homebot.devices.names import GatewayNames
+from homebot.devices.text.address import command_address, others_at
+from homebot.devices.trigger import NO_TRIGGER, Trigger
+from homebot.errors import InvalidNameError, LinkError, RefusedError
+from homebot.graph import Node, Publisher, Subscription, qos_profile_latched
+from homebot.names import validate_node_name
+
+__all__ = ["TextSender", "TextTarget", "check_gateway"]
+
+_DEPTH = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class TextTarget:
+    """Destination of a text.
+
+    Attributes:
+        gateway: The name of the gateway.
+        address: The address that the gateway sends it to.
+        others: The names of the other parts that would accept the text too.
+    """
+
+    gateway: str
+    address: str
+    others: tuple[str, ...]
+
+
+class TextSender:
+    """Publishes texts for the gateways.
+
+    Args:
+        node: The node that publishes them.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._commands: dict[str, Publisher[RawCommand]] = {}
+        self._states: dict[str, Subscription[GatewayState]] = {}
+        self._observing: dict[str, str] = {}
+
+    def target(self, device: Device, payload: str) -> TextTarget:
+        """Return where *payload* for *device* goes.
+
+        Raises:
+            RefusedError: The device accepts no commands, or its gateway only observes.
+            LinkError: None of its gateways is running.
+        """
+        gateway = ""
+        problem: RefusedError | None = None
+        for endpoint in device.endpoints:
+            if not endpoint.command_address:
+                continue
+            gateway = gateway or endpoint.gateway
+            try:
+                out = self._out(endpoint)
+            except RefusedError as exc:
+                problem = exc
+                continue
+            if why_not := self._refusal_of(endpoint.gateway):
+                raise RefusedError(f"a command to {device.id}", why_not)
+            if out.reaches(GatewayNames(endpoint.gateway).node):
+                return _target(device, endpoint, payload)
+        if problem is not None:
+            raise problem
+        if not gateway:
+            raise RefusedError(f"a command to {device.id}", "it takes no commands")
+        raise _away(device, payload, gateway)
+
+    async def send(
+        self,
+        device: Device,
+        payload: str,
+        target: TextTarget,
+        issuer: str,
+        trigger: Trigger = NO_TRIGGER,
+        command_id: str = "",
+    ) -> RawCommand:
+        """Send *payload* to *target*, which :meth:`target` returned; return when the gateway has queued it.
+
+        Raises:
+            LinkError: The gateway went away meanwhile.
+        """
+        out = self._commands[target.gateway]
+        command = RawCommand(
+            address=target.address, payload=payload, issuer=issuer, trigger=trigger, command_id=command_id
+        )
+        await out.send(command)
+        if not out.reaches(GatewayNames(target.gateway).node):  # it went while its queue was full
+            raise _away(device, payload, target.gateway)
+        return command
+
+    def _out(self, endpoint: Endpoint) -> Publisher[RawCommand]:
+        gateway = endpoint.gateway
+        if gateway not in self._commands:
+            check_gateway(endpoint)
+            self._commands[gateway] = self._node.create_publisher(RawCommand, GatewayNames(gateway).out, _DEPTH)
+        return self._commands[gateway]
+
+    def _refusal_of(self, gateway: str) -> str:
+        """Return why *gateway* sends no commands, by its last state; empty where it does, or reported none yet."""
+        if gateway not in self._states:
+            names = GatewayNames(gateway)
+            self._states[gateway] = self._node.create_subscription(
+                GatewayState, names.state, qos_profile=qos_profile_latched, from_node=names.node
+            )
+        if (state := self._states[gateway].take()) is not None:
+            self._observing[gateway] = "" if state.acts else state.reason or ONLY_OBSERVES
+        return self._observing.get(gateway, "")
+
+
+def check_gateway(endpoint: Endpoint) -> None:
+    """Refuse an endpoint of something that cannot be a gateway: an app must not end because of it.
+
+    Raises:
+        RefusedError: The name of its gateway is no name of a node.
+    """
+    try:
+        validate_node_name(endpoint.gateway)
+    except InvalidNameError as exc:
+        raise RefusedError(f"the endpoint {endpoint.key[:100]}", str(exc)) from exc
+
+
+def _target(device: Device, endpoint: Endpoint, payload: str) -> TextTarget:
+    if len(device.parts) == 1 and len(device.parts[0].routes) == 1:
+        return TextTarget(endpoint.gateway, endpoint.command_address, ())
+    address = command_address(device, endpoint, payload)
+    return TextTarget(endpoint.gateway, address, others_at(device, address, payload))
+
+
+def _away(device: Device, payload: str, gateway: str) -> LinkError:
+    return LinkError(f"{payload!r} was not sent to {device.id}: its gateway {gateway} is not running")
