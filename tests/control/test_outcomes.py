@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.control.conftest import OpenHome, ignore, obey_after, report
+from tests.control.conftest import Home, OpenHome, ignore, obey_after, report
 
+from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import DoorLock, Light, Switch, WindowCovering
 from homebot.devices.outcomes import (
     AlreadySo,
@@ -18,6 +19,7 @@ from homebot.devices.outcomes import (
     Refused,
     Superseded,
 )
+from homebot.errors import RefusedError
 
 pytestmark = pytest.mark.virtual_time
 
@@ -238,3 +240,25 @@ async def test_a_lamp_that_is_about_to_change_is_told_although_it_is_still_so(op
         await anyio.sleep(1)
         await lamp.turn_off()
         assert [one.value.plain() for one in home.commands][:2] == [True, False]
+
+
+async def test_of_several_settings_each_must_be_reported(open_home: OpenHome) -> None:
+    """Not the first alone."""
+
+    async def obey_the_first(home: Home, command: Command) -> None:
+        if command.capability == "on_off":
+            await home.report(command.key, command.capability, command.value.plain())
+
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        home.behaviours["lamp"] = obey_the_first
+        outcome = await (await home.handle(Light)).commands({"on_off": True, "level": 40.0})
+        assert isinstance(outcome, NoAnswer)
+
+
+@pytest.mark.parametrize("count", [0, 21])
+async def test_a_command_has_one_to_twenty_settings(open_home: OpenHome, count: int) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        with pytest.raises(RefusedError, match=f"{count} settings"):
+            await (await home.handle(Light)).commands({f"x_{number}": 1.0 for number in range(count)})

@@ -56,7 +56,8 @@ class PendingCommand:
         self.moved_at: float | None = None
         self.superseded_by = ""
         self._before = before
-        self._wanted = {name: value for name, value in command.settings.items() if name in set(readable)}
+        told = frozenset(readable)
+        self._wanted = {name: value for name, value in command.settings.items() if name in told}
         self._began = began
         self._wake = wake
         self._seen: dict[str, PlainValue] = {}
@@ -127,7 +128,7 @@ class PendingCommand:
     @property
     def reported(self) -> tuple[Setting, ...]:
         """The values that the device reported and that fit."""
-        return tuple(Setting(capability=one, value=Value.of(self._seen[one])) for one in self._fitting)
+        return tuple([Setting.of_checked(capability=one, value=Value.of(self._seen[one])) for one in self._fitting])
 
     def response_times(self) -> Iterable[tuple[str, float]]:
         """Yield the capabilities that were reported as wanted, each with the seconds that it took."""
