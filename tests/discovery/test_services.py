@@ -121,6 +121,24 @@ async def test_devices_are_found_by_any_word_for_what_they_are(lamp: Sighting) -
             ]
 
 
+async def test_devices_are_found_by_their_ids(lamp: Sighting) -> None:
+    """Of those asked for, each once and sorted; with a type only those that fit it as well."""
+    async with directory() as house:
+        other = lamp.model_copy(update={"key": "k", "identifiers": ("id:other",), "name": "Other"})
+        await house.hears(lamp, other)
+        find = house.asker.create_client(FindDevices, FIND_DEVICES)
+
+        async def found(*ids: str, service_type: str = "") -> list[str]:
+            answer = await find.call(FindDevices.Request(ids=ids, service_type=service_type))
+            return [device.id for device in answer.devices]
+
+        assert await found("other") == ["other"]
+        assert await found("other", "nobody", "desk_lamp", "other") == ["desk_lamp", "other"]
+        assert await found("nobody") == []
+        assert await found("other", service_type="light") == ["other"]
+        assert await found("other", service_type="lock") == []
+
+
 async def test_others_get_turns_while_an_answer_waits_for_hundreds_of_new_devices(
     announce: Announce, part: MakePart
 ) -> None:

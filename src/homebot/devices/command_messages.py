@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from pydantic import ConfigDict, Field
@@ -14,6 +16,7 @@ from homebot.devices.value import Value
 from homebot.messages.message import Message, ServiceType, UInt8
 
 __all__ = [
+    "MOST_SETTINGS",
     "CommandDevices",
     "CommandDevicesRequest",
     "CommandDevicesResponse",
@@ -32,7 +35,9 @@ OutcomeKind: TypeAlias = Literal[
     "confirmed", "already_so", "contradicted", "reverted", "no_answer", "superseded", "refused", "gone"
 ]
 
-_MOST_SETTINGS = 20
+MOST_SETTINGS = 20
+"""Settings of one command."""
+
 _MOST_SCOPES = 100
 
 
@@ -69,7 +74,7 @@ class CommandRequest(Message):
 
     device: str
     part: str
-    settings: Annotated[tuple[Setting, ...], Field(min_length=1, max_length=_MOST_SETTINGS)]
+    settings: Annotated[tuple[Setting, ...], Field(min_length=1, max_length=MOST_SETTINGS)]
     transition: float = 0.0
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
     issuer: str
@@ -147,7 +152,7 @@ class CommandDevicesRequest(Message):
 
     target: str
     command: str = "set"
-    values: Annotated[tuple[KeyValue, ...], Field(max_length=_MOST_SETTINGS)] = ()
+    values: Annotated[tuple[KeyValue, ...], Field(max_length=MOST_SETTINGS)] = ()
     transition: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
     issuer: str = ""
@@ -192,28 +197,37 @@ class CommandDevicesResponse(Message):
 CommandDevices = ServiceType("homebot/srv/CommandDevices", CommandDevicesRequest, CommandDevicesResponse)
 
 
+_NO_FACTS: Mapping[str, object] = MappingProxyType(
+    {"latency": 0.0, "evidence": 0, "saw": "", "by": "", "policy": "", "reason": ""}
+)
+"""What a result says that is about another outcome."""
+
+
 def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandResult:
     """Return the message that carries *outcome*, and what the device reported."""
-    fields: dict[str, object] = {}
+    fields = dict(_NO_FACTS)
     match outcome:
         case outcomes.Confirmed():
-            kind, fields = "confirmed", {"latency": outcome.latency, "evidence": int(outcome.evidence)}
+            kind = "confirmed"
+            fields |= {"latency": outcome.latency, "evidence": int(outcome.evidence)}
         case outcomes.AlreadySo():
             kind = "already_so"
         case outcomes.Contradicted():
-            kind, fields = "contradicted", {"saw": outcome.saw}
+            kind, fields["saw"] = "contradicted", outcome.saw
         case outcomes.Reverted():
-            kind, fields = "reverted", {"latency": outcome.after}
+            kind, fields["latency"] = "reverted", outcome.after
         case outcomes.NoAnswer():
-            kind, fields = "no_answer", {"latency": outcome.waited, "reason": outcome.reason}
+            kind = "no_answer"
+            fields |= {"latency": outcome.waited, "reason": outcome.reason}
         case outcomes.Superseded():
-            kind, fields = "superseded", {"by": outcome.by}
+            kind, fields["by"] = "superseded", outcome.by
         case outcomes.Refused():
-            kind, fields = "refused", {"policy": outcome.policy, "reason": outcome.reason}
+            kind = "refused"
+            fields |= {"policy": outcome.policy, "reason": outcome.reason}
         case _:
             kind = "gone"
-    return CommandResult.model_validate(
-        {"command_id": outcome.command_id, "outcome": kind, "text": outcome.text, "reported": reported, **fields}
+    return CommandResult.of_checked(
+        command_id=outcome.command_id, outcome=kind, text=outcome.text, reported=reported, **fields
     )
 
 

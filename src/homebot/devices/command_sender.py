@@ -55,7 +55,7 @@ class CommandSender:
         for route in routes:
             response = await self._call(
                 route.gateway,
-                Command(
+                Command.of_checked(
                     key=route.key,
                     part=route.part,
                     capability=capability,

@@ -7,7 +7,14 @@ from collections.abc import Mapping
 from contextlib import AbstractAsyncContextManager
 from typing import TYPE_CHECKING, Final
 
-from homebot.devices.command_messages import CommandRequest, CommandResult, PerformCommand, Setting, outcome_of
+from homebot.devices.command_messages import (
+    MOST_SETTINGS,
+    CommandRequest,
+    CommandResult,
+    PerformCommand,
+    Setting,
+    outcome_of,
+)
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import Device, DevicePart, State
@@ -77,13 +84,14 @@ class Commander:
                 return NoAnswer(0.0, NO_CONTROL)
             return await self._send(tracked.device, part, settings, transition, code)
         trigger = current_trigger()
-        request = CommandRequest(
+        request = CommandRequest.of_checked(
             device=tracked.device.id,
             part=part.id,
             settings=settings,
-            transition=transition,
+            transition=float(transition),
             code=code,
             issuer=self._node.full_name,
+            scope=(),
             cause=trigger.id,
             trigger=trigger,
         )
@@ -105,10 +113,15 @@ class Commander:
         return hold_part(self._node, tracked, part_id, word, by, ttl)
 
     def _note_reported(self, tracked: TrackedDevice, part: str, result: CommandResult) -> None:
+        if not result.reported:
+            return
         stamp = Time.from_seconds(self._clock.now())
         for one in result.reported:
+            value = one.value
             tracked.take_reported(
-                State(part=part, capability=one.capability, value=one.value, since=stamp, told_at=stamp, live=True)
+                State.of_checked(
+                    part=part, capability=one.capability, value=value, since=stamp, told_at=stamp, live=True
+                )
             )
 
     async def _send(
@@ -132,8 +145,10 @@ def _checked(
     target = f"{device.id}#{part.id}" if part.id else device.id
     if not (0 <= transition < math.inf):
         raise RefusedError(f"a transition of {transition} s", "it must be a finite number of seconds, 0 or more")
+    if not 0 < len(values) <= MOST_SETTINGS:
+        raise RefusedError(f"{len(values)} settings of {target}", f"a command has 1 to {MOST_SETTINGS}")
     if len(code) > _LONGEST_CODE:
         raise RefusedError(f"a code for {target}", f"it has more than {_LONGEST_CODE} characters")
     for capability, value in values.items():
         check_setting(target, part.part, capability, value)
-    return tuple(Setting(capability=name, value=Value.of(value)) for name, value in values.items())
+    return tuple([Setting.of_checked(capability=name, value=Value.of(value)) for name, value in values.items()])

@@ -70,10 +70,12 @@ class FindDevicesRequest(Message):
             :func:`homebot.devices.device_types.wanted_types`.
         query: The query that they match, as terms; empty for all. Programs outside may send it as text. One that is
             not understood fails the call. Unlike :class:`QueryDevicesRequest` it ranks nothing.
+        ids: Only the devices with these ids; empty for all.
     """
 
     service_type: str = ""
     query: tuple[QueryTerm, ...] = ()
+    ids: tuple[str, ...] = ()
 
 
 class FindDevicesResponse(Message):

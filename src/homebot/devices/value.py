@@ -45,7 +45,7 @@ class Value(Message):
             case bool():
                 return _TRUE if plain else _FALSE
             case str():
-                return cls(type=_TEXT, text=plain)
+                return cls.of_checked(type=_TEXT, flag=False, number=0.0, text=plain, numbers=())
             case tuple():
                 return cls(type=_NUMBERS, numbers=plain)
         return _of_number(float(plain))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import anyio.lowlevel
 
@@ -111,15 +111,22 @@ class DirectoryServices:
 
     async def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse:
         await self._catch_up()
-        query = read_terms(request.query)
-        if request.service_type:
-            query = And((type_is(request.service_type), query))
         devices = []
-        for device_id in sorted(self._index.find(query)):
+        for device_id in self._ids_of(request):
             device = self._index.get(device_id)
             if device is not None:
                 devices.append(device)
-        return FindDevicesResponse(devices=tuple(devices), sequence=self._index.sequence)
+        return FindDevicesResponse.of_checked(devices=tuple(devices), sequence=self._index.sequence)
+
+    def _ids_of(self, request: FindDevicesRequest) -> Iterable[str]:
+        """Return the ids of the devices that *request* is about, sorted; of those that it names some may be unknown."""
+        if request.ids and not request.query and not request.service_type:
+            return request.ids if len(request.ids) == 1 else sorted(set(request.ids))
+        query = read_terms(request.query)
+        if request.service_type:
+            query = And((type_is(request.service_type), query))
+        found = self._index.find(query)
+        return sorted(found.intersection(request.ids) if request.ids else found)
 
     async def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
         from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - for people who search

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.text.commands import decode_command
@@ -26,6 +26,9 @@ says no.
 
 FindPart: TypeAlias = Callable[[str, str], AnnouncedPart]
 """Returns the part of a device, by the device's key and its own id; raises :class:`UnableError` for none."""
+
+
+_ACCEPTED: Final = SendCommandResponse.of_checked(success=True, message="", problem="", unable=False)
 
 
 class CommandServer:
@@ -58,7 +61,7 @@ class CommandServer:
             is_unable = isinstance(exc, UnableError)
             return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=is_unable)
         self._counters.commands += 1
-        return SendCommandResponse(success=True)
+        return _ACCEPTED
 
     async def tell(self, key: str, part_id: str, text: str) -> None:
         """Carry out what *text* means to a part; see :mod:`homebot.devices.text.commands`.
