@@ -131,6 +131,11 @@ def test_faults_are_put_on_in_the_order_of_the_file() -> None:
             "doors",
         ),
         (f"{LAMP}[[errands]]\nat = '07:00'\ndevice = 'lamb'\ncommand = 'on'\n", "errands.0.device", "no device 'lamb'"),
+        (
+            f"{LAMP}[devices.plug]\nkind = 'power_meter'\nroom = 'hall'\nof = 'lamb'\n",
+            "devices.plug.of",
+            "no device 'lamb'",
+        ),
         (f"{HALL}[garden]\n", "garden", "unknown key; known are house, rooms, devices, people, errands"),
         ("rooms", "", "is invalid TOML"),
     ],

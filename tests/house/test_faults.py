@@ -76,6 +76,14 @@ def test_a_liar_says_what_it_was_told_and_does_nothing() -> None:
     assert said(Liar(SimulatedDoorLock("lock"), dice()), "unlock", 0.0) == ["unlocked"]
 
 
+def test_a_liar_may_begin_to_lie_later() -> None:
+    """Before, it obeys: what watches it can learn how it is when it does."""
+    lamp = SimulatedLamp("lamp")
+    liar = Liar(lamp, dice(), since=10.0)
+    assert (said(liar, "on", 9.0), lamp.is_on) == (["on"], True)
+    assert (said(liar, "off", 10.0), lamp.is_on) == (["off"], True)
+
+
 def test_a_stuck_device_answers_with_its_old_state() -> None:
     """After a while, once for all it was told meanwhile; hands and what a sensor feels change nothing."""
     stuck = Stuck(SimulatedLamp("lamp"), dice())

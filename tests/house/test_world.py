@@ -151,6 +151,20 @@ def test_the_power_meter_says_the_sum_of_what_is_on() -> None:
     assert said == [(1.0, "10"), (1.0, "50"), (4.0, "10")]
 
 
+def test_a_metering_plug_says_what_its_device_draws() -> None:
+    """Whatever else is on, and whatever the device says."""
+    devices = [
+        Placed(PowerMeter("plug", of="lamp"), "hall"),
+        Placed(Liar(SimulatedLamp("lamp", rated_watts=10.0), random.Random(1), since=2.0), "hall"),  # noqa: S311
+        Placed(SimulatedLamp("other"), "hall"),
+    ]
+    world = World(PLAN, devices)
+    for at, name, command in ((1.0, "lamp", "on"), (1.5, "other", "on"), (2.0, "lamp", "off")):
+        world.command(name, command, at)
+    said = [(event.at, event.what) for event in world.event_log.since(0) if event.who == "plug"]
+    assert said == [(1.0, "10")]
+
+
 def test_a_liar_draws_what_is_true() -> None:
     """Its words change no physics."""
     lamp = Liar(SimulatedLamp("lamp"), random.Random(1))  # noqa: S311  # no secrets

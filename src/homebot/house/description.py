@@ -41,10 +41,12 @@ from pydantic import BaseModel, ConfigDict, Field
 from homebot.config import Table, parse_settings
 from homebot.errors import ConfigError, UsageError
 from homebot.house.dialects import DIALECTS
+from homebot.house.faults import unwrap
 from homebot.house.household import Habit, Person
 from homebot.house.kinds import FAULTS, KINDS, Surroundings
 from homebot.house.network import FAMILIES, kinds_of
 from homebot.house.rooms import OUTSIDE, Room, Rooms
+from homebot.house.sensors import PowerMeter
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.world import Placed, ScheduledCommand, World
 from homebot.similar import unknown_key
@@ -82,6 +84,10 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
     placed = [_placed(name, table, rooms, seed, house.dialect, source) for name, table in parts.devices.items()]
     people = [_person(name, table, rooms, source) for name, table in parts.people.items()]
     known = {item.device.device_id for item in placed}
+    for item in placed:
+        meter = unwrap(item.device)
+        if isinstance(meter, PowerMeter) and meter.of and meter.of not in known:
+            raise ConfigError(source, f"devices.{meter.device_id}.of", f"there is no device {meter.of!r}")
     errands = []
     for number, table in enumerate(parts.errands):
         key = f"errands.{number}"

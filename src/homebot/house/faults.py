@@ -168,10 +168,11 @@ class Deaf(DeviceFault):
 
 
 class Liar(DeviceFault):
-    """Reports what was commanded and does nothing."""
+    """Reports what was commanded and does nothing, from a time on (seconds since the first midnight)."""
 
-    def __init__(self, device: SimulatedDevice, rng: random.Random) -> None:
+    def __init__(self, device: SimulatedDevice, rng: random.Random, *, since: float = 0.0) -> None:
         super().__init__(device, rng)
+        self.since = since
         self._lie: str | None = None
 
     def state(self) -> str:
@@ -184,6 +185,8 @@ class Liar(DeviceFault):
         return super().operate_manually(command, now)
 
     def _take(self, command: str) -> tuple[str, ...]:
+        if self.now < self.since:
+            return self._pass(command)
         self._lie = DONE.get(command, command)
         return (self._lie,)
 

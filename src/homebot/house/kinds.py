@@ -127,6 +127,7 @@ class _Meter(KindSettings):
     makes = PowerMeter
 
     step: Positive | None = None
+    of: str | None = None
 
 
 class _Thermostat(KindSettings):
@@ -174,6 +175,8 @@ class _Deaf(FaultSettings):
 
 class _Liar(FaultSettings):
     makes = faults.Liar
+
+    since: NotNegative | None = None
 
 
 class _Stuck(FaultSettings):

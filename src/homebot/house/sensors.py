@@ -104,16 +104,18 @@ class LuxSensor(SimulatedDevice):
 
 @dataclass(eq=False)
 class PowerMeter(SimulatedDevice):
-    """A power meter: senses the watts of all that is on.
+    """A power meter: senses the watts of all that is on, or of one device, as a metering plug does.
 
     Attributes:
         total: The last report, in watts.
         step: The change in watts that is worth a report.
+        of: The name of the device whose power it measures; empty for the whole house.
     """
 
     kind: ClassVar[str] = "power_meter"
     total: float = 0.0
     step: float = 1.0
+    of: str = ""
     service_type: str = field(default="power_meters", kw_only=True)
 
     def state(self) -> str:

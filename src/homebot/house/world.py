@@ -263,6 +263,8 @@ class World:
         for entry in self._entries.values():
             for room in (entry.placed.room, entry.placed.door or entry.placed.room):
                 self._rooms.path(room, room)
+            if isinstance(entry.real, PowerMeter) and entry.real.of:
+                self._find(entry.real.of)
         for scheduled in self._errands:
             self._find(scheduled.device_id)
 
@@ -369,7 +371,8 @@ class World:
         total = sum(entry.placed.device.watts() for entry in self._entries.values())
         for entry in self._entries.values():
             if isinstance(entry.real, PowerMeter):
-                self._feel(entry, total)
+                of = entry.real.of
+                self._feel(entry, self._entries[of].placed.device.watts() if of else total)
 
     def _sample(self) -> None:
         outside = weather(self.now, self._first_day)
