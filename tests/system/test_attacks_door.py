@@ -344,6 +344,20 @@ def call(peer: ClientConnection, service: str, **arguments: object) -> dict[str,
     return answer
 
 
+def check_journal(entries: list[dict[str, Any]], lock: str) -> None:
+    """Each request that the door refused is in the journal, by whom and why, and so is each refused command."""
+    wanted = {(op, topic) for op in ("advertise", "publish") for topic, _, _ in FORGED}
+    wanted.add(("call_service", "/gateway/mqtt/send_command"))
+    for issuer in ("client:local", "client:lamps"):
+        denied = [one for one in entries if (one["kind"], one["issuer"]) == ("denied", issuer)]
+        facts = [{one["name"]: one["value"]["text"] for one in entry["verdicts"][0]["facts"]} for entry in denied]
+        assert {(one["operation"], one["target"]) for one in facts} == wanted
+        assert all(entry["verdicts"][0]["reason"].startswith("the right raw is missing; ") for entry in denied)
+        assert [(entry["device"], entry["text"]) for entry in denied if entry["text"]] == [(lock, "UNLOCK")]
+        outcomes = [one for one in entries if (one["kind"], one["issuer"]) == ("outcome", issuer)]
+        assert [one["results"][0]["policy"] for one in outcomes] == ["rights"]
+
+
 def test_a_program_without_the_right_opens_no_lock_and_forges_nothing(tmp_path: Path) -> None:
     """On a real broker: what the lock hears is the command of the one program that may unlock it."""
     (tmp_path / "homebot.toml").write_text(HOUSE)
@@ -387,5 +401,6 @@ def test_a_program_without_the_right_opens_no_lock_and_forges_nothing(tmp_path: 
                 one["name"]: one["count"] for one in call(watcher, "/rosbridge_websocket/health")["values"]["counts"]
             }
             assert counts["rights_missing"] == 2 * (2 * len(FORGED) + 1)
+            check_journal(call(watcher, "/control/journal")["values"]["entries"], known[0]["id"])
         assert "secret" not in homebot.text()
         assert "client:lamps" in homebot.text()

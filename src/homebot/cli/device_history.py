@@ -14,6 +14,9 @@ from homebot.cli.values import plain_value
 
 __all__ = ["Chain", "DeviceHistory", "asks_for", "changed_at"]
 
+_STATES = {"close": "closed", "lock": "locked", "unlock": "unlocked"}
+"""The states that commands with other words lead to."""
+
 _DEEPEST = 5
 """Commands of one chain: a report that led to a command may have been the effect of another."""
 
@@ -23,6 +26,7 @@ _SAME_TIME = 2.0
 _LATE = 3.0
 """Seconds after an entry that the directory may know of the change."""
 
+_WISHES = frozenset({"requested", "published", "denied"})
 _TRACES = frozenset({"reported", "changed"})
 
 
@@ -78,12 +82,13 @@ class DeviceHistory:
         return self._chain(last, _DEEPEST)
 
     def asked(self, device: DeviceRecord, state: str) -> Sequence[Chain]:
-        """Return the commands for *state* that the journal has, newest last."""
+        """Return the commands for *state* in the journal, and the requests for it that were denied, newest last."""
         found = self._client.read(device=device["id"])
         self.begins = found["begins"]
         entries = found["entries"]
-        wanted = [one for one in entries if one["kind"] in {"requested", "published"} and asks_for(one, state)]
-        return [self._chain(one, 1) for one in {one["command"]: one for one in wanted}.values()]
+        wanted = [one for one in entries if one["kind"] in _WISHES and asks_for(one, state)]
+        commands = {one["command"] or number: one for number, one in enumerate(wanted)}
+        return [self._chain(one, 1) for one in commands.values()]
 
     def _chain(self, entry: JournalEntryRecord, deepest: int) -> Chain:
         if not entry["command"]:
@@ -126,8 +131,9 @@ def settable_states(device: DeviceRecord) -> Iterable[StateRecord]:
 def asks_for(entry: JournalEntryRecord, state: str) -> bool:
     """Return whether a command asks for *state*, as people say it: a lamp at 40 % is on."""
     wanted = state.casefold()
-    if entry["kind"] == "published":
-        return entry["text"].strip().casefold() == wanted
+    if entry["kind"] != "requested" and not entry["settings"]:  # a raw command, or one that the door refused
+        word = entry["text"].strip().casefold()
+        return wanted in {word, _STATES.get(word)}
     return any(_means(one, wanted) for one in entry["settings"])
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from homebot.cli.device_history import Chain
 from homebot.cli.journal_records import JournalEntryRecord
-from homebot.cli.journal_words import clock_text, entry_text, issuer_text, settings_text, trigger_text
+from homebot.cli.journal_words import clock_text, denial_text, entry_text, issuer_text, settings_text, trigger_text
 
 __all__ = ["UNEXPLAINED", "chain_lines", "reason_text", "result_text"]
 
@@ -42,6 +42,8 @@ def result_text(chain: Chain) -> str:
     decided = [one for one in chain.entries if one["kind"] in {"outcome", "reverted"}]
     if decided:
         return entry_text(decided[-1], {})
+    if chain.first["kind"] == "denied":
+        return f"refused: {denial_text(chain.first)}"
     if any(one["kind"] == "published" for one in chain.entries):
         reports = [one for one in chain.entries if one["kind"] == "reported"]
         return f"it reported {settings_text(reports[-1]['settings'])}" if reports else "it reported nothing new"

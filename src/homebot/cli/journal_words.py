@@ -14,6 +14,7 @@ from homebot.cli.values import plain_value, value_text
 __all__ = [
     "ago_text",
     "clock_text",
+    "denial_text",
     "entry_text",
     "issuer_text",
     "name_text",
@@ -23,6 +24,13 @@ __all__ = [
 ]
 
 _CLIENT = "client:"
+_RIGHTS = "rights"
+_REQUESTS: Mapping[str, str] = {
+    "advertise": "to announce that it publishes on",
+    "advertise_service": "to provide",
+    "call_service": "to call",
+    "subscribe": "to subscribe to",
+}
 
 
 def entry_text(entry: JournalEntryRecord, names: Mapping[str, str]) -> str:
@@ -43,10 +51,21 @@ def entry_text(entry: JournalEntryRecord, names: Mapping[str, str]) -> str:
             return "the network accepted it"
         case "reported":
             return f"{name} reported {settings_text(entry['settings'])}"
+        case "denied":
+            return f"{issuer_text(entry['issuer'])} was refused {_request_text(entry)}: {denial_text(entry)}"
+        case "held" | "released" | "expired" | "outranked" | "handed_back":
+            return _lease_text(entry, name)
         case "changed":
             return f"{name} reported {settings_text(entry['settings'])}; no command explains it"
         case _:
             return outcome_text(entry["results"][0])
+
+
+def denial_text(entry: JournalEntryRecord) -> str:
+    """Return why a request was denied, without the advice that the client got, and how often."""
+    reason = printable(entry["verdicts"][0]["reason"].partition("; ")[0])
+    times = _facts(entry).get("count", 1)
+    return f"{reason} ({times:,.0f} times)" if isinstance(times, float) and times > 1 else reason
 
 
 def trigger_text(trigger: TriggerRecord, names: Mapping[str, str]) -> str:
@@ -99,6 +118,39 @@ def clock_text(time: TimeRecord, now: float) -> str:
     today = datetime.fromtimestamp(now, UTC).astimezone().date()
     text = f"{local:%H:%M:%S}.{local.microsecond // 100_000}"
     return text if local.date() == today else f"{local:%Y-%m-%d} {text}"
+
+
+def _lease_text(entry: JournalEntryRecord, name: str) -> str:
+    holder = f"{printable(entry['text'], 60)} ({issuer_text(entry['issuer'])})"
+    held = settings_text(entry["settings"])
+    match entry["kind"]:
+        case "held":
+            return f"{holder} began to hold {name} {held}"
+        case "released":
+            return f"{holder} holds {name} no more"
+        case "expired":
+            return f"{holder} holds {name} no more: its time was over"
+        case "outranked":
+            return f"{printable(entry['text'], 60)}, which outranks the lease that holds {name} {held}"
+        case _:
+            return f"{name} is held {held} again"
+
+
+def _request_text(entry: JournalEntryRecord) -> str:
+    """Return what was denied, in words after "was refused"."""
+    if entry["verdicts"][0]["policy"] != _RIGHTS:
+        return f"to hold it {settings_text(entry['settings'])}"
+    facts = _facts(entry)
+    operation = str(facts.get("operation", ""))
+    target = printable(str(facts.get("target", "")), 100)
+    wanted = f" {printable(entry['text'])!r}" if entry["text"] else ""
+    if operation == "publish":
+        return f"to publish{wanted} on {target}"
+    return f"{_REQUESTS.get(operation, operation)} {target}{' for' if wanted else ''}{wanted}".strip()
+
+
+def _facts(entry: JournalEntryRecord) -> Mapping[str, object]:
+    return {one["name"]: plain_value(one["value"]) for verdict in entry["verdicts"] for one in verdict["facts"]}
 
 
 def _setting_text(setting: SettingRecord) -> str:

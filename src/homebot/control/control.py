@@ -15,6 +15,7 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.control.journal import CommandJournal
+from homebot.control.journal.denied_requests import DeniedRequests
 from homebot.control.journal.house_watch import HouseWatch
 from homebot.control.journal.memory_store import MemoryStore
 from homebot.control.journal.store import JournalStore
@@ -82,6 +83,7 @@ class Control:
         self._settings = settings or ControlSettings()
         self._journal = CommandJournal(node, self._store(journal_file), self._settings.settle)
         self._house_watch = HouseWatch(node, self._journal)
+        self._denied = DeniedRequests(node, self._journal, self._house_watch.addresses)
         self._judge = Judge(node, self._settings, grants, self._journal, trusts_apps=trusts_apps)
         self._executor: CommandExecutor | None = None
         self._words: CommandService | None = None
@@ -186,5 +188,5 @@ class Control:
         if self._keeper is None:
             from homebot.control.lease_keeper import LeaseKeeper  # noqa: PLC0415 - likewise
 
-            self._keeper = LeaseKeeper(self._node, self._execution())
+            self._keeper = LeaseKeeper(self._node, self._execution(), self._journal)
         return self._keeper

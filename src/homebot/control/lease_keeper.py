@@ -13,6 +13,8 @@ from anyio.abc import TaskGroup
 
 from homebot.control.executor import CommandExecutor
 from homebot.control.held_values import STOPPED
+from homebot.control.journal import CommandJournal
+from homebot.control.journal.journal import LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, value_text
 from homebot.control.report_watch import ReportWatch
 from homebot.devices.capabilities import MOMENTARY
@@ -48,13 +50,16 @@ class LeaseKeeper:
     Args:
         node: The node that it is on the graph.
         executor: Carries the commands out, and asks its leases about each.
+        journal: Notes what becomes of each lease.
     """
 
-    def __init__(self, node: Node, executor: CommandExecutor) -> None:
+    def __init__(self, node: Node, executor: CommandExecutor, journal: CommandJournal) -> None:
         self._node = node
         self._clock = node.graph.clock
         self._executor = executor
+        self._journal = journal
         self._leases = executor.leases
+        self._leases.on_outranked = self._note_outranked
         self._watch = ReportWatch(node)
         self._kept: dict[Lease, _WatchedLease] = {}
         self._changed = anyio.Event()
@@ -87,6 +92,7 @@ class LeaseKeeper:
             kept.stop = self._watch.watch(part.routes, partial(self._take, lease))
             self._changed.set()
         self._log("control.held", lease, f"is {lease.text(self._clock.monotonic())}")
+        self._note_step("held", lease, request.issuer, request.by)
         key = _key(request)
         result = await self._command(lease, request.issuer, request.scope)
         if result is None:  # over, or a hand came, before its turn; its rights were not looked at
@@ -149,10 +155,11 @@ class LeaseKeeper:
         if now < lease.hand_until:
             return  # it was stopped meanwhile
         if isinstance(outcome, Contradicted):
-            lease.outrank(outcome.saw, now + self._leases.hand_time)
+            self._leases.outrank(lease, outcome.saw, now)
         elif not outcome.succeeded:
             lease.again_at = now + _AGAIN
         else:
+            self._hand_back(lease)
             lease.set_so()
             if kept.seen is not None:
                 self._judge(lease, kept.seen)
@@ -168,12 +175,10 @@ class LeaseKeeper:
 
     def _judge(self, lease: Lease, value: PlainValue) -> None:
         if lease.fits(value):
+            self._hand_back(lease)
             lease.set_so()
         elif lease.is_so and lease.departs(value):
-            lease.outrank(
-                f"{lease.capability} is {value_text(value)}", self._clock.monotonic() + self._leases.hand_time
-            )
-            self._log("control.hand", lease, f"was changed by hand: {lease.saw}")
+            self._leases.outrank(lease, f"{lease.capability} is {value_text(value)}", self._clock.monotonic())
             self._changed.set()
 
     def _state(self, lease: Lease, now: float) -> CommandResult:
@@ -193,12 +198,14 @@ class LeaseKeeper:
         for lease in self._leases:
             if lease.again_at <= now:
                 lease.again_at = math.inf
+                self._hand_back(lease)
                 (issuer, _, _), holder = next(iter(lease.holders.items()))
                 tasks.start_soon(self._command_again, lease, issuer, holder.scope)
 
     def _expire(self) -> None:
-        for lease, holder in self._leases.expire(self._clock.monotonic()):
+        for lease, (issuer, _, _), holder in self._leases.expire(self._clock.monotonic()):
             self._end_if_over(lease)
+            self._note_step("expired", lease, issuer, holder.by)
             self._log(
                 "control.expired", lease, f"is no more held {value_text(lease.value)} by {holder.by}: time is over"
             )
@@ -207,6 +214,7 @@ class LeaseKeeper:
         lease = self._leases.release(key)
         if lease is not None:
             self._end_if_over(lease)
+            self._note_step("released", lease, key[0], key[1])
         return lease
 
     def _end_if_over(self, lease: Lease) -> None:
@@ -219,7 +227,20 @@ class LeaseKeeper:
             message=f"{request.device} is not held for {request.by}: {reason}",
             device=request.device,
         )
+        self._journal.hold_denied(request, LEASE_POLICY, reason)
         return LeaseResponse(held=False, result=result_of(Refused(LEASE_POLICY, reason)))
+
+    def _note_outranked(self, lease: Lease) -> None:
+        self._log("control.hand", lease, f"was changed by hand: {lease.saw}")
+        self._note_step("outranked", lease, text=lease.saw)
+
+    def _hand_back(self, lease: Lease) -> None:
+        if lease.hand_back():
+            self._note_step("handed_back", lease)
+
+    def _note_step(self, step: LeaseStep, lease: Lease, issuer: str = "", text: str = "") -> None:
+        held = Setting(capability=lease.capability, value=Value.of(lease.value))
+        self._journal.lease(step, lease.part, held, issuer, text)
 
     def _log(self, event: str, lease: Lease, text: str) -> None:
         device, part = lease.part

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
@@ -84,6 +84,12 @@ class Lease:
         """Note that a hand changed it: nothing is commanded before *until*."""
         self.is_so, self.again_at, self.hand_until, self.saw = False, until, until, saw
 
+    def hand_back(self) -> bool:
+        """Note that no hand outranks it any more; return whether one did."""
+        was_outranked = self.hand_until > -math.inf
+        self.hand_until, self.saw = -math.inf, ""
+        return was_outranked
+
     def fits(self, value: PlainValue) -> bool:
         """Return whether a report of *value* shows that the device is as it is held."""
         return fits(self.capability, self.value, value)
@@ -102,11 +108,15 @@ class Leases:
 
     Attributes:
         refused: Holders that were refused because there were :data:`MOST_HOLDERS`.
+        on_outranked: Called with each lease that a hand or a stop command outranks from now on.
     """
+
+    on_outranked: Callable[[Lease], None]
 
     def __init__(self, hand_time: float) -> None:
         self.refused = 0
         self.hand_time = hand_time
+        self.on_outranked = _ignore
         self._parts: dict[_Part, dict[str, Lease]] = {}
         self._of: dict[HolderKey, Lease] = {}
 
@@ -152,10 +162,10 @@ class Leases:
                 del self._parts[lease.part]
         return lease
 
-    def expire(self, now: float) -> list[tuple[Lease, LeaseHolder]]:
+    def expire(self, now: float) -> list[tuple[Lease, HolderKey, LeaseHolder]]:
         """Release the holders whose time is over at *now*, and return them with their leases."""
         over = [(key, lease.holders[key]) for key, lease in self._of.items() if lease.holders[key].deadline <= now]
-        return [(lease, holder) for key, holder in over if (lease := self.release(key)) is not None]
+        return [(lease, key, holder) for key, holder in over if (lease := self.release(key)) is not None]
 
     def refusal(self, part: _Part, settings: Mapping[str, PlainValue], now: float) -> str:
         """Return why a command is refused at *now*; empty where no lease forbids it."""
@@ -175,7 +185,12 @@ class Leases:
         leases = self._parts.get(part)
         if leases is not None and STOPPED in settings.values():
             for lease in leases.values():
-                lease.outrank("it was stopped", now + self.hand_time)
+                self.outrank(lease, "it was stopped", now)
+
+    def outrank(self, lease: Lease, saw: str, now: float) -> None:
+        """Note that a hand changed what *lease* holds: nothing is commanded for a while."""
+        lease.outrank(saw, now + self.hand_time)
+        self.on_outranked(lease)
 
     def next_time(self) -> float:
         """Return when the next holder's time is over, or a value is to be commanded again; endless for never."""
@@ -186,6 +201,10 @@ class Leases:
             yield lease.again_at
             for holder in lease.holders.values():
                 yield holder.deadline
+
+
+def _ignore(_: Lease) -> None:
+    pass
 
 
 def value_text(value: PlainValue) -> str:

@@ -20,6 +20,9 @@ class AccessRefused(Message):
         reason: The refusal that the client was sent.
         refused_at: The time of the refusal.
         held_back: Refusals of this client before this one of which there was no message.
+        subject: The device or the address that a command was for, as the client wrote it; at most 247 characters of it,
+            empty where it wrote none.
+        wanted: The command, where it was a plain word such as ``unlock``; else empty, as it may hold a code.
     """
 
     issuer: str
@@ -30,3 +33,5 @@ class AccessRefused(Message):
     reason: str
     refused_at: Time
     held_back: UInt32 = 0
+    subject: str = ""
+    wanted: str = ""

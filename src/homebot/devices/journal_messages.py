@@ -25,7 +25,21 @@ __all__ = [
 ]
 
 EntryKind: TypeAlias = Literal[
-    "requested", "judged", "sent", "acknowledged", "reported", "outcome", "reverted", "changed", "published"
+    "requested",
+    "judged",
+    "sent",
+    "acknowledged",
+    "reported",
+    "outcome",
+    "reverted",
+    "changed",
+    "published",
+    "denied",
+    "held",
+    "released",
+    "expired",
+    "outranked",
+    "handed_back",
 ]
 
 MOST_ENTRIES = 1000
@@ -65,23 +79,31 @@ class JournalVerdict(Message):
 
 
 class JournalEntry(Message):
-    """One step of a command, or a change of a device that no command explains.
+    """One step of a command or of a lease, a change that no command explains, or a request that was denied.
 
     Attributes:
         kind: ``requested``: somebody gave a command; ``judged``: a policy gave its verdict; ``sent``: it was handed to
             the gateway, each try is an entry; ``acknowledged``: the network accepted it; ``reported``: the device
             reported what bears on it; ``outcome``: its outcome became known; ``reverted``: the device went back later;
-            ``changed``: the device changed, and no command explains it; ``published``: a raw text
-            was published, by `Devices.tell` or by another program, which nobody verifies.
+            ``changed``: the device changed, and no command explains it; ``published``: a raw text was published, by
+            `Devices.tell` or by another program, which nobody verifies; ``denied``: a client of the door, or who wanted
+            to hold a part, was refused before there was a command; ``held``: a holder began to hold a part;
+            ``released``: it let go; ``expired``: its time was over; ``outranked``: a hand or a stop command outranks
+            the lease; ``handed_back``: the lease counts again.
         at: When.
-        device: The id of the device.
+        device: The id of the device; empty for ``denied`` where none is known.
         part: The id of the part.
-        command: The id of the command, also of a raw one; empty for ``changed``.
-        issuer: Who gave the command: the name of a node, or ``client:NAME`` for a client of the door.
+        command: The id of the command, also of a raw one; empty for ``changed``, ``denied`` and leases.
+        issuer: Who gave the command, or holds: the name of a node, or ``client:NAME`` for a client of the door.
         trigger: ``requested`` and ``published``: what led to it.
-        settings: ``requested``: what was wanted; ``reported`` and ``changed``: the values that were reported.
-        text: ``published``: the payload; ``sent``: empty for the first try, ``again`` for the others.
-        verdicts: ``judged``: the verdict.
+        settings: ``requested``: what was wanted; ``reported`` and ``changed``: the values that were reported; of a
+            lease what is held.
+        text: ``published``: the payload; ``sent``: empty for the first try, ``again`` for the others; ``denied``: the
+            command, where it is known; ``held``, ``released`` and ``expired``: the holder, in a word; ``outranked``:
+            what was seen.
+        verdicts: ``judged``: the verdict; ``denied``: that of ``rights``, whose facts are the ``operation``, its
+            ``target``, the ``right`` that is missing, the ``address`` of the client and how many requests it stands for
+            (``count``), or that of ``lease``.
         results: ``outcome`` and ``reverted``: the outcome.
     """
 

@@ -94,6 +94,36 @@ ALLOWED = JournalVerdict(
 )
 REFUSED = JournalVerdict(policy="presence_guard", allowed=False, reason="somebody is in the kitchen")
 
+BY_LEASE = JournalVerdict(policy="lease", allowed=False, reason="held open by robot for 9 s more")
+
+
+def denied(
+    seconds: float, wanted: str, count: float, *, device: str = LAMP, target: str = "/gateway/mqtt/out"
+) -> JournalEntry:
+    """A client without the right that published."""
+    facts: dict[str, PlainValue] = {
+        "operation": "publish",
+        "target": target,
+        "right": "raw",
+        "address": "127.0.0.1:4",
+        "count": count,
+    }
+    verdict = JournalVerdict(
+        policy="rights",
+        allowed=False,
+        reason='the right raw is missing; the token tv has: read. To give it, write scope = ["raw"] …',
+        facts=tuple(JournalFact(name=name, value=Value.of(value)) for name, value in facts.items()),
+    )
+    return entry(kind="denied", at=ago(seconds), device=device, issuer="client:tv", text=wanted, verdicts=(verdict,))
+
+
+def lease(
+    kind: str, seconds: float, text: str, *, issuer: str = "client:robot", verdicts: tuple[JournalVerdict, ...] = ()
+) -> JournalEntry:
+    held = settings(movement="open")
+    return entry(kind=kind, at=ago(seconds), device=LAMP, issuer=issuer, text=text, settings=held, verdicts=verdicts)
+
+
 CONFIRMED = Confirmed(0.4, Evidence.REPORTED)
 
 
@@ -132,6 +162,18 @@ def story(name: str) -> list[JournalEntry]:
                     on_off=False,
                 ),
             ]
+        case "denied":
+            return [denied(50, "unlock", 3.0), denied(45, "", 1.0, device="", target="/gateway/mqtt/readings")]
+        case "lease":
+            return [
+                lease("held", 60, "robot"),
+                lease("denied", 50, "guard", verdicts=(BY_LEASE,), issuer="client:tablet"),
+                lease("outranked", 40, "movement is closed", issuer=""),
+                lease("handed_back", 30, "", issuer=""),
+                lease("released", 20, "robot"),
+                lease("held", 10, "vacuum", issuer="/cleaner"),
+                lease("expired", 5, "vacuum", issuer="/cleaner"),
+            ]
     return []
 
 
@@ -152,7 +194,11 @@ def story(name: str) -> list[JournalEntry]:
         ("why_not_nobody", "app", ["why-not", "Kitchen lamp", "off"]),
         ("why_not_empty", "", ["why-not", "Kitchen lamp", "off"]),
         ("why_not_json", "refused", ["why-not", "Kitchen lamp", "off", "--json"]),
+        ("why_not_denied", "denied", ["why-not", "Kitchen lamp", "unlocked"]),
         ("journal", "refused", ["journal"]),
+        ("journal_denied", "denied", ["journal"]),
+        ("journal_denied_json", "denied", ["journal", "--json", "--limit", "1"]),
+        ("journal_lease", "lease", ["journal"]),
         ("journal_device", "hand", ["journal", "--device", "Kitchen lamp", "--since", "10m"]),
         ("journal_limited", "app", ["journal", "--limit", "2"]),
         ("journal_json", "raw", ["journal", "--json"]),

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final, final
 
 from homebot.bridges.client_error_log import ClientErrorLog, short_text
+from homebot.bridges.rosbridge.protocol import CallService, Operation, PublishOperation
 from homebot.bridges.rosbridge.shared_state import DoorCounters, operation_text
 from homebot.devices.names import ACCESS_REFUSALS
 from homebot.graph import Node, Publisher, QoSProfile
@@ -12,13 +15,14 @@ from homebot.messages import Time
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
-    from homebot.bridges.rosbridge.protocol import Operation
     from homebot.devices.access_messages import AccessRefused
 
 __all__ = ["Refusals"]
 
 _QOS: Final = QoSProfile(depth=100)
 _LONGEST_NAME: Final = 247
+_WORD: Final = re.compile(r"[A-Za-z_ ]{1,40}")
+"""A command without a number, so that it holds no code."""
 
 
 @final
@@ -57,6 +61,7 @@ class Refusals:
 
         if self._publisher is None:
             self._publisher = self._node.create_publisher(AccessRefused, ACCESS_REFUSALS, _QOS)
+        subject, wanted = _command_in(op)
         self._publisher.publish(
             AccessRefused(
                 issuer=access.issuer,
@@ -67,5 +72,27 @@ class Refusals:
                 reason=str(error),
                 refused_at=Time.from_seconds(self._node.graph.clock.now()),
                 held_back=held_back,
+                subject=subject,
+                wanted=wanted,
             )
         )
+
+
+def _command_in(op: Operation) -> tuple[str, str]:
+    """Return what a command in *op* is for and what it wants, as far as it says so in words."""
+    match op:
+        case PublishOperation():
+            return _text(op.msg, "address"), _word(op.msg, "payload")
+        case CallService(args=dict() as args):
+            return _text(args, "device") or _text(args, "target"), _word(args, "command")
+    return "", ""
+
+
+def _text(values: Mapping[str, object], key: str) -> str:
+    value = values.get(key)
+    return short_text(value, _LONGEST_NAME) if isinstance(value, str) else ""
+
+
+def _word(values: Mapping[str, object], key: str) -> str:
+    text = _text(values, key).strip()
+    return text if _WORD.fullmatch(text) else ""

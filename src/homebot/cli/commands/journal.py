@@ -19,13 +19,15 @@ from homebot.units import parse_duration
 
 __all__ = ["add_arguments"]
 
+_NO_DEVICE = "-"
+
 _EXAMPLES = """\
   homebot journal
   homebot journal --follow
   homebot journal --device 'Kitchen lamp' --since 2h
 
-Each step of each command, and each change of a device that no command explains: somebody did it by hand, or the device
-did it by itself. `homebot why DEVICE` tells one of them as a story.
+Each step of each command and lease, each change of a device that no command explains (somebody did it by hand, or the
+device did it by itself), and what the door refused. `homebot why DEVICE` tells one of them as a story.
 """
 
 
@@ -78,7 +80,7 @@ def _print(entry: JournalEntryRecord, client: JournalClient, now: float, *, as_j
         return
     cause = trigger_text(entry["trigger"], client.names)
     text = entry_text(entry, client.names) + (f", because {cause}" if cause else "")
-    name, command = name_text(entry["device"], client.names), entry["command"]
+    name, command = name_text(entry["device"], client.names) or _NO_DEVICE, entry["command"]
     print(f"{clock_text(entry['at'], now)}  {name}  {command + '  ' if command else ''}{text}", flush=True)
 
 

@@ -35,6 +35,9 @@ class HouseWatch:
     Args:
         node: The node that listens.
         journal: Takes the entries.
+
+    Attributes:
+        addresses: The devices that raw commands are for.
     """
 
     def __init__(self, node: Node, journal: CommandJournal) -> None:
@@ -42,7 +45,7 @@ class HouseWatch:
         self._clock = node.graph.clock
         self._journal = journal
         self._raw: dict[str, Subscription[RawCommand]] = {}
-        self._addresses = CommandAddresses(node)
+        self.addresses = CommandAddresses(node)
 
     async def run(self) -> None:
         """Work until cancelled."""
@@ -88,6 +91,6 @@ class HouseWatch:
         if command.command_id:
             return  # it passed the control layer, which noted it
         now = self._clock.now()
-        device = await self._addresses.device_at(gateway, command.address)
+        device = await self.addresses.device_at(gateway, command.address)
         if device:
             self._journal.published(device, command, now)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Literal, TypeAlias, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.journal.explained_changes import ExplainedChanges
@@ -33,8 +33,12 @@ from homebot.messages import Time
 
 if TYPE_CHECKING:
     from homebot.control.policies import Verdict
+    from homebot.devices.access_messages import AccessRefused
+    from homebot.devices.lease_messages import HoldRequest
 
-__all__ = ["CommandJournal"]
+__all__ = ["CommandJournal", "LeaseStep"]
+
+LeaseStep: TypeAlias = Literal["held", "released", "expired", "outranked", "handed_back"]
 
 _DEPTH = 1000
 _SHORTEST_SETTLE = 2.0
@@ -177,6 +181,51 @@ class CommandJournal:
             text=command.payload[:_LONGEST],
             at=Time.from_seconds(at),
         )
+
+    def denied(self, refused: AccessRefused, device: str, count: int) -> None:
+        """Note that the door refused *count* requests such as this, for *device* where that is known."""
+        from homebot.control.client_commands import POLICY  # noqa: PLC0415 - it has the matching of queries
+
+        facts: dict[str, PlainValue] = {
+            "operation": refused.operation,
+            "target": refused.target,
+            "right": refused.right,
+            "address": refused.address,
+            "count": float(count),
+        }
+        verdict = JournalVerdict(
+            policy=POLICY,
+            allowed=False,
+            reason=refused.reason,
+            facts=tuple(JournalFact(name=name, value=Value.of(value)) for name, value in facts.items()),
+        )
+        self._note(
+            "denied",
+            device,
+            "",
+            "",
+            issuer=refused.issuer,
+            text=refused.wanted,
+            verdicts=(verdict,),
+            at=refused.refused_at,
+        )
+
+    def hold_denied(self, request: HoldRequest, policy: str, reason: str) -> None:
+        """Note that *request* was refused before anything was commanded for it."""
+        self._note(
+            "denied",
+            request.device,
+            request.part,
+            "",
+            issuer=request.issuer,
+            settings=(request.setting,),
+            text=request.by,
+            verdicts=(JournalVerdict(policy=policy, allowed=False, reason=reason),),
+        )
+
+    def lease(self, kind: LeaseStep, place: tuple[str, str], held: Setting, issuer: str = "", text: str = "") -> None:
+        """Note what became of a lease on the part *place*, a device and one of its parts."""
+        self._note(kind, *place, "", issuer=issuer, settings=(held,), text=text)
 
     def _note_step(
         self,

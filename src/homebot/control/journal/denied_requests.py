@@ -1,0 +1,103 @@
+"""Requests of clients that were refused for want of a right: a few of each client are entries, the rest a count."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final, final
+
+import anyio
+
+from homebot.control.journal.command_addresses import CommandAddresses
+from homebot.control.journal.journal import CommandJournal
+from homebot.devices import FIND_DEVICES, FindDevices
+from homebot.devices.access_messages import AccessRefused
+from homebot.devices.names import ACCESS_REFUSALS, COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, gateway_of
+from homebot.devices.query import NameIs, Or, query_terms
+from homebot.devices.query.terms import FactIs
+from homebot.devices.services import FindDevicesRequest
+from homebot.errors import ServiceError
+from homebot.folding import fold
+from homebot.graph import Node, QoSProfile
+
+__all__ = ["DeniedRequests"]
+
+MOST_ENTRIES: Final = 20
+"""Entries of one client in an hour; further requests are counted in one more at the end of it."""
+
+MOST_CLIENTS: Final = 100
+"""Clients that are told apart; those beyond are noted as one."""
+
+_HOUR: Final = 3600.0
+_QOS: Final = QoSProfile(depth=1000)
+_NAMED_IN: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND})
+
+
+@dataclass(slots=True)
+class _DeniedOfClient:
+    """The requests of one client that were denied in this hour."""
+
+    noted: set[tuple[str, str, str, str]] = field(default_factory=set)
+    more: int = 0
+    newest: AccessRefused | None = None
+
+
+@final
+class DeniedRequests:
+    """Notes in the journal what the door refused.
+
+    The same request of a client is noted once in an hour, and 20 in all; how many more there were is noted at its end.
+    So a flood of them takes little of the journal's room.
+
+    Args:
+        node: The node that listens.
+        journal: Takes the entries.
+        addresses: The devices that raw commands are for.
+    """
+
+    def __init__(self, node: Node, journal: CommandJournal, addresses: CommandAddresses) -> None:
+        self._node = node
+        self._journal = journal
+        self._addresses = addresses
+        self._find = node.create_client(FindDevices, FIND_DEVICES)
+        self._clients: dict[str, _DeniedOfClient] = {}
+        node.create_subscription(AccessRefused, ACCESS_REFUSALS, self._take, _QOS)
+
+    async def _take(self, refused: AccessRefused) -> None:
+        if not self._clients:
+            self._node.create_task(self._end_hour)
+        name = refused.issuer if refused.issuer in self._clients or len(self._clients) < MOST_CLIENTS else ""
+        client = self._clients.setdefault(name, _DeniedOfClient())
+        request = (refused.operation, refused.target, refused.subject, refused.wanted)
+        count = 1 + refused.held_back
+        if request in client.noted or len(client.noted) >= MOST_ENTRIES:
+            client.more, client.newest = client.more + count, refused
+            return
+        client.noted.add(request)
+        self._journal.denied(refused, await self._device_of(refused), count)
+
+    async def _end_hour(self) -> None:
+        await anyio.sleep(_HOUR)
+        clients, self._clients = self._clients, {}
+        for client in clients.values():
+            if client.newest is not None:
+                self._journal.denied(client.newest, await self._device_of(client.newest), client.more)
+
+    async def _device_of(self, refused: AccessRefused) -> str:
+        """Return the id of the device that a command was for; empty where there is none, or several."""
+        if not refused.subject:
+            return ""
+        target = "/" + refused.target.removeprefix("/")
+        node, _, last = target.rpartition("/")
+        if last == "out" and (gateway := gateway_of(node)):
+            return await self._addresses.device_at(gateway, refused.subject)
+        return await self._named(refused.subject) if target in _NAMED_IN else ""
+
+    async def _named(self, subject: str) -> str:
+        device = subject.partition("#")[0]
+        wanted = Or((FactIs("id", device.casefold()), NameIs(fold(subject))))
+        try:
+            found = (await self._find.call(FindDevicesRequest(query=query_terms(wanted)))).devices
+        except ServiceError:
+            return ""
+        own = [one.id for one in found if one.id == device] or [one.id for one in found]
+        return own[0] if len(own) == 1 else ""
