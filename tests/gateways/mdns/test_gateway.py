@@ -60,6 +60,10 @@ class House:
         """Return the counters of the health service."""
         return {one.name: one.count for one in (await self._health.call(HealthRequest())).counts}
 
+    async def troubles(self) -> tuple[str, ...]:
+        """Return what the health service says is wrong."""
+        return (await self._health.call(HealthRequest())).troubles
+
     async def turn_on(self) -> SendCommandResponse:
         """Tell the lamp to be on."""
         return await self._commands.call(Command(key=KEY, part="", capability="on_off", value=Value.of(True)))
@@ -156,7 +160,7 @@ async def test_a_device_that_wants_a_password_is_not_tried_all_the_time_and_doct
         await home.seen()
         await home.reported("reachable", False)
         assert lamp.connections == 1
-        assert home.gateway.devices.problems == ("Hall: the connection was refused: give a password",)
+        assert await home.troubles() == ("Hall: the connection was refused: give a password",)
 
 
 async def test_what_a_device_says_against_its_protocol_is_counted() -> None:

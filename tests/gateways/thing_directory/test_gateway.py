@@ -15,6 +15,9 @@ from tests.gateways.served import served
 from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
+from homebot.devices.gateway_messages import REACHABLE, Report
+from homebot.devices.health import GetHealth, HealthRequest
+from homebot.devices.value import PlainValue
 from homebot.gateways.thing_directory import ThingDirectoryGateway, ThingDirectorySettings
 from homebot.graph import Graph, Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
@@ -191,6 +194,28 @@ async def test_a_directory_that_wants_a_token_gets_it_and_without_one_is_unavail
             state = await listen(watcher, GatewayState, found.names.state).receive()
             assert state.state == "unavailable"
             assert "password" in state.reason
+
+
+async def test_a_thing_that_wants_a_password_is_named_by_the_doctor() -> None:
+    lamp = ServedThing(SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "hall"), lambda _: None, token="sesame")
+    lamp.begin(DeviceState(text="off"), has_power=True)
+    directory = ThingDirectoryServer()
+    async with served(lamp), served(directory):
+        directory.register(lamp.description())
+        async with gateway(directory.url) as (found, watcher):
+            reports = listen(watcher, Report, found.names.readings)
+            with anyio.fail_after(PATIENCE):
+                while reachable(await reports.receive()) is not False:
+                    pass
+            health = watcher.create_client(GetHealth, found.names.health)
+            (trouble,) = (await health.call(HealthRequest())).troubles
+    assert trouble.startswith("Hall: ")
+    assert "password" in trouble
+
+
+def reachable(report: Report) -> PlainValue:
+    """Return what *report* says of whether a device can be reached; None for nothing."""
+    return next((one.value.plain() for one in report.readings if one.capability == REACHABLE), None)
 
 
 async def test_things_stay_and_are_used_while_the_directory_is_away() -> None:

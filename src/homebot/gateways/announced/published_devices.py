@@ -6,7 +6,7 @@ that is full holds a report up for a moment, as :class:`homebot.gateways.raw_del
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Mapping
 from typing import TypeAlias
 
 from homebot.devices import RawCommand, RawMessage
@@ -54,11 +54,12 @@ class PublishedDevices:
         find_source: Says whose an address of raw messages is; by default that of the device that has it.
         settings: The settings of the gateway, for what every gateway's table has; by default their defaults.
         max_devices: Devices that may be known at once; see :class:`RegistryLimits` for the other limits.
+        find_problems: Returns what is wrong with single devices now, as text; the health service shows it.
 
     Attributes:
         engine: The mechanisms that do it, for a gateway that needs more of them.
         counters: What it did.
-        problems: What is wrong now, as text; the health service shows it.
+        problems: What is wrong with the gateway now, as text; the health service shows it first.
     """
 
     def __init__(
@@ -70,6 +71,7 @@ class PublishedDevices:
         send_raw: SendRaw | None = None,
         find_source: FindSource | None = None,
         max_devices: int = MAX_DEVICES,
+        find_problems: Callable[[], Iterable[str]] = tuple,
     ) -> None:
         settings = settings or GatewaySettings()
         self._gateway = gateway
@@ -85,7 +87,10 @@ class PublishedDevices:
         self.counters = self.engine.counters
         self._reporter = self.engine.reporter
         self.engine.serve(
-            self._checked, self._raw, lambda: HealthResponse(counts=(), troubles=self.problems), keeps_states=True
+            self._checked,
+            self._raw,
+            lambda: HealthResponse(counts=(), troubles=(*self.problems, *find_problems())),
+            keeps_states=True,
         )
 
     @property

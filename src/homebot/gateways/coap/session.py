@@ -19,9 +19,9 @@ from homebot.conventions.uri import resolve_uri
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.announced.published_device import PublishedDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.coap.coap_port import COAP_BINDING, CoapPort
-from homebot.gateways.things.host import PublishedDriverHost
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
 from homebot.isolation import run_as, ungrouped
 from homebot.wot import Thing, read_thing
@@ -145,7 +145,7 @@ class EndpointSession:
                     tasks.start_soon(run_as, "the check of a CoAP device", partial(self._check, described[0][0]))
 
     def _thing(self, device: GatewayDevice, thing: Thing) -> ThingDevice:
-        host = PublishedDriverHost(self._devices, device.key, self._clock, self._log)
+        host = PublishedDevice(self._devices, device.key, self._clock, self._log)
         port = CoapPort(self._client, partial(self._devices.admits, device.key))
         return ThingDevice(thing, device, port, host, self._poll_every)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module
-from itertools import islice
 from random import Random
 from typing import TYPE_CHECKING, ClassVar
 
@@ -18,6 +17,7 @@ from homebot.backoff import BackoffCounter
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
 from homebot.extras import check_extra
+from homebot.gateways.announced.device_runner import problems_of
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
@@ -46,10 +46,6 @@ SLACK = 15.0
 """Seconds after the expiry of its SRV record in which a service is asked again before it counts as stale."""
 
 
-MAX_PROBLEMS = 20
-"""Devices whose problems the health service lists."""
-
-
 @dataclass(eq=False, slots=True)
 class _Listed:
     """A listed service, with its running driver if it has one."""
@@ -58,7 +54,6 @@ class _Listed:
     stale_after: float
     device: GatewayDevice | None = None
     runner: DriverRunner | None = None
-    scope: anyio.CancelScope | None = None
 
 
 class MdnsGateway(Gateway):
@@ -88,7 +83,13 @@ class MdnsGateway(Gateway):
         self._tasks: TaskGroup | None = None
         self._is_ready = False
         self._unavailable = "it has not started"
-        self.devices = PublishedDevices(self, self._perform, settings, max_devices=settings.max_services)
+        self.devices = PublishedDevices(
+            self,
+            self._perform,
+            settings,
+            max_devices=settings.max_services,
+            find_problems=lambda: problems_of(one.runner for one in self._listed.values()),
+        )
         self._services = Services(self, node.graph.clock, settings.max_services)
         self._sleepers = Sleepers(node.graph.clock, settings.forget_sleeping_after, self._remove)
         self._own = OwnServices(node, settings.announce_as) if settings.announce else None
@@ -108,6 +109,7 @@ class MdnsGateway(Gateway):
         """Follow the services on the network until cancelled; ready after the first attempt to listen."""
         await anyio.to_thread.run_sync(import_module, "homebot.gateways.mdns.zeroconf_network")  # starts a program
         self._drivers = find_drivers(self._settings.drivers, self._settings.folder)
+        self.devices.problems = self._drivers.problems
         for problem in self._drivers.problems:
             self.node.log.warning(DRIVER_NOT_USED, message=problem)
         wanted, retries = self._settings.interfaces, BackoffCounter(self.node.graph.clock, self._random)
@@ -229,25 +231,18 @@ class MdnsGateway(Gateway):
         runner = DriverRunner(
             driver, listed.service, self.devices, publish, self.node.graph.clock, self.node.log, self._random
         )
-        listed.runner, listed.scope = runner, anyio.CancelScope()
-        scope = listed.scope
-
-        async def run() -> None:
-            with scope:
-                await run_as(self.node.full_name, runner.run)
-
-        self._tasks.start_soon(run)
+        listed.runner = runner
+        self._tasks.start_soon(run_as, self.node.full_name, runner.run)
 
     def _stop(self, listed: _Listed | None) -> None:
-        if listed is not None and listed.scope is not None:
-            listed.scope.cancel()
-            listed.runner = listed.scope = None
+        if listed is not None and listed.runner is not None:
+            listed.runner.stop()
+            listed.runner = None
 
     def _remove(self, name: str, why: str) -> None:
         self._sleepers.discard(name)
         self._stop(self._listed.pop(name, None))
         self.devices.remove(name, why)
-        self._tell_problems()
 
     def _sleeps(self, listed: _Listed) -> bool:
         known = listed.device
@@ -265,7 +260,6 @@ class MdnsGateway(Gateway):
         facts = facts_of(service) | dict(known.metadata)
         if self._sleeps(listed):
             facts["sleep"] = "asleep" if service.key in self._sleepers else "awake"
-        self._tell_problems()
         self.devices.put(
             replace(
                 known,
@@ -276,11 +270,6 @@ class MdnsGateway(Gateway):
             why,
             confirmed=confirmed,
         )
-
-    def _tell_problems(self) -> None:
-        runners = (one.runner for one in self._listed.values())
-        helpless = (f"{one.service.name}: {one.problem}" for one in runners if one is not None and one.needs_help)
-        self.devices.problems = (*self._drivers.problems, *islice(helpless, MAX_PROBLEMS))
 
     def _ready(self, task_status: TaskStatus[None]) -> None:
         if not self._is_ready:

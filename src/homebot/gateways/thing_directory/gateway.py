@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from random import Random
 from typing import TYPE_CHECKING, ClassVar
 
@@ -50,7 +51,9 @@ class ThingDirectoryGateway(Gateway):
         self._retries = BackoffCounter(node.graph.clock, self._random)
         self._session: DirectorySession | None = None
         self._is_ready = False
-        self.devices = PublishedDevices(self, self._perform, settings, max_devices=settings.max_devices)
+        self.devices = PublishedDevices(
+            self, self._perform, settings, max_devices=settings.max_devices, find_problems=self._problems
+        )
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
@@ -90,6 +93,9 @@ class ThingDirectoryGateway(Gateway):
         if not self._is_ready:
             self._is_ready = True
             task_status.started()
+
+    def _problems(self) -> Iterable[str]:
+        return () if self._session is None else self._session.problems()
 
     async def _perform(self, command: Command) -> None:
         if self._session is None:

@@ -6,7 +6,7 @@ directory without events is read again and again.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 from hashlib import blake2b
@@ -24,6 +24,7 @@ from homebot.conventions.long_json import is_longer_than
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
 from homebot.devices.gateway_messages import Command
 from homebot.errors import RefusedError, UnableError, WireError
+from homebot.gateways.announced.device_runner import problems_of
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.http_client import HttpClient
@@ -116,6 +117,10 @@ class DirectorySession:
             while True:
                 await self._list(reader)
                 await anyio.sleep(self._settings.list_every)
+
+    def problems(self) -> Iterable[str]:
+        """Return the problems of things that need a person's help, as text."""
+        return problems_of(self._followed.values())
 
     async def perform(self, command: Command) -> None:
         """Carry out a command; return when the thing has accepted it.
@@ -260,10 +265,11 @@ class DirectorySession:
             self._clock,
             self._log,
             self._random,
-            self._settings.poll_every,
+            poll_every=self._settings.poll_every,
+            delay=self._delay(),
         )
         self._followed[device.key] = followed
-        self._tasks.start_soon(run_as, "a thing", partial(followed.run, self._delay()))
+        self._tasks.start_soon(run_as, "a thing", followed.run)
 
     def _delay(self) -> float:
         now = self._clock.monotonic()
@@ -278,7 +284,7 @@ class DirectorySession:
     def _stop(self, key: str) -> None:
         followed = self._followed.pop(key, None)
         if followed is not None:
-            followed.scope.cancel()
+            followed.stop()
 
     def _usable(self, thing: Thing) -> Thing:
         """Return *thing* without forms that lead to this computer itself, unless the directory is here as well."""

@@ -1,0 +1,159 @@
+"""Works with one device again and again: connects, waits with a growing pause where that fails, and connects again."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator
+from itertools import islice
+from random import Random
+from typing import Final
+
+import anyio
+from structlog.typing import FilteringBoundLogger
+
+from homebot.backoff import DEVICE_REFUSED_BACKOFF, Backoff, BackoffCounter
+from homebot.clock import Clock
+from homebot.errors import LinkError, PeerError
+from homebot.gateways.announced.published_device import PublishedDevice
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.isolation import error_text, first_cause, run_as
+
+__all__ = ["LISTED_WITHIN", "DeviceRunner", "problems_of"]
+
+FAILED = "device.failed"
+CRASHED = "device.crashed"
+
+LISTED_WITHIN: Final = 5.0
+"""Seconds after which a device is listed as it is known from elsewhere if it has not answered yet."""
+
+STEADY_AFTER: Final = 60.0
+"""Seconds that a connection has to last for the back-off to start over."""
+
+MAX_PROBLEMS: Final = 20
+"""Devices whose problems are listed."""
+
+
+class DeviceRunner(PublishedDevice, ABC):
+    """Works with one device until it is stopped, and publishes whether it can be reached.
+
+    Args:
+        name: The name of the device, for errors.
+        key: The key of the device.
+        devices: The devices of the gateway.
+        clock: The clock.
+        log: The log of the gateway's node.
+        random: The source of random numbers.
+        lost_backoff: The pauses after a connection that was lost or not made.
+
+    Attributes:
+        name: The name of the device, for errors.
+        problem: The reason why it is not connected, as text; empty where it is, or has not tried yet.
+        needs_help: Whether a person has to do something about that, rather than wait.
+        sleeps: Whether a lost connection says nothing: it leaves the network to save its battery.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        key: str,
+        devices: PublishedDevices,
+        clock: Clock,
+        log: FilteringBoundLogger,
+        random: Random,
+        lost_backoff: Backoff,
+    ) -> None:
+        super().__init__(devices, key, clock, log)
+        self.name = name
+        self.problem = ""
+        self.needs_help = False
+        self.sleeps = False
+        self._lost_backoff = lost_backoff
+        self._random = random
+        self._is_listed = False
+        self._work = anyio.CancelScope()
+        self._attempt = anyio.CancelScope()
+
+    @abstractmethod
+    async def work(self) -> None:
+        """Connect, publish what the device says, and call :meth:`note_answer` when it answers, until cancelled.
+
+        Raises:
+            LinkError: It cannot be connected to, or the connection was lost.
+            PeerError: It broke the rules of its protocol, or does not let homebot in; the message says what to do.
+        """
+
+    @abstractmethod
+    def list_unheard(self) -> None:
+        """Publish the device as it is known from elsewhere; called where it has not answered yet."""
+
+    def note_answer(self) -> None:
+        """Note that the device answers, and is published."""
+        self._is_listed = True
+        self.problem, self.needs_help = "", False
+
+    def note_end(self) -> None:
+        """Note that the connection ended; publishes that."""
+        self._list()
+        self.report_reachable(reachable=None if self.sleeps else False)
+
+    async def run(self) -> None:
+        """Work with the device until it is stopped; after a failure, wait with a growing pause and try again."""
+        with self._work:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(self._list_in_time)
+                retries = BackoffCounter(self.clock, self._random, STEADY_AFTER)
+                while True:
+                    retries.begin()
+                    failed = await self._try()
+                    if failed is None:
+                        retries.succeed()
+                        continue
+                    with anyio.CancelScope() as self._attempt:
+                        await anyio.sleep(retries.fail(failed))
+
+    def restart(self) -> None:
+        """Connect anew, at once."""
+        self._attempt.cancel()
+
+    def stop(self) -> None:
+        """End :meth:`run`; nothing is published after that."""
+        self._work.cancel()
+
+    @property
+    def is_stopped(self) -> bool:
+        """True once it was told to stop."""
+        return self._work.cancel_called
+
+    async def _try(self) -> Backoff | None:
+        """Work until that fails; return the back-off to wait, or None to try again at once."""
+        failed: Backoff | None = None
+        with anyio.CancelScope() as self._attempt:
+            try:
+                await run_as(self.name, self.work)
+                failed, self.problem = self._lost_backoff, "the connection was closed"
+            except* LinkError as group:
+                failed, self.problem = self._lost_backoff, str(first_cause(group))
+            except* PeerError as group:
+                failed, self.problem = DEVICE_REFUSED_BACKOFF, str(first_cause(group))
+                self._devices.engine.quarantine.log_limited(FAILED, f"{self.name}: {self.problem}", self.key)
+            except* Exception as group:  # the work with one device must not end that with others
+                failed, self.problem = DEVICE_REFUSED_BACKOFF, error_text(group)
+                self.log.warning(CRASHED, message=f"{self.name}: {self.problem}", device=self.key, exc_info=group)
+        self.needs_help = failed is DEVICE_REFUSED_BACKOFF
+        if not self.is_stopped:
+            self.note_end()
+        return failed
+
+    async def _list_in_time(self) -> None:
+        await anyio.sleep(LISTED_WITHIN)
+        self._list()
+
+    def _list(self) -> None:
+        if not self._is_listed:
+            self._is_listed = True
+            self.list_unheard()
+
+
+def problems_of(runners: Iterable[DeviceRunner | None]) -> Iterator[str]:
+    """Return the problems of devices that need a person's help, as text; :data:`MAX_PROBLEMS` at most."""
+    return islice((f"{one.name}: {one.problem}" for one in runners if one is not None and one.needs_help), MAX_PROBLEMS)
