@@ -19,7 +19,6 @@ from homebot.control.journal.denied_requests import DeniedRequests
 from homebot.control.journal.house_watch import HouseWatch
 from homebot.control.journal.memory_store import MemoryStore
 from homebot.control.journal.store import JournalStore
-from homebot.control.judge import Judge
 from homebot.control.settings import ControlSettings
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import (
@@ -37,6 +36,7 @@ if TYPE_CHECKING:
     from homebot.control.approvals import Approvals
     from homebot.control.command_service import CommandService
     from homebot.control.executor import CommandExecutor
+    from homebot.control.judge import Judge
     from homebot.control.lease_keeper import LeaseKeeper
     from homebot.control.text_commands import TextCommands
     from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
@@ -84,7 +84,10 @@ class Control:
         self._journal = CommandJournal(node, self._store(journal_file), self._settings.settle)
         self._house_watch = HouseWatch(node, self._journal)
         self._denied = DeniedRequests(node, self._journal, self._house_watch.addresses)
-        self._judge = Judge(node, self._settings, grants, self._journal, trusts_apps=trusts_apps)
+        self._grants = grants
+        self._trusts_apps = trusts_apps
+        if self._settings.needs_house:
+            _ = self._judge  # it follows the house from the start
         self._executor: CommandExecutor | None = None
         self._words: CommandService | None = None
         self._keeper: LeaseKeeper | None = None
@@ -157,6 +160,12 @@ class Control:
     async def health(self, _: HealthRequest) -> HealthResponse:
         """Return the health of the journal, with a note on the devices that wait for the owner's approval."""
         return self._journal.health().with_checked(notes=await self._approvals.notes())
+
+    @cached_property
+    def _judge(self) -> Judge:
+        from homebot.control.judge import Judge  # noqa: PLC0415 - see above
+
+        return Judge(self._node, self._settings, self._grants, self._journal, trusts_apps=self._trusts_apps)
 
     @cached_property
     def _approvals(self) -> Approvals:

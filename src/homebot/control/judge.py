@@ -4,25 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from datetime import tzinfo
-from functools import cached_property
-from typing import TYPE_CHECKING, final
+from functools import lru_cache
+from typing import final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.journal import CommandJournal
+from homebot.control.policies.facts import Facts
+from homebot.control.policies.house import House
+from homebot.control.policies.policies import Policies
+from homebot.control.policies.recent_commands import RecentCommands
 from homebot.control.policies.settings import PolicySettings
 from homebot.devices import DEVICE_STATES, FIND_DEVICES, FindDevices, Follow, StateChange
-from homebot.devices.client_rights import is_client
+from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
 from homebot.devices.names import DIRECTORY_NODE
 from homebot.devices.outcomes import Refused
 from homebot.devices.query import Query, query_terms
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import Node
-
-if TYPE_CHECKING:
-    from homebot.control.policies import House, Policies
-    from homebot.control.policies.recent_commands import RecentCommands
-    from homebot.devices.client_rights import ClientRights
 
 __all__ = ["Judge"]
 
@@ -56,61 +55,34 @@ class Judge:
         self._grants = grants
         self._journal = journal
         self._trusts_apps = trusts_apps
+        self._policies = Policies(settings)
+        self._house = House()
+        self._recent = RecentCommands()
+        self._zone = _zone(settings.time_zone)
         if settings.needs_house:
             node.create_task(self._follow)
 
     def refusal(self, command: IssuedCommand) -> Refused | None:
         """Return the refusal of *command*; None if it may be sent now."""
-        from homebot.control.policies.facts import Facts  # noqa: PLC0415 - as for the policies
-
         facts = Facts(self._clock.now(), self._clock.monotonic(), self._zone, self._house, self._recent)
         verdicts = self._policies.judge(command, facts)
         for verdict in verdicts:
             if verdict.reason or not verdict.allowed:
                 self._journal.judged(command, verdict)
-        if not verdicts or verdicts[-1].allowed:
-            return None
-        return Refused(verdicts[-1].policy, verdicts[-1].reason, command_id=command.id)
+        last = verdicts[-1]
+        return None if last.allowed else Refused(last.policy, last.reason, command_id=command.id)
 
     def rights(self, issuer: str) -> ClientRights:
         """Return the rights of *issuer*, by the configuration; those of a client of the door were checked before."""
-        from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, read_scope  # noqa: PLC0415 - likewise
-
         if is_client(issuer):
             return ALL_RIGHTS
         if scope := self._grants.get(issuer):
-            return read_scope(scope)
+            return _rights_of(tuple(scope))
         return ALL_RIGHTS if self._trusts_apps or not self._settings.always_ask else LOCAL_RIGHTS
 
     def note_sent(self, command: IssuedCommand) -> None:
         """Note that *command* was sent."""
         self._recent.note(command, self._clock.monotonic())
-
-    @cached_property
-    def _policies(self) -> Policies:
-        from homebot.control.policies.policies import Policies  # noqa: PLC0415 - a start gives no commands
-
-        return Policies(self._settings)
-
-    @cached_property
-    def _house(self) -> House:
-        from homebot.control.policies.house import House  # noqa: PLC0415 - likewise
-
-        return House()
-
-    @cached_property
-    def _recent(self) -> RecentCommands:
-        from homebot.control.policies.recent_commands import RecentCommands  # noqa: PLC0415 - likewise
-
-        return RecentCommands()
-
-    @cached_property
-    def _zone(self) -> tzinfo | None:
-        if not self._settings.time_zone:
-            return None
-        from zoneinfo import ZoneInfo  # noqa: PLC0415 - only where the configuration has one
-
-        return ZoneInfo(self._settings.time_zone)
 
     async def _follow(self) -> None:
         needs = self._policies.needs
@@ -133,3 +105,17 @@ class Judge:
         for device in found.devices:
             self._house.put(device, found.sequence)
         self._house.is_known = True
+
+
+@lru_cache(maxsize=256)
+def _rights_of(scope: tuple[str, ...]) -> ClientRights:
+    """Return the rights of an app; its queries are read once."""
+    return read_scope(scope)
+
+
+def _zone(name: str) -> tzinfo | None:
+    if not name:
+        return None
+    from zoneinfo import ZoneInfo  # noqa: PLC0415 - only where the configuration has one
+
+    return ZoneInfo(name)

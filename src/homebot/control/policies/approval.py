@@ -12,17 +12,22 @@ from homebot.control.policies.verdict import FactUsed, Verdict
 from homebot.devices.always_ask import always_asks
 from homebot.devices.approval import APPROVED, is_approved
 
-__all__ = ["judge_approval"]
+__all__ = ["concerns_approval", "judge_approval"]
 
 NAME: Final = "approval"
 
 _NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
 
 
+def concerns_approval(command: IssuedCommand) -> bool:
+    """Return whether the part can hurt and its device is not approved."""
+    return always_asks(command.device, command.part) and not is_approved(command.device)
+
+
 def judge_approval(command: IssuedCommand, _facts: Facts) -> Verdict:
     """Refuse everybody a command to a part that can hurt, of a device that is not approved, but to the safe side."""
     device = command.device
-    if not always_asks(device, command.part) or is_approved(device):
+    if not concerns_approval(command):
         return _NOT_CONCERNED
     if is_safe(command):
         return Verdict(NAME, allowed=True, reason="it is to the safe side")

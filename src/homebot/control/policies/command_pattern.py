@@ -11,6 +11,8 @@ from pydantic import GetCoreSchemaHandler, PlainValidator
 from pydantic_core import CoreSchema, core_schema
 
 from homebot.control.command import IssuedCommand
+from homebot.control.policies.possible import without_reports
+from homebot.devices import Device, DevicePart
 from homebot.devices.query import PartFacets, Query, fits, type_is
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
@@ -48,6 +50,12 @@ class CommandPattern:
         facets = PartFacets(command.device)
         facets.part = command.part
         return fits(self.query, facets)
+
+    def may_concern(self, device: Device, part: DevicePart) -> bool:
+        """Return whether some command to *part* may be one of these, whatever is reported."""
+        facets = PartFacets(device)
+        facets.part = part
+        return fits(without_reports(self.query), facets)
 
     def __str__(self) -> str:
         return self.text

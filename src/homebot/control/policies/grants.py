@@ -6,18 +6,25 @@ from typing import Final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
+from homebot.control.policies.possible import depends_on_reports
 from homebot.control.policies.safe_side import is_safe
 from homebot.control.policies.verdict import Verdict
 from homebot.devices.always_ask import always_asks
 from homebot.devices.client_rights import HARMLESS
 from homebot.devices.names import THING_DIRECTORY_NODE
 
-__all__ = ["judge_grants"]
+__all__ = ["NAME", "concerns_grants", "judge_grants"]
 
 NAME: Final = "grants"
 ALWAYS_ASK: Final = "always_ask"
 
 _NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
+
+
+def concerns_grants(command: IssuedCommand) -> bool:
+    """Return whether the issuer may not command the part, or that depends on what is reported."""
+    rights = command.rights
+    return any(map(depends_on_reports, rights.acts_on)) or not rights.may_command(command.device, command.part)
 
 
 def judge_grants(command: IssuedCommand, _facts: Facts) -> Verdict:

@@ -8,6 +8,7 @@ from typing import Final, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
+from homebot.control.policies.possible import without_states
 from homebot.control.policies.settings import Interlock
 from homebot.control.policies.verdict import FactUsed, Verdict
 from homebot.devices import Device, DevicePart
@@ -57,20 +58,6 @@ def judge_interlocks(rules: Iterable[InterlockRule], command: IssuedCommand, fac
         if (verdict := _judge(rule, room, facts)) is not None:
             return verdict
     return _NOT_CONCERNED
-
-
-def without_states(query: Query, *, is_possible: bool = True) -> Query:
-    """Return the query for what may match *query*, whatever values are reported; else for what must match it."""
-    match query:
-        case StateIs():
-            return And(()) if is_possible else Or(())
-        case And(terms):
-            return And(tuple(without_states(term, is_possible=is_possible) for term in terms))
-        case Or(terms):
-            return Or(tuple(without_states(term, is_possible=is_possible) for term in terms))
-        case Not(term):
-            return Not(without_states(term, is_possible=not is_possible))
-    return query
 
 
 def _judge(rule: InterlockRule, room: str | None, facts: Facts) -> Verdict | None:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import partial
-from typing import TypeAlias, final
+from typing import Final, TypeAlias, final
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.approval import judge_approval
+from homebot.control.policies.approval import concerns_approval, judge_approval
+from homebot.control.policies.command_pattern import Patterns
 from homebot.control.policies.facts import Facts
-from homebot.control.policies.grants import judge_grants
+from homebot.control.policies.grants import NAME as GRANTS
+from homebot.control.policies.grants import concerns_grants, judge_grants
 from homebot.control.policies.interlock import InterlockRule, judge_interlocks
 from homebot.control.policies.presence_guard import OCCUPANCY, judge_presence
 from homebot.control.policies.quiet_hours import judge_quiet_hours
@@ -23,9 +26,18 @@ __all__ = ["Policies", "Policy"]
 Policy: TypeAlias = Callable[[IssuedCommand, Facts], Verdict]
 
 
+_MOST_PARTS: Final = 10_000
+"""Parts of which it is remembered which policies concern them; the one asked about first is forgotten first."""
+
+_NOT_CONCERNED: Final = (Verdict(GRANTS, allowed=True),)
+
+
 @final
 class Policies:
     """The policies that are on.
+
+    Which of them may concern a part, whatever is commanded and reported, is worked out once, until the directory
+    describes its device anew: most parts are nobody's concern but the rate limit's.
 
     Args:
         settings: Which, and how.
@@ -35,33 +47,88 @@ class Policies:
     """
 
     def __init__(self, settings: PolicySettings) -> None:
-        self._policies = tuple(_policies(settings))
+        self._rules = tuple(_rules(settings))
+        self._concerned: dict[_Place, tuple[_Described, tuple[Policy, ...]]] = {}
         self.needs: Query = Or(tuple(_needs(settings)))
 
     def judge(self, command: IssuedCommand, facts: Facts) -> tuple[Verdict, ...]:
-        """Return the verdicts on *command*, up to the first refusal, which is the last of them then."""
+        """Return the verdicts of those that may concern *command*, up to the first refusal, the last of them then."""
         verdicts: list[Verdict] = []
-        for policy in self._policies:
+        for policy in self._concerning(command):
             verdict = policy(command, facts)
             verdicts.append(verdict)
             if not verdict.allowed:
                 break
-        return tuple(verdicts)
+        return tuple(verdicts) or _NOT_CONCERNED
+
+    def _concerning(self, command: IssuedCommand) -> tuple[Policy, ...]:
+        place, described = (command.device.id, command.part.id, command.issuer), _described(command)
+        known = self._concerned.get(place)
+        if known is not None and known[0] == described:
+            return known[1]
+        found = tuple(one.judge for one in self._rules if one.concerns(command))
+        self._concerned[place] = described, found
+        if len(self._concerned) > _MOST_PARTS:
+            del self._concerned[next(iter(self._concerned))]
+        return found
 
 
-def _policies(settings: PolicySettings) -> Iterator[Policy]:
+_Place: TypeAlias = tuple[str, str, str]
+
+_Described: TypeAlias = tuple[object, ...]
+"""What it depends on whether a policy may concern a part; mostly the very same objects as the time before."""
+
+
+def _described(command: IssuedCommand) -> _Described:
+    device = command.device
+    return (
+        command.part,
+        device.parts,
+        command.rights,
+        device.name,
+        device.names,
+        device.area,
+        device.outer_areas,
+        device.tags,
+        device.facts,
+        device.metadata,
+        device.conflicts,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _PolicyRule:
+    """A policy, and which commands it may concern by issuer and part alone."""
+
+    concerns: Callable[[IssuedCommand], bool]
+    judge: Policy
+
+
+def _rules(settings: PolicySettings) -> Iterator[_PolicyRule]:
     """Yield the policies that are on: who may, before what may be done, before when."""
-    yield judge_grants
+    yield _PolicyRule(concerns_grants, judge_grants)
     if settings.approvals:
-        yield judge_approval
-    if settings.interlocks:
-        yield partial(judge_interlocks, tuple(map(InterlockRule.of, settings.interlocks)))
-    if settings.quiet_hours:
-        yield partial(judge_quiet_hours, settings.quiet_hours)
-    if settings.presence_guard is not None:
-        yield partial(judge_presence, settings.presence_guard)
+        yield _PolicyRule(concerns_approval, judge_approval)
+    for interlock in map(InterlockRule.of, settings.interlocks):
+        yield _PolicyRule(partial(_is_among, interlock.interlock.commands), partial(judge_interlocks, (interlock,)))
+    for hours in settings.quiet_hours:
+        yield _PolicyRule(partial(_is_by_itself_among, hours.commands), partial(judge_quiet_hours, (hours,)))
+    if (guard := settings.presence_guard) is not None:
+        yield _PolicyRule(partial(_is_by_itself_among, guard.commands), partial(judge_presence, guard))
     if settings.rate_limit is not None:
-        yield partial(judge_rate, settings.rate_limit)
+        yield _PolicyRule(_any_command, partial(judge_rate, settings.rate_limit))
+
+
+def _is_among(patterns: Patterns, command: IssuedCommand) -> bool:
+    return any(one.may_concern(command.device, command.part) for one in patterns)
+
+
+def _is_by_itself_among(patterns: Patterns, command: IssuedCommand) -> bool:
+    return not command.is_wish and _is_among(patterns, command)
+
+
+def _any_command(_: IssuedCommand) -> bool:
+    return True
 
 
 def _needs(settings: PolicySettings) -> Iterator[Query]:

@@ -57,8 +57,17 @@ class RecentCommands:
         for capability, value in command.settings.items():
             sent = self._sent.get((command.device.id, command.part.id, capability))
             if sent is not None and sent.turns and _turns(sent, value):
-                most = max(most, sum(1 for at in sent.turns if at > since))
+                most = max(most, _count_after(since, sent.turns))
         return most
+
+
+def _count_after(since: float, times: deque[float]) -> int:
+    count = 0
+    for at in reversed(times):  # the newest first: mostly few are new
+        if at <= since:
+            break
+        count += 1
+    return count
 
 
 def _turns(sent: _Sent, value: PlainValue) -> bool:
