@@ -10,11 +10,11 @@ from typing import Literal, get_origin, get_type_hints, is_typeddict
 import pytest
 
 from homebot.bridges.rosapi import endpoints
-from homebot.cli import journal_records, records
+from homebot.cli import journal_records, lease_records, records
 from homebot.cli.device_json import json_text, list_text
 from homebot.messages.message import Message
 
-NAMES = vars(records) | vars(journal_records)
+NAMES = vars(records) | vars(journal_records) | vars(lease_records)
 RECORDS = [one for one in NAMES.values() if is_typeddict(one)]
 
 

@@ -6,13 +6,13 @@ import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome
 from tests.control.test_journal import read
-from tests.control.test_leases import a_door, hold, request
+from tests.control.test_leases import a_door, end, hold, request
 
 from homebot.devices.journal_messages import JournalEntry
 
 pytestmark = pytest.mark.virtual_time
 
-STEPS = frozenset({"held", "released", "expired", "outranked", "handed_back", "denied"})
+STEPS = frozenset({"held", "released", "ended", "expired", "outranked", "handed_back", "denied"})
 
 
 async def steps(home: Home) -> list[JournalEntry]:
@@ -69,6 +69,14 @@ async def test_a_stop_command_outranks_a_lease(open_home: OpenHome) -> None:
         await anyio.sleep(0.1)
         await door.stop()
         assert told(await steps(home))[1:] == [("outranked", "", "it was stopped")]
+
+
+async def test_who_ended_a_lease_is_noted(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door), door.hold("open", by="robot", ttl=3):
+        await end(home, door)
+        await anyio.sleep(10)
+        found = await steps(home)
+    assert told(found) == [("held", "/app", "robot"), ("ended", "client:owner", "robot"), ("denied", "/app", "robot")]
 
 
 async def test_who_is_refused_is_noted_with_the_reason(open_home: OpenHome) -> None:

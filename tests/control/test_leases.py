@@ -15,8 +15,8 @@ from homebot.control.leases import MOST_HOLDERS, LeaseHolder, Leases
 from homebot.devices.command_messages import Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Closure, DoorLock, Light
-from homebot.devices.lease_messages import HoldPart, HoldRequest, LeaseResponse
-from homebot.devices.names import HOLD_PART
+from homebot.devices.lease_messages import EndLeases, GetLeases, HeldPart, HoldPart, HoldRequest, LeaseResponse
+from homebot.devices.names import END_LEASES, GET_LEASES, HOLD_PART
 from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Refused
 from homebot.devices.value import Value
 from homebot.errors import RefusedError, UsageError
@@ -50,6 +50,17 @@ def request(door: Closure, *, value: str = "open", by: str = "robot", ttl: float
 async def hold(home: Home, wanted: HoldRequest) -> LeaseResponse:
     """Hold as a program outside does, which may be killed."""
     return await home.app.create_client(HoldPart, HOLD_PART).call(wanted, timeout=900)
+
+
+async def leases(home: Home, device: str = "") -> tuple[HeldPart, ...]:
+    client = home.app.create_client(GetLeases, GET_LEASES)
+    return (await client.call(GetLeases.Request(device=device))).parts
+
+
+async def end(home: Home, door: Closure) -> tuple[HeldPart, ...]:
+    """End the leases of the door as a person does."""
+    client = home.app.create_client(EndLeases, END_LEASES)
+    return (await client.call(EndLeases.Request(device=door.device.id, issuer="client:owner"))).parts
 
 
 async def test_a_door_is_opened_and_a_close_of_another_is_refused_while_it_is_held(open_home: OpenHome) -> None:
@@ -292,6 +303,59 @@ def test_further_holders_are_refused_and_counted() -> None:
     assert leases.refused == 1
     assert len(leases.expire(10)) == MOST_HOLDERS
     assert list(leases) == []
+
+
+async def test_a_person_ends_a_lease_and_its_block_does_not_get_it_again(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door), door.hold("open", by="robot", ttl=6) as held:
+        (part,) = await end(home, door)
+        assert [(one.by, one.issuer) for one in part.holders] == [("robot", "/app")]
+        assert (await door.close()).succeeded
+        await anyio.sleep(60)
+        assert not held.is_held
+        assert isinstance(held.outcome, Refused)
+        assert held.outcome.reason == "its lease was ended by client:owner"
+        assert [one.value.plain() for one in home.commands] == ["open", "closed"]
+        assert await end(home, door) == ()
+
+
+async def test_who_holds_again_under_another_name_may(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door):
+        assert (await hold(home, request(door))).held
+        await end(home, door)
+        assert not (await hold(home, request(door))).held
+        assert (await hold(home, request(door, lease="2"))).held
+        await end(home, door)
+        await anyio.sleep(11)
+        assert (await hold(home, request(door))).held
+
+
+async def test_all_holders_of_a_device_are_ended_and_no_others(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door):
+        home.put("lamp", "light", "on_off")
+        lamp = await home.handle(Light, "lamp")
+        async with lamp.hold("on", by="cook"), door.hold("open", by="robot"), door.hold("open", by="vacuum"):
+            (part,) = await end(home, door)
+            assert [one.by for one in part.holders] == ["robot", "vacuum"]
+            assert isinstance(await lamp.turn_off(), Refused)
+            assert (await door.close()).succeeded
+
+
+async def test_who_holds_what_until_when_is_told(open_home: OpenHome) -> None:
+    async with a_door(open_home, hand_time=30) as (home, door):
+        assert await leases(home) == ()
+        async with door.hold("open", by="robot", ttl=9):
+            now = home.graph.clock.now()
+            (part,) = await leases(home, door.device.id)
+            assert (part.device, part.setting.value.plain(), part.saw) == (door.device.id, "open", "")
+            assert part.outranked_until.to_seconds() == 0
+            assert [round(one.until.to_seconds() - now) for one in part.holders] == [9]
+            await anyio.sleep(20)
+            await home.report("door", "movement", "closed")
+            await anyio.sleep(0.1)
+            (part,) = await leases(home)
+            assert part.saw == "movement is closed"
+            assert round(part.outranked_until.to_seconds() - now) == 50
+            assert await leases(home, "another") == ()
 
 
 STEPS = st.lists(

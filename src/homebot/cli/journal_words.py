@@ -53,7 +53,7 @@ def entry_text(entry: JournalEntryRecord, names: Mapping[str, str]) -> str:
             return f"{name} reported {settings_text(entry['settings'])}"
         case "denied":
             return f"{issuer_text(entry['issuer'])} was refused {_request_text(entry)}: {denial_text(entry)}"
-        case "held" | "released" | "expired" | "outranked" | "handed_back":
+        case "held" | "released" | "ended" | "expired" | "outranked" | "handed_back":
             return _lease_text(entry, name)
         case "changed":
             return f"{name} reported {settings_text(entry['settings'])}; no command explains it"
@@ -128,6 +128,8 @@ def _lease_text(entry: JournalEntryRecord, name: str) -> str:
             return f"{holder} began to hold {name} {held}"
         case "released":
             return f"{holder} holds {name} no more"
+        case "ended":
+            return f"{issuer_text(entry['issuer'])} ended the lease by which {printable(entry['text'], 60)} held {name}"
         case "expired":
             return f"{holder} holds {name} no more: its time was over"
         case "outranked":

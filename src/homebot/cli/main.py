@@ -39,6 +39,8 @@ COMMANDS: Final = {
     "place": "say which room a device is in",
     "alias": "give a device a further name",
     "approve": "approve a device that can hurt, so that it may be driven",
+    "leases": "list what programs hold as it is, and until when",
+    "release": "end the leases of a device",
     "places": "list, export and import the rooms of the house",
     "import": "add a device from a W3C Thing Description",
     "why": "tell why a device is as it is",

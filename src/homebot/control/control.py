@@ -23,6 +23,8 @@ from homebot.control.settings import ControlSettings
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import (
     COMMAND_DEVICES,
+    END_LEASES,
+    GET_LEASES,
     GET_UNAPPROVED,
     HOLD_PART,
     PERFORM_COMMAND,
@@ -46,7 +48,14 @@ if TYPE_CHECKING:
         CommandRequest,
         CommandResult,
     )
-    from homebot.devices.lease_messages import HolderRequest, HoldRequest, LeaseResponse
+    from homebot.devices.lease_messages import (
+        EndLeasesRequest,
+        GetLeasesRequest,
+        HolderRequest,
+        HoldRequest,
+        LeaseResponse,
+        LeasesResponse,
+    )
     from homebot.devices.text_messages import SendTextRequest, SendTextResponse
 
 __all__ = ["Control"]
@@ -107,17 +116,19 @@ class Control:
 
     def register(self) -> None:
         """Offer the services; what they begin is carried out while it serves."""
+        from homebot.devices import lease_messages as leases  # noqa: PLC0415 - likewise
         from homebot.devices.approval_messages import GetUnapproved  # noqa: PLC0415 - see above
         from homebot.devices.command_messages import CommandDevices, PerformCommand  # noqa: PLC0415 - see above
-        from homebot.devices.lease_messages import HoldPart, ReleaseLease, RenewLease  # noqa: PLC0415 - likewise
         from homebot.devices.text_messages import SendText  # noqa: PLC0415 - likewise
 
         self._node.create_service(PerformCommand, PERFORM_COMMAND, self.perform, concurrent=True)
         self._node.create_service(SendText, SEND_TEXT, self.send_text, concurrent=True)
         self._node.create_service(CommandDevices, COMMAND_DEVICES, self.command_devices, concurrent=True)
-        self._node.create_service(HoldPart, HOLD_PART, self.hold, concurrent=True)
-        self._node.create_service(RenewLease, RENEW_LEASE, self.renew)
-        self._node.create_service(ReleaseLease, RELEASE_LEASE, self.release)
+        self._node.create_service(leases.HoldPart, HOLD_PART, self.hold, concurrent=True)
+        self._node.create_service(leases.RenewLease, RENEW_LEASE, self.renew)
+        self._node.create_service(leases.ReleaseLease, RELEASE_LEASE, self.release)
+        self._node.create_service(leases.GetLeases, GET_LEASES, self.held_parts)
+        self._node.create_service(leases.EndLeases, END_LEASES, self.end_leases)
         self._node.create_service(GetUnapproved, GET_UNAPPROVED, self.unapproved)
         self._node.create_service(GetHealth, "~/health", self.health)
 
@@ -152,6 +163,14 @@ class Control:
     def release(self, request: HolderRequest) -> LeaseResponse:
         """Let a holder hold no more."""
         return self._leasing().release(request)
+
+    def held_parts(self, request: GetLeasesRequest) -> LeasesResponse:
+        """Return the parts that are held."""
+        return self._leasing().held_parts(request)
+
+    def end_leases(self, request: EndLeasesRequest) -> LeasesResponse:
+        """Let nobody hold a device any more."""
+        return self._leasing().end(request)
 
     async def unapproved(self, request: UnapprovedRequest) -> UnapprovedResponse:
         """Return the devices that wait for the owner's approval."""

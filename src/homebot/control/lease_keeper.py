@@ -12,16 +12,24 @@ import anyio
 from anyio.abc import TaskGroup
 
 from homebot.control.executor import CommandExecutor
+from homebot.control.held_parts import held_part, held_setting
 from homebot.control.held_values import STOPPED
 from homebot.control.journal import CommandJournal
 from homebot.control.journal.journal import LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, value_text
 from homebot.control.report_watch import ReportWatch
 from homebot.devices.capabilities import MOMENTARY
-from homebot.devices.command_messages import CommandRequest, CommandResult, Setting, outcome_of, result_of
-from homebot.devices.lease_messages import HolderRequest, HoldRequest, LeaseResponse
+from homebot.devices.command_messages import CommandRequest, CommandResult, outcome_of, result_of
+from homebot.devices.lease_messages import (
+    EndLeasesRequest,
+    GetLeasesRequest,
+    HolderRequest,
+    HoldRequest,
+    LeaseResponse,
+    LeasesResponse,
+)
 from homebot.devices.outcomes import Contradicted, Gone, NoAnswer, Outcome, Refused
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.graph import Node
 
@@ -117,6 +125,22 @@ class LeaseKeeper:
             self._log("control.released", lease, f"is no more held {value_text(lease.value)} by {request.by}")
         return LeaseResponse(held=False, result=result_of(Refused(LEASE_POLICY, "it was released")))
 
+    def held_parts(self, request: GetLeasesRequest) -> LeasesResponse:
+        """Return the parts that are held."""
+        self._expire()
+        monotonic, now = self._clock.monotonic(), self._clock.now()
+        leases = sorted((one for one in self._leases if request.device in {"", one.part[0]}), key=lambda one: one.part)
+        return LeasesResponse(parts=tuple(held_part(one, monotonic, now) for one in leases))
+
+    def end(self, request: EndLeasesRequest) -> LeasesResponse:
+        """Let nobody hold a device any more; return what was held."""
+        response = self.held_parts(GetLeasesRequest(device=request.device))
+        for lease, (issuer, by, _), _ in self._leases.end(request.device, request.issuer, self._clock.monotonic()):
+            self._end_if_over(lease)
+            self._log("control.lease_ended", lease, f"is no more held by {by} ({issuer}): {request.issuer} ended it")
+            self._note_step("ended", lease, request.issuer, by)
+        return response
+
     def _begin(self, request: HoldRequest) -> Lease | str:
         """Return the lease of a new holder, or why there is none."""
         capability, value = request.setting.capability, request.setting.value.plain()
@@ -141,9 +165,8 @@ class LeaseKeeper:
                 return None
             kept.seen = None
             device, part = lease.part
-            setting = Setting(capability=lease.capability, value=Value.of(lease.value))
             kept.result = result = await self._executor.perform(
-                CommandRequest(device=device, part=part, settings=(setting,), issuer=issuer, scope=scope)
+                CommandRequest(device=device, part=part, settings=(held_setting(lease),), issuer=issuer, scope=scope)
             )
             self._note(lease, kept, outcome_of(result))
         self._changed.set()
@@ -239,8 +262,7 @@ class LeaseKeeper:
             self._note_step("handed_back", lease)
 
     def _note_step(self, step: LeaseStep, lease: Lease, issuer: str = "", text: str = "") -> None:
-        held = Setting(capability=lease.capability, value=Value.of(lease.value))
-        self._journal.lease(step, lease.part, held, issuer, text)
+        self._journal.lease(step, lease.part, held_setting(lease), issuer, text)
 
     def _log(self, event: str, lease: Lease, text: str) -> None:
         device, part = lease.part

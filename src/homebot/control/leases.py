@@ -117,6 +117,7 @@ class Leases:
         self.refused = 0
         self.hand_time = hand_time
         self.on_outranked = _ignore
+        self._ended: dict[HolderKey, tuple[float, str]] = {}
         self._parts: dict[_Part, dict[str, Lease]] = {}
         self._of: dict[HolderKey, Lease] = {}
 
@@ -127,6 +128,8 @@ class Leases:
         self, part: _Part, capability: str, value: PlainValue, key: HolderKey, holder: LeaseHolder, now: float
     ) -> Lease | str:
         """Let *holder* hold a value from *now* on, after :meth:`expire`; return the lease, or why not."""
+        if key in self._ended:
+            return f"its lease was ended by {self._ended[key][1]}"
         if problem := self.refusal(part, {capability: value}, now):
             return problem
         if key in self._of:
@@ -162,8 +165,23 @@ class Leases:
                 del self._parts[lease.part]
         return lease
 
+    def end(self, device: str, by: str, now: float) -> list[tuple[Lease, HolderKey, LeaseHolder]]:
+        """Release all holders of *device*, as *by* wants; return them with their leases.
+
+        A holder that lives would begin anew when it learns that its lease is over: under the same name it may not,
+        for as long as its lease lasted.
+        """
+        found = [
+            (lease, key, holder) for lease in self if lease.part[0] == device for key, holder in lease.holders.items()
+        ]
+        for _, key, holder in found:
+            self.release(key)
+            self._ended[key] = now + holder.ttl, by
+        return found
+
     def expire(self, now: float) -> list[tuple[Lease, HolderKey, LeaseHolder]]:
         """Release the holders whose time is over at *now*, and return them with their leases."""
+        self._ended = {key: ended for key, ended in self._ended.items() if ended[0] > now}
         over = [(key, lease.holders[key]) for key, lease in self._of.items() if lease.holders[key].deadline <= now]
         return [(lease, key, holder) for key, holder in over if (lease := self.release(key)) is not None]
 

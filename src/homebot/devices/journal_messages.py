@@ -37,6 +37,7 @@ EntryKind: TypeAlias = Literal[
     "denied",
     "held",
     "released",
+    "ended",
     "expired",
     "outranked",
     "handed_back",
@@ -88,8 +89,8 @@ class JournalEntry(Message):
             ``changed``: the device changed, and no command explains it; ``published``: a raw text was published, by
             `Devices.tell` or by another program, which nobody verifies; ``denied``: a client of the door, or who wanted
             to hold a part, was refused before there was a command; ``held``: a holder began to hold a part;
-            ``released``: it let go; ``expired``: its time was over; ``outranked``: a hand or a stop command outranks
-            the lease; ``handed_back``: the lease counts again.
+            ``released``: it let go; ``ended``: somebody else, the issuer, ended its lease; ``expired``: its time was
+            over; ``outranked``: a hand or a stop command outranks the lease; ``handed_back``: the lease counts again.
         at: When.
         device: The id of the device; empty for ``denied`` where none is known.
         part: The id of the part.
@@ -99,8 +100,8 @@ class JournalEntry(Message):
         settings: ``requested``: what was wanted; ``reported`` and ``changed``: the values that were reported; of a
             lease what is held.
         text: ``published``: the payload; ``sent``: empty for the first try, ``again`` for the others; ``denied``: the
-            command, where it is known; ``held``, ``released`` and ``expired``: the holder, in a word; ``outranked``:
-            what was seen.
+            command, where it is known; ``held``, ``released``, ``ended`` and ``expired``: the holder, in a word;
+            ``outranked``: what was seen.
         verdicts: ``judged``: the verdict; ``denied``: that of ``rights``, whose facts are the ``operation``, its
             ``target``, the ``right`` that is missing, the ``address`` of the client and how many requests it stands for
             (``count``), or that of ``lease``.

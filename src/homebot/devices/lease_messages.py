@@ -7,15 +7,23 @@ from typing import Annotated
 from pydantic import Field
 
 from homebot.devices.command_messages import CommandResult, Setting
+from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType
 
 __all__ = [
     "LONGEST_TTL",
     "SHORTEST_TTL",
+    "EndLeases",
+    "EndLeasesRequest",
+    "GetLeases",
+    "GetLeasesRequest",
+    "HeldPart",
     "HoldPart",
     "HoldRequest",
+    "HolderOfPart",
     "HolderRequest",
     "LeaseResponse",
+    "LeasesResponse",
     "ReleaseLease",
     "RenewLease",
 ]
@@ -24,6 +32,7 @@ SHORTEST_TTL = 1.0
 LONGEST_TTL = 3600.0
 
 _MOST_SCOPES = 100
+_NO_TIME = Time(sec=0, nanosec=0)
 _Name = Annotated[str, Field(min_length=1, max_length=100)]
 
 
@@ -77,6 +86,74 @@ class LeaseResponse(Message):
     result: CommandResult
 
 
+class HolderOfPart(Message):
+    """One who holds a part.
+
+    Attributes:
+        by: Its name for people.
+        issuer: The name of its node, or ``client:NAME`` for a client of the door.
+        until: When its time is over, unless it renews the lease.
+    """
+
+    by: str
+    issuer: str
+    until: Time
+
+
+class HeldPart(Message):
+    """A part that is held.
+
+    Attributes:
+        device: The id of the device.
+        part: The id of the part.
+        setting: What is held, and at which value.
+        holders: Who holds it, the first one first.
+        outranked_until: Until when a hand outranks the lease; 0 where none does.
+        saw: What was seen when the hand came.
+    """
+
+    device: str
+    part: str = ""
+    setting: Setting
+    holders: tuple[HolderOfPart, ...] = ()
+    outranked_until: Time = _NO_TIME
+    saw: str = ""
+
+
+class GetLeasesRequest(Message):
+    """A question for the parts that are held.
+
+    Attributes:
+        device: Only those of this device, by its id; empty for all.
+    """
+
+    device: str = ""
+
+
+class EndLeasesRequest(Message):
+    """An order to let nobody hold a part of a device any more.
+
+    Attributes:
+        device: The id of the device.
+        issuer: Who orders it; the door sets it for its clients.
+    """
+
+    device: str
+    issuer: str
+
+
+class LeasesResponse(Message):
+    """Parts that are held, or whose leases were ended.
+
+    Attributes:
+        parts: The parts, by device.
+    """
+
+    parts: tuple[HeldPart, ...] = ()
+
+
+GetLeases = ServiceType("homebot/srv/GetLeases", GetLeasesRequest, LeasesResponse)
+EndLeases = ServiceType("homebot/srv/EndLeases", EndLeasesRequest, LeasesResponse)
 HoldPart = ServiceType("homebot/srv/HoldPart", HoldRequest, LeaseResponse)
 RenewLease = ServiceType("homebot/srv/RenewLease", HolderRequest, LeaseResponse)
 ReleaseLease = ServiceType("homebot/srv/ReleaseLease", HolderRequest, LeaseResponse)

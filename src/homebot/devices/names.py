@@ -14,11 +14,13 @@ __all__ = [
     "DEVICE_STATES",
     "DIRECTORY_NODE",
     "DISCOVERY_HEALTH",
+    "END_LEASES",
     "EXPORT_PLACES",
     "FIND_DEVICES",
     "FORGET_DEVICE",
     "GET_CHANGES",
     "GET_INDEX_DATA",
+    "GET_LEASES",
     "GET_PLACES",
     "GET_UNAPPROVED",
     "HOLD_PART",
@@ -70,6 +72,8 @@ COMMAND_DEVICES = "/devices/command"
 HOLD_PART = "/control/hold"
 RENEW_LEASE = "/control/renew"
 RELEASE_LEASE = "/control/release"
+GET_LEASES = "/control/leases"
+END_LEASES = "/control/end_leases"
 COMMAND_EVENTS = "/control/events"
 READ_JOURNAL = "/control/journal"
 GET_UNAPPROVED = "/control/unapproved"

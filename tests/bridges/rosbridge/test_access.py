@@ -318,6 +318,8 @@ def test_each_token_has_a_secret_of_its_own_which_no_error_shows() -> None:
         ("/discovery/merge", Right.MANAGE),
         ("/discovery/place", Right.MANAGE),
         ("/discovery/approve", Right.MANAGE),
+        ("/control/end_leases", Right.MANAGE),
+        ("/control/leases", Right.READ),
         ("/gateway/nfc/write_tag", Right.MANAGE),
         ("/gateway/matter/commission", Right.MANAGE),
         ("/control/to_come", Right.MANAGE),

@@ -172,6 +172,8 @@ def story(name: str) -> list[JournalEntry]:
                 lease("handed_back", 30, "", issuer=""),
                 lease("released", 20, "robot"),
                 lease("held", 10, "vacuum", issuer="/cleaner"),
+                lease("held", 8, "robot"),
+                lease("ended", 7, "robot", issuer="client:owner"),
                 lease("expired", 5, "vacuum", issuer="/cleaner"),
             ]
     return []

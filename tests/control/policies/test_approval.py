@@ -17,7 +17,8 @@ from homebot.devices.approval_messages import ApproveDevice, GetUnapproved
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
 from homebot.devices.handles import DoorLock, Light
 from homebot.devices.health import GetHealth
-from homebot.devices.names import APPROVE_DEVICE, GET_UNAPPROVED
+from homebot.devices.lease_messages import HoldPart, HoldRequest
+from homebot.devices.names import APPROVE_DEVICE, GET_UNAPPROVED, HOLD_PART
 from homebot.devices.outcomes import Refused
 from homebot.devices.value import PlainValue, Value
 from homebot.messages import Time
@@ -99,6 +100,45 @@ async def unlock(home: Home, device: str, issuer: str = "client:owner") -> Comma
     setting = Setting(capability="lock", value=Value.of("unlocked"))
     request = CommandRequest(device=device, part="", settings=(setting,), issuer=issuer, scope=("act: all",))
     return await home.control.perform(request)
+
+
+@pytest.mark.virtual_time
+async def test_what_is_not_approved_is_held_by_nobody_but_to_the_safe_side(open_home: OpenHome) -> None:
+    async with open_home(grants={"/app": ("act: all",)}, approvals=True) as home:
+        home.put("lock", "door_lock", "lock")
+        lock = await home.handle(DoorLock, "lock")
+        async with lock.hold("unlock", by="robot") as held:
+            assert isinstance(held.outcome, Refused)
+            assert (held.outcome.policy, held.is_held) == ("approval", False)
+            await home.report("lock", "lock", "unlocked")  # by a hand
+            assert (await lock.lock()).succeeded
+        async with lock.hold("lock", by="guard") as held:
+            assert held.succeeded
+        await approve(home, lock.device.id)
+        async with lock.hold("unlock", by="robot") as held:
+            assert held.succeeded
+            await approve(home, lock.device.id, remove=True)
+            assert held.is_held
+        assert [one.value.plain() for one in home.commands] == ["locked", "unlocked"]
+
+
+@pytest.mark.virtual_time
+async def test_a_device_of_a_client_that_is_not_approved_blocks_nobody(open_home: OpenHome) -> None:
+    async with open_home(grants={"/app": ("act: all",)}, approvals=True) as home:
+        home.put("lock", "door_lock", "lock")
+        lock = await home.handle(DoorLock, "lock")
+        wanted = HoldRequest(
+            device=lock.device.id,
+            setting=Setting(capability="lock", value=Value.of("unlocked")),
+            lease="1",
+            by="robot",
+            ttl=3600,
+            issuer="client:owner",
+            scope=("act: all",),
+        )
+        answer = await home.app.create_client(HoldPart, HOLD_PART).call(wanted)
+        assert (answer.held, answer.result.outcome, answer.result.policy) == (False, "refused", "approval")
+        assert (await lock.lock()).succeeded
 
 
 @pytest.mark.virtual_time

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final, final
 
 from homebot.bridges.client_error_log import ClientErrorLog, short_text
-from homebot.bridges.rosbridge.protocol import CallService, Operation, PublishOperation
 from homebot.bridges.rosbridge.shared_state import DoorCounters, operation_text
 from homebot.devices.names import ACCESS_REFUSALS
 from homebot.graph import Node, Publisher, QoSProfile
@@ -15,6 +14,7 @@ from homebot.messages import Time
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
+    from homebot.bridges.rosbridge.protocol import Operation
     from homebot.devices.access_messages import AccessRefused
 
 __all__ = ["Refusals"]
@@ -80,6 +80,8 @@ class Refusals:
 
 def _command_in(op: Operation) -> tuple[str, str]:
     """Return what a command in *op* is for and what it wants, as far as it says so in words."""
+    from homebot.bridges.rosbridge.protocol import CallService, PublishOperation  # noqa: PLC0415 - see above
+
     match op:
         case PublishOperation():
             return _text(op.msg, "address"), _word(op.msg, "payload")

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 __all__ = ["CommandJournal", "LeaseStep"]
 
-LeaseStep: TypeAlias = Literal["held", "released", "expired", "outranked", "handed_back"]
+LeaseStep: TypeAlias = Literal["held", "released", "ended", "expired", "outranked", "handed_back"]
 
 _DEPTH = 1000
 _SHORTEST_SETTLE = 2.0

@@ -1,0 +1,88 @@
+"""``homebot leases``."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from typing import cast
+
+from homebot.cli.arguments import set_client_command
+from homebot.cli.device_json import json_text, list_text
+from homebot.cli.device_queries import house_time, named_device
+from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.journal_words import issuer_text, settings_text
+from homebot.cli.lease_records import HeldPartRecord, LeasesRecord
+from homebot.cli.records import TimeRecord
+from homebot.cli.table import printable
+from homebot.cli.terminal import print_table
+from homebot.cli.time_format import age, from_seconds, iso, to_seconds
+from homebot.cli.values import plain_value
+from homebot.devices.names import GET_LEASES
+
+__all__ = ["add_arguments"]
+
+_HEAD = ("DEVICE", "HELD", "BY", "ISSUER", "FOR", "OUTRANKED")
+_EXAMPLES = """\
+  homebot leases
+  homebot leases 'Front door' --json
+
+FOR is how much longer it is held, unless the holder renews its lease. OUTRANKED is for how long a person's hand counts
+more. `homebot release DEVICE` ends the leases of a device.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot leases``."""
+    set_client_command(parser, _leases, _EXAMPLES)
+    parser.add_argument("device", metavar="DEVICE", nargs="?", default="", help="only this device, by id or name")
+    parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
+
+
+def _leases(options: argparse.Namespace) -> int:
+    """Print who holds what, and until when."""
+
+    def run(door: DoorClient) -> int:
+        device = named_device(door, options.device)["id"] if options.device else ""
+        parts = cast("LeasesRecord", door.call(GET_LEASES, {"device": device}))["parts"]
+        if options.json:
+            print(list_text([json_text(_json(one)) for one in parts]))
+        elif parts:
+            now = house_time(door)
+            print_table(_HEAD, [row for one in parts for row in _rows(one, now)], if_any=("OUTRANKED",))
+        else:
+            print(f"nobody holds {printable(options.device)}" if device else "nobody holds anything")
+        return 0
+
+    return with_client(options, run)
+
+
+def _rows(held: HeldPartRecord, now: float) -> Iterator[tuple[str, ...]]:
+    outranked = ""
+    if held["outranked_until"]["sec"]:
+        outranked = f"{_left(held['outranked_until'], now)}: {printable(held['saw'], 60)}"
+    for holder in held["holders"]:
+        yield (
+            printable(f"{held['device']}#{held['part']}" if held["part"] else held["device"]),
+            settings_text([held["setting"]]),
+            printable(holder["by"], 60),
+            issuer_text(holder["issuer"]),
+            _left(holder["until"], now),
+            outranked,
+        )
+
+
+def _left(until: TimeRecord, now: float) -> str:
+    return age(from_seconds(now), to_seconds(until))
+
+
+def _json(held: HeldPartRecord) -> dict[str, object]:
+    is_outranked = held["outranked_until"]["sec"]
+    return {
+        "device": held["device"],
+        "part": held["part"],
+        "capability": held["setting"]["capability"],
+        "value": plain_value(held["setting"]["value"]),
+        "holders": [{"by": one["by"], "issuer": one["issuer"], "until": iso(one["until"])} for one in held["holders"]],
+        "outranked_until": iso(held["outranked_until"]) if is_outranked else None,
+        "saw": held["saw"],
+    }

@@ -1,0 +1,47 @@
+"""``homebot release``."""
+
+from __future__ import annotations
+
+import argparse
+from typing import cast
+
+from homebot.cli.arguments import set_client_command
+from homebot.cli.device_queries import named_device
+from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.journal_words import issuer_text, settings_text
+from homebot.cli.lease_records import LeasesRecord
+from homebot.cli.table import printable
+from homebot.devices.names import END_LEASES
+from homebot.errors import PeerError
+
+__all__ = ["add_arguments"]
+
+_EXAMPLES = """\
+  homebot release 'Front door'
+
+Ends all leases of a device, whoever holds it; `homebot leases` shows them. It takes the right `manage`. The device
+stays as it is. A program whose lease was ended does not get the same one again: its block goes on without it.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot release``."""
+    set_client_command(parser, _release, _EXAMPLES)
+    parser.add_argument("device", metavar="DEVICE", help="its id or its name")
+
+
+def _release(options: argparse.Namespace) -> int:
+    """Let nobody hold a device any more."""
+
+    def run(door: DoorClient) -> int:
+        device = named_device(door, options.device)["id"]
+        parts = cast("LeasesRecord", door.call(END_LEASES, {"device": device, "issuer": ""}))["parts"]
+        for held in parts:
+            for one in held["holders"]:
+                who = f"{printable(one['by'], 60)} ({issuer_text(one['issuer'])})"
+                print(f"{printable(device)} is no more held {settings_text([held['setting']])} by {who}")
+        if not parts:
+            raise PeerError(f"nobody holds {printable(device)}")
+        return 0
+
+    return with_client(options, run)

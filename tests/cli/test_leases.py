@@ -1,0 +1,61 @@
+"""``homebot leases`` and ``homebot release``, against a real directory and control layer."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from tests.cli.test_approve import index_node
+from tests.cli.test_places import NOW
+
+from homebot.cli import main
+from homebot.clock import Clock, ManualClock
+from homebot.graph import Graph, Node
+
+if TYPE_CHECKING:
+    from tests.cli.conftest import Homebot
+
+Run = Callable[..., tuple[int, str, str]]
+
+HOLD = {
+    "device": "lamp",
+    "part": "l",
+    "setting": {"capability": "on_off", "value": {"type": 1, "flag": True}},
+    "lease": "1",
+    "by": "robot",
+    "ttl": 60,
+    "issuer": "",
+}
+
+
+@pytest.fixture
+def run(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], capsys: pytest.CaptureFixture[str]) -> Run:
+    """Runs a command against a home whose lamp nobody answers for; returns its exit code and what it printed."""
+    made: Homebot = homebot_with(index_node, ManualClock(NOW))
+
+    def homebot(*arguments: str) -> tuple[int, str, str]:
+        code = main(["--door", made.door, *arguments])
+        out, err = capsys.readouterr()
+        return code, "\n".join(" ".join(line.split()) for line in out.splitlines()), err
+
+    return homebot
+
+
+def test_a_lease_is_listed_and_ended(run: Run) -> None:
+    assert run("leases") == (0, "nobody holds anything", "")
+    assert run("release", "Lamp") == (1, "", "homebot: nobody holds lamp\n")
+    assert "held: true" in run("service", "call", "/control/hold", json.dumps(HOLD))[1]
+    assert run("leases")[1] == "DEVICE HELD BY ISSUER FOR\nlamp#l on robot the client local 1 min"
+    assert run("leases", "Front door")[1] == "nobody holds Front door"
+    (held,) = json.loads(run("leases", "Lamp", "--json")[1])
+    (holder,) = held["holders"]
+    assert (held["device"], held["capability"], held["value"]) == ("lamp", "on_off", True)
+    assert held["outranked_until"] is None
+    assert (holder["by"], holder["issuer"], holder["until"][-1]) == ("robot", "client:local", "Z")
+    code, printed, _ = run("release", "Lamp")
+    assert (code, printed.splitlines()[-1]) == (0, "lamp is no more held on by robot (the client local)")
+    assert run("leases")[1] == "nobody holds anything"
+    assert "ended the lease by which robot held Lamp" in run("journal")[1]
+    assert run("journal", "--json")[1].count('"kind": "ended"') == 1
