@@ -64,7 +64,7 @@ states as well."""
 MAX_DEPTH = 64
 """Levels of lists and objects in JSON."""
 
-_ENDLESS = (math.inf, -math.inf)
+_ENDLESS = frozenset((math.inf, -math.inf))
 _MAX_SHOWN = 60
 
 
@@ -91,7 +91,7 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
         except ValueError:
             pass  # what it does not take is refused below, with the reason
         else:
-            if _is_finite(value, MAX_DEPTH):
+            if _is_flat_and_finite(value) or _is_finite(value, MAX_DEPTH):
                 return value
     return _parse_slowly(payload, unique=unique)
 
@@ -113,6 +113,14 @@ def _parse_slowly(payload: bytes | str, *, unique: bool) -> object:
     if "\\u" in text:
         check_surrogates(value)
     return value
+
+
+def _is_flat_and_finite(value: object) -> bool:
+    """Return whether *value* is an object of one level, as most payloads are, that :func:`_is_finite` takes."""
+    try:
+        return isinstance(value, dict) and _ENDLESS.isdisjoint(value.values())
+    except TypeError:  # what has a list or an object in it has no hash
+        return False
 
 
 def _is_finite(value: object, depth: int) -> bool:

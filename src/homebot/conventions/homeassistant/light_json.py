@@ -120,18 +120,20 @@ class _State:
         if message is None:
             return NO_READINGS
         found: dict[str, PlainValue] = {}
-        state = message.get("state", "")
+        lamp, get = self.lamp, message.get
+        state = get("state", "")
         if (state is None or isinstance(state, str)) and state in _STATES:
             found["on_off"] = _STATES[state]
-        brightness = message.get("brightness")
-        if self.lamp.has_level and isinstance(brightness, (int, float)) and 0 < brightness < _HUGE:
-            found["level"] = min(255, max(1, round(brightness * 255 / self.scale))) * 100 / 255
+        brightness = get("brightness")
+        if lamp.has_level and isinstance(brightness, (int, float)) and 0 < brightness < _HUGE:
+            found["level"] = _level(brightness, self.scale)
         mode = message["color_mode"] if "color_mode" in message else self._only_mode(message)
-        if isinstance(mode, str) and mode in self.lamp.modes:
+        if isinstance(mode, str) and mode in lamp.modes:
             self._add_color(mode, message, found)
-        effect = message.get("effect")
-        if isinstance(effect, str) and (self.lamp.effects or self.lamp.any_effect):
-            found["effect"] = clean_text(effect)
+        if lamp.effects or lamp.any_effect:
+            effect = get("effect")
+            if isinstance(effect, str):
+                found["effect"] = clean_text(effect)
         return found
 
     def _only_mode(self, message: Mapping[str, object]) -> str:
@@ -145,7 +147,9 @@ class _State:
 
     def _add_color(self, mode: str, message: Mapping[str, object], found: dict[str, PlainValue]) -> None:
         if mode == "color_temp":
-            kelvin = white_kelvin(number_of(message.get("color_temp")), in_kelvin=self.in_kelvin)
+            white = message.get("color_temp")
+            is_number = isinstance(white, (int, float))
+            kelvin = (_kelvin if is_number else _kelvin.__wrapped__)(white, self.in_kelvin)
             if kelvin is not None:
                 found["color_temperature"] = kelvin
                 if self.lamp.color_mode:
@@ -156,6 +160,19 @@ class _State:
                 found["color"] = color
                 if self.lamp.has_white:
                     found["color_temperature"] = None
+
+
+# Lamps report few different values, over and over again.
+
+
+@lru_cache(maxsize=1024)
+def _level(brightness: float, scale: int) -> float:
+    return min(255, max(1, round(brightness * 255 / scale))) * 100 / 255
+
+
+@lru_cache(maxsize=1024)
+def _kelvin(white: object, in_kelvin: bool) -> float | None:  # noqa: FBT001 - part of the key
+    return white_kelvin(number_of(white), in_kelvin=in_kelvin)
 
 
 _REPORTED = frozenset({"on_off", "level", "color_temperature", "color", "effect"})
