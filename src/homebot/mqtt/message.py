@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, NamedTuple
 
 __all__ = ["NO_PROPERTIES", "MessageProperties", "MqttMessage"]
 
@@ -35,8 +35,7 @@ NO_PROPERTIES: Final = MessageProperties()
 """The properties of a message without any; shared, so that plain messages cost nothing."""
 
 
-@dataclass(frozen=True, slots=True)
-class MqttMessage:
+class MqttMessage(NamedTuple):
     """One received message.
 
     Attributes:
@@ -55,4 +54,19 @@ class MqttMessage:
     qos: int = 0
     retain: bool = False
     properties: MessageProperties = NO_PROPERTIES
-    receipt: int = field(default=0, compare=False, repr=False)
+    receipt: int = 0
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether *other* says the same, whatever it is acknowledged by."""
+        return self[:5] == other[:5] if isinstance(other, MqttMessage) else NotImplemented
+
+    def __ne__(self, other: object) -> bool:
+        """Return whether *other* says anything else."""
+        return not self == other
+
+    def __hash__(self) -> int:
+        return hash(self[:5])
+
+    def __repr__(self) -> str:
+        fields = ", ".join(f"{name}={value!r}" for name, value in zip(self._fields[:5], self, strict=False))
+        return f"MqttMessage({fields})"

@@ -102,16 +102,19 @@ class DeviceReporter:
             address: Where it was said; empty where the protocol has no addresses.
             retained: Whether it was kept from before.
         """
-        states = tuple(readings)
-        events: tuple[Reading, ...] = ()
-        if not EVENTS.isdisjoint([one.capability for one in readings]):
-            states = tuple([one for one in readings if one.capability not in EVENTS])
-            events = tuple([one for one in readings if one.capability in EVENTS])
+        states = tuple([one for one in readings if one.capability not in EVENTS])
         if states:
-            stream = device.report_streams.get(source) or device.report_stream(source)
-            self.publish_report(device.key, states, address, stream, retained=retained)
-        if events and not retained:
+            self.publish_states(device, states, source, address, retained=retained)
+        if len(states) < len(readings) and not retained:
+            events = tuple([one for one in readings if one.capability in EVENTS])
             self.report_events(device.key, events, address)
+
+    def publish_states(
+        self, device: StoredAnnouncement, states: tuple[Reading, ...], source: str, address: str, *, retained: bool
+    ) -> None:
+        """Publish as :meth:`publish_readings` what has no events."""
+        stream = device.report_streams.get(source) or device.report_stream(source)
+        self.publish_report(device.key, states, address, stream, retained=retained)
 
     def report_reachable(
         self, device: StoredAnnouncement, part: str, address: str, *, reachable: bool | None, retained: bool

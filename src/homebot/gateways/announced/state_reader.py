@@ -6,7 +6,7 @@ before, and says what was, not what is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 
 import anyio.lowlevel
@@ -101,29 +101,49 @@ class StateReader:
         if len(payload) > longest:
             self._counters.oversize += 1
             return
-        readings: list[Reading] = []
-        stored: StoredAnnouncement | None = None
-        for number, announced_part in enumerate(announced_parts, 1):
-            if number % _TURN == 0:
+        for some in _portions(announced_parts):
+            if some is not announced_parts:
                 await anyio.lowlevel.checkpoint()
-            decoded = self._decode(announced_part, address, payload, retained=retained)
-            if not decoded:
-                continue
-            if announced_part.stored is not stored:
-                if stored is not None:
-                    self._report(stored, readings, address, retained=retained)
-                stored, readings = announced_part.stored, []
-            readings += decoded[1]
-            for expiry in announced_part.described.expiries:
-                self._schedule_expiry(announced_part, expiry, decoded[0])
-            if _is_brief(decoded[0]) and not self._listeners.has_listeners(announced_part.address):
-                self._keep_late(announced_part, decoded[0], retained=retained)
-                continue
-            text = self._as_text(announced_part, decoded[0], retained=retained)
-            if text is not None:
+            for text in self.take(address, payload, some, retained=retained):
                 await self._listeners.deliver(text, wait_if_full=wait_if_full)
+
+    def take(
+        self, address: str, payload: bytes, announced_parts: Sequence[AnnouncedPart], *, retained: bool
+    ) -> Sequence[RawMessage]:
+        """Take a message as :meth:`read`, but return the texts to be delivered: none where nobody listens to any."""
+        readings: list[Reading] = []
+        texts: list[RawMessage] = []
+        stored: StoredAnnouncement | None = None
+        has_events = False
+        for part in announced_parts:
+            described = part.described
+            try:
+                values = described.codec.read(address, payload, retained=retained)
+                if not values:
+                    continue
+                found = part.readings(values)
+            except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
+                self._record_failure(address, part.stored.described.convention, exc)
+                continue
+            if part.stored is not stored:
+                if stored is not None:
+                    self._report(stored, readings, address, retained=retained, has_events=has_events)
+                stored, readings, has_events = part.stored, [], False
+            readings += found
+            for expiry in described.expiries:
+                self._schedule_expiry(part, expiry, values)
+            if _is_brief(values) and not self._listeners.has_listeners(part.address):
+                stamp = self._reporter.stamp
+                make = partial(_late_text, part.stored.gateway, part.stored.key, part.address, values, stamp, retained)
+                part.keep_late(make, self._reporter.now)
+                continue
+            has_events = has_events or not EVENTS.isdisjoint(values)
+            text = self._as_text(part, values, retained=retained)
+            if text is not None and self._listeners.has_listeners(part.address):
+                texts.append(text)
         if stored is not None:
-            self._report(stored, readings, address, retained=retained)
+            self._report(stored, readings, address, retained=retained, has_events=has_events)
+        return texts
 
     async def read_text(
         self, address: str, payload: bytes, part: AnnouncedPart, *, retained: bool, wait_if_full: bool = True
@@ -181,17 +201,28 @@ class StateReader:
             return None
 
     def _report(
-        self, stored: StoredAnnouncement, readings: list[Reading], address: str, *, retained: bool, stream: str = ""
+        self,
+        stored: StoredAnnouncement,
+        readings: list[Reading],
+        address: str,
+        *,
+        retained: bool,
+        has_events: bool = True,
+        stream: str = "",
     ) -> None:
         if self._devices.get(stored.key) is not stored:
             return  # it went while others had their turn
         self._counters.reports += 1
-        if not retained and (not stored.is_confirmed or self._reporter.now >= stored.refresh_at):
+        reporter = self._reporter
+        if not retained and (reporter.now >= stored.refresh_at or not stored.is_confirmed):
             # First: to a directory that has forgotten the device, a report alone is of nobody.
             why = f"message on {address}" if address else "it reported"
-            self._reporter.publish_sighting(stored, "updated", why, confirmed=True)
-        self._reporter.publish_readings(stored, readings, address or stream, address, retained=retained)
-        if not retained and False in stored.reachable.values():
+            reporter.publish_sighting(stored, "updated", why, confirmed=True)
+        if has_events:
+            reporter.publish_readings(stored, readings, address or stream, address, retained=retained)
+        else:
+            reporter.publish_states(stored, tuple(readings), address or stream, address, retained=retained)
+        if stored.reachable and not retained and False in stored.reachable.values():
             self._doubt(stored, {"", *(one.part for one in readings)}, address)
 
     def _doubt(self, stored: StoredAnnouncement, parts: set[str], address: str) -> None:
@@ -209,12 +240,6 @@ class StateReader:
             return
         stored.note_reachable(part, reachable)
         self._reporter.report_reachable(stored, part, address, reachable=reachable, retained=retained)
-
-    def _keep_late(self, announced_part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool) -> None:
-        """Keep what is not listened to now as a text that is made once somebody asks for what was missed."""
-        stored, stamp = announced_part.stored, self._reporter.stamp
-        make = partial(_late_text, stored.gateway, stored.key, announced_part.address, values, stamp, retained)
-        announced_part.keep_late(make, self._reporter.now)
 
     def _as_text(
         self, announced_part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool
@@ -260,6 +285,20 @@ class StateReader:
         if raw is not None:
             for listener in self._listeners.now(announced_part.address):
                 listener.publish(raw)
+
+
+def _portions(announced_parts: tuple[AnnouncedPart, ...]) -> Iterator[Sequence[AnnouncedPart]]:
+    """Yield *announced_parts* about a hundred at a time, those of one device together."""
+    if len(announced_parts) <= _TURN:
+        yield announced_parts
+        return
+    portion: list[AnnouncedPart] = []
+    for part in announced_parts:
+        if len(portion) >= _TURN and part.stored is not portion[-1].stored:
+            yield portion
+            portion = []
+        portion.append(part)
+    yield portion
 
 
 def _is_brief(values: Mapping[str, PlainValue]) -> bool:

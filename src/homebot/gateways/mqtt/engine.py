@@ -7,8 +7,7 @@ do what takes time or must wait: subscribing, asking, and ending what ends by it
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Iterator
-from dataclasses import replace
+from collections.abc import Awaitable, Iterator, Sequence
 from functools import partial
 from typing import TypeVar
 
@@ -182,8 +181,7 @@ class AnnouncedDevices:
             return
         if raw:
             self.counters.received += 1
-        word = CachedMessage(payload, message.retain, self._reporter.stamp, self._reporter.now)
-        self._last_messages.keep(topic, word)
+        self._keep(message)
         if route.availability_readers:
             await self._states.read_availability(topic, payload, route.availability_readers, retained=message.retain)
         if route.announced_parts:
@@ -196,9 +194,40 @@ class AnnouncedDevices:
                 wait_if_full=message.qos > 0,
                 longest=longest,
             )
-            if raw and self._listeners.has_listeners(topic):
-                raw_text = self._raw(route.announced_parts[0], topic, payload, retained=message.retain)
-                await self._listeners.deliver(raw_text, wait_if_full=message.qos > 0)
+            if raw:
+                await self._deliver_raw(message, route)
+
+    def take_states(self, message: MqttMessage, route: TopicReaders) -> Awaitable[None] | None:
+        """Take a message as :meth:`handle_message`, from where only a few parts tell their states, mostly at once.
+
+        Returns:
+            What is left to be done, for those who listen to texts; None where nobody does.
+        """
+        topic, payload, retained = message.topic, message.payload, message.retain
+        self.counters.received += 1
+        self._keep(message)
+        if len(payload) > MAX_STATE_BYTES:
+            self.counters.oversize += 1
+            return None
+        texts = self._states.take(topic, payload, route.announced_parts, retained=retained)
+        if texts or self._listeners.has_listeners(topic):
+            return self._deliver(texts, message, route)
+        return None
+
+    async def _deliver(self, texts: Sequence[RawMessage], message: MqttMessage, route: TopicReaders) -> None:
+        for text in texts:
+            await self._listeners.deliver(text, wait_if_full=message.qos > 0)
+        await self._deliver_raw(message, route)
+
+    async def _deliver_raw(self, message: MqttMessage, route: TopicReaders) -> None:
+        topic = message.topic
+        if self._listeners.has_listeners(topic):
+            raw_text = self._raw(route.announced_parts[0], topic, message.payload, retained=message.retain)
+            await self._listeners.deliver(raw_text, wait_if_full=message.qos > 0)
+
+    def _keep(self, message: MqttMessage) -> None:
+        word = CachedMessage(message.payload, message.retain, self._reporter.stamp, self._reporter.now)
+        self._last_messages.keep(message.topic, word)
 
     async def take(self, message: MqttMessage, route: TopicReaders) -> None:
         """Take a message as nothing but an announcement; what homebot itself offers is none."""
@@ -264,7 +293,7 @@ class AnnouncedDevices:
         """Publish *message*, and take it: no broker brings back to us what announces a device."""
         await self._connection.publish(message.topic, message.payload, qos=message.qos, retain=message.retain)
         self.tick()
-        await self.take(replace(message, retain=False), self.route(message.topic) or route)
+        await self.take(message._replace(retain=False), self.route(message.topic) or route)
 
     async def _take_now(
         self, message: MqttMessage, route: TopicReaders

@@ -206,6 +206,10 @@ class MqttGateway(Gateway):
                 await described.read_text(
                     topic, message.payload, route.only_text, retained=message.retain, wait_if_full=message.qos > 0
                 )
+            elif route.only_states:
+                work += len(route.announced_parts)
+                if (left := described.take_states(message, route)) is not None:
+                    await left
             else:
                 work += _ANNOUNCEMENT * len(route.conventions) + len(route.announced_parts)
                 await described.handle_message(message, route)

@@ -21,6 +21,9 @@ _MAX_GROUPS = 64
 """Groups of conventions that find announcements on the same topics: few, however many topics there are."""
 
 
+_FEW_PARTS = 100
+"""Parts that may read one message in one go."""
+
 _BOUNDS = RegistryLimits()
 
 
@@ -35,6 +38,7 @@ class TopicReaders:
         only_text: The same, where nobody else reads the topic.
         availability_readers: Devices whose availability is told there.
         announced_parts: Parts that speak there, those of one device together, but for that one.
+        only_states: Whether nothing is there but the states of those parts, which are few.
     """
 
     conventions: tuple[Convention, ...]
@@ -43,6 +47,7 @@ class TopicReaders:
     only_text: AnnouncedPart | None = None
     availability_readers: tuple[AvailabilityReader, ...] = ()
     announced_parts: tuple[AnnouncedPart, ...] = ()
+    only_states: bool = False
 
 
 class AnnouncementRegistry(DeviceRegistry):
@@ -164,7 +169,11 @@ class AnnouncementRegistry(DeviceRegistry):
             availability_readers = tuple(one for one in readers if isinstance(one, AvailabilityReader))
             announced_parts = tuple(one for one in readers if isinstance(one, AnnouncedPart))
             only_text = None if conventions or readers else text
-            route = TopicReaders(conventions, texts, text, only_text, availability_readers, announced_parts)
+            others = conventions or texts or text or availability_readers
+            only_states = not others and len(announced_parts) <= _FEW_PARTS
+            route = TopicReaders(
+                conventions, texts, text, only_text, availability_readers, announced_parts, only_states
+            )
         if len(self._routes) >= _MAX_ROUTES:
             self._routes.clear()
         self._routes[topic] = route
