@@ -91,12 +91,16 @@ class Home:
         area: str = "",
         name: str = "",
         is_silent: bool = False,
+        echoed: tuple[str, ...] = (),
     ) -> None:
         """Let there be a device; a silent one reports nothing of what can be set."""
         part = simple_part(service_type, settable=settable, readable=readable)
         if is_silent:
             silent = [one.model_copy(update={"readable": not one.settable}) for one in part.capabilities]
             part = part.model_copy(update={"capabilities": tuple(silent)})
+        if echoed:
+            marked = [one.model_copy(update={"echoed": one.name in echoed}) for one in part.capabilities]
+            part = part.model_copy(update={"capabilities": tuple(marked)})
         self.gateway.devices.put(GatewayDevice(key, name or key.title(), (part,), area=area), "the test says so")
 
     async def report(self, key: str, capability: str, value: PlainValue) -> None:

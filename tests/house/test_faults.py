@@ -13,6 +13,7 @@ from homebot.house.devices import SimulatedDoorLock, SimulatedLamp, SimulatedThe
 from homebot.house.faults import (
     Chatterbox,
     Deaf,
+    EchoingBridge,
     Flapper,
     Liar,
     Lossy,
@@ -82,6 +83,16 @@ def test_a_liar_may_begin_to_lie_later() -> None:
     liar = Liar(lamp, dice(), since=10.0)
     assert (said(liar, "on", 9.0), lamp.is_on) == (["on"], True)
     assert (said(liar, "off", 10.0), lamp.is_on) == (["off"], True)
+
+
+def test_an_echoing_bridge_reports_before_the_device_has_obeyed() -> None:
+    """And hands the report of the device on."""
+    slow = EchoingBridge(Slow(SimulatedLamp("lamp"), dice(), delay=2.0), dice())
+    assert said(slow, "on", 0.0) == ["on"]
+    assert (slow.state(), slow.advance(10.0)) == ("off", ("on",))
+    stuck = EchoingBridge(Stuck(SimulatedDoorLock("lock"), dice()), dice())
+    assert said(stuck, "unlock", 0.0) == ["unlocked"]
+    assert stuck.advance(2.0) == ("locked",)
 
 
 def test_a_stuck_device_answers_with_its_old_state() -> None:
@@ -167,7 +178,7 @@ def test_faults_combine_from_the_device_outwards() -> None:
     assert isinstance(unwrap(lamp), SimulatedLamp)
 
 
-KINDS = [Lossy, Slow, Deaf, Liar, Stuck, Reverter, Chatterbox, Flapper, Unplugged]
+KINDS = [Lossy, Slow, Deaf, Liar, EchoingBridge, Stuck, Reverter, Chatterbox, Flapper, Unplugged]
 
 
 @given(

@@ -9,6 +9,7 @@ from typing import Final, TypeAlias, final
 
 from homebot.control.client_commands import POLICY, client_refusal
 from homebot.control.command import IssuedCommand
+from homebot.control.echoes import NO_ECHOES, EchoHistory, ExpectedEchoes
 from homebot.control.journal import CommandJournal
 from homebot.control.judge import Judge
 from homebot.control.leases import LEASE_POLICY, Leases
@@ -21,7 +22,7 @@ from homebot.devices import FIND_DEVICES, Device, FindDevices
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.command_messages import CommandRequest, CommandResult, result_of
 from homebot.devices.command_sender import CommandSender
-from homebot.devices.outcomes import AlreadySo, Confirmed, Gone, NoAnswer, Outcome, Refused
+from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.services import FindDevicesRequest
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError
@@ -72,8 +73,9 @@ class CommandExecutor:
         self._sender = CommandSender(node)
         self._watch = ReportWatch(node)
         self._times = ResponseTimes(self._settings.timeout)
+        self._echoes = EchoHistory()
         self._pending: dict[_Place, PendingCommand] = {}
-        self._settling = Settling(node, self._settings.settle, journal)
+        self._settling = Settling(node, self._settings.settle, journal, self._echoes)
 
     async def run(self) -> None:
         """Watch the devices of confirmed commands until cancelled."""
@@ -144,9 +146,10 @@ class CommandExecutor:
         refused = self.refusal(command)
         if refused is not None:
             return result_of(refused)
-        known, recent = self._known(command)
+        echoes = self._expected_echoes(command)
+        known, recent = self._known(command, echoes)
         changed = _Signal()
-        pending = PendingCommand(command, known, _readable(command), self._clock.monotonic(), changed.set)
+        pending = PendingCommand(command, known, _readable(command), self._clock.monotonic(), changed.set, echoes)
         stop = self._watch.watch(command.part.routes, partial(self._take, pending))
         places = [(command.device.id, command.part.id, one) for one in command.settings]
         is_at_rest = not any(one in self._pending for one in places)  # else the device may be about to change
@@ -155,6 +158,8 @@ class CommandExecutor:
             if pending.was_so and recent and is_at_rest and not _is_momentary(command):
                 return result_of(AlreadySo(command_id=command.id))
             outcome = await self._send_and_wait(pending, changed)
+            if echoes is not NO_ECHOES:
+                self._note_echoes(pending, outcome)
             if isinstance(outcome, Confirmed):  # before the watch ends, which begins again at some cost
                 self._note_confirmed(pending)
         finally:
@@ -173,12 +178,13 @@ class CommandExecutor:
         """Send the command, again where no answer comes, and wait until its outcome is known."""
         command, clock = pending.command, self._clock
         began = clock.monotonic()
-        limit = max(self._times.limit(command.target, one) for one in command.settings) + command.transition
+        limit = self._limit(command)
         tries = 1 if _is_momentary(command) else 1 + self._settings.retries
         for number in range(tries):
             is_refused = number > 0 and self._judge.refusal(command) is not None  # by what changed meanwhile
             if not is_refused:
                 self._journal.sent(command, number)
+                pending.note_sent(clock.monotonic())
                 problem = await self._send(command, began + limit - clock.monotonic())
                 if problem is not None and number == 0:
                     return problem
@@ -187,7 +193,7 @@ class CommandExecutor:
             until = began + limit * (number + 1) / tries
             while not pending.is_over and (left := _until(until, pending, began) - clock.monotonic()) > 0:
                 await changed.wait(left)
-            if pending.is_over or pending.moved_at is not None:
+            if pending.is_over or pending.moved_at is not None or _gives_up(pending, clock.monotonic()):
                 break
         return pending.outcome(clock.monotonic())
 
@@ -225,13 +231,41 @@ class CommandExecutor:
             self._pending[place] = pending
         self._settling.supersede(places)
 
-    def _known(self, command: IssuedCommand) -> tuple[dict[str, PlainValue], bool]:
-        """Return the values that the part reported live, and whether all that are wanted were reported lately."""
+    def _limit(self, command: IssuedCommand) -> float:
+        """Return for how many seconds to wait for the answer."""
+        return max(self._times.limit(command.target, one) for one in command.settings) + command.transition
+
+    def _expected_echoes(self, command: IssuedCommand) -> ExpectedEchoes:
+        settings = command.settings
+        declared = frozenset(
+            [one.name for one in command.part.part.capabilities if one.echoed and one.name in settings]
+        )
+        if not declared and self._echoes.is_empty:
+            return NO_ECHOES
+        return self._echoes.expected(command.target, settings, declared, self._limit(command))
+
+    def _note_echoes(self, pending: PendingCommand, outcome: Outcome) -> None:
+        target = pending.command.target
+        if not isinstance(outcome, Confirmed | Contradicted):
+            return
+        for capability, answered in pending.echo_answers():
+            self._echoes.note_echo(target, capability, answered=answered)
+        if isinstance(outcome, Contradicted):
+            for capability in pending.fast:
+                self._echoes.note_fast(target, capability, taken_back=True)
+
+    def _known(self, command: IssuedCommand, echoes: ExpectedEchoes) -> tuple[dict[str, PlainValue], bool]:
+        """Return the values that the part reported live, and whether all that are wanted were reported lately.
+
+        What may be an echo is not known.
+        """
         now, known, ages = self._clock.now(), {}, [0.0]
+        unproved = echoes.declared | echoes.suspected
         if command.device.freshness != "fresh":
             return {}, False
         for state in command.device.states:
-            if state.part == command.part.id and state.live and state.capability in command.settings:
+            name = state.capability
+            if state.part == command.part.id and state.live and name in command.settings and name not in unproved:
                 known[state.capability] = state.value.plain()
                 ages.append(abs(now - state.told_at.to_seconds()))
         return known, max(ages) <= _RECENT
@@ -271,7 +305,12 @@ def _is_momentary(command: IssuedCommand) -> bool:
 
 
 def _until(until: float, pending: PendingCommand, began: float) -> float:
-    """Return until when to wait: longer for a device that is on its way."""
+    """Return until when to wait: longer for a device that is on its way, shorter where only echoes come."""
     if pending.moved_at is None:
-        return until
+        return until if pending.echoes is NO_ECHOES else min(until, pending.gives_up_at)
     return min(max(until, pending.moved_at + _MOVES_FOR), began + _LONGEST)
+
+
+def _gives_up(pending: PendingCommand, now: float) -> bool:
+    """Return whether nothing but echoes came for long enough."""
+    return pending.echoes is not NO_ECHOES and pending.gives_up_at <= now

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from typing import Final, final
 
 from homebot.control.command import IssuedCommand
+from homebot.control.echoes import FAST, NO_ECHOES, ExpectedEchoes
 from homebot.control.tolerance import fits, is_intermediate
 from homebot.devices.command_messages import Setting
 from homebot.devices.outcomes import (
@@ -24,6 +26,9 @@ __all__ = ["PendingCommand"]
 _MOST_NOTED: Final = 20
 """Reports of one command that are worth a note, should a device report one value after the other."""
 
+_SAME: Final = 0.01
+"""Seconds within which further reports are those of other routes for the same message."""
+
 _NOTHING: Final = object()
 
 
@@ -37,9 +42,13 @@ class PendingCommand:
         readable: The capabilities among its settings that the part reports.
         began: Seconds of the monotonic clock.
         wake: Called when something changed.
+        echoes: The echoes that it may cause.
 
     Attributes:
         command: The command.
+        echoes: The echoes that it may cause.
+        echoed: The capabilities of which an echo came, each with the time of the last one.
+        fast: The capabilities of which a report came so fast that it may turn out to be an echo.
         moved_at: When the device was last seen on its way; None where it was not.
         superseded_by: The id of the newer command that took its place; empty where there is none.
     """
@@ -51,15 +60,21 @@ class PendingCommand:
         readable: Iterable[str],
         began: float,
         wake: Callable[[], None],
+        echoes: ExpectedEchoes = NO_ECHOES,
     ) -> None:
         self.command = command
+        self.echoes = echoes
+        self.echoed: dict[str, float] = {}
+        self.fast: set[str] = set()
         self.moved_at: float | None = None
         self.superseded_by = ""
         self._before = before
         told = frozenset(readable)
         self._wanted = {name: value for name, value in command.settings.items() if name in told}
-        self._began = began
+        self._began = self._sent_at = began
         self._wake = wake
+        self._echoed_since_sent: dict[str, float] = {}
+        self._answered: set[str] = set()
         self._seen: dict[str, PlainValue] = {}
         self._fitting: dict[str, float] = {}
         self._moving: set[str] = set()
@@ -85,6 +100,16 @@ class PendingCommand:
         """True if the device had reported before that all of it is so."""
         return all(name in self._before and fits(name, value, self._before[name]) for name, value in self._items())
 
+    @property
+    def gives_up_at(self) -> float:
+        """Time at which it is over where nothing but echoes has come."""
+        return self._weakly_met_at() + self.echoes.patience
+
+    def note_sent(self, now: float) -> None:
+        """Note that it is sent now, which may cause an echo."""
+        self._sent_at = now
+        self._echoed_since_sent.clear()
+
     def take(self, capability: str, value: PlainValue, now: float) -> bool:
         """Take in a live report of the part at *now*; return whether it is worth a note."""
         if capability not in self._wanted:
@@ -93,8 +118,17 @@ class PendingCommand:
         is_met = fits(capability, wanted, value)
         is_moving = not is_met and is_intermediate(capability, wanted, value)
         is_news = self._is_news(capability, value, is_moving=is_moving)
+        if is_met and self.echoes is not NO_ECHOES and self._is_echo(capability, now):
+            if capability not in self._answered:
+                self._seen.pop(capability, None)  # it was reported before the bridge had the command
+            self._wake()
+            return is_news
+        if capability in self.echoed:
+            self._answered.add(capability)
         self._seen[capability] = value
         if is_met:
+            if now - self._sent_at <= FAST and capability not in self._fitting:
+                self.fast.add(capability)
             self._fitting.setdefault(capability, now)
         else:
             self._fitting.pop(capability, None)
@@ -112,6 +146,29 @@ class PendingCommand:
             return False
         self._noted += 1
         return True
+
+    def _is_echo(self, capability: str, now: float) -> bool:
+        """Return whether a report of what is wanted is the bridge's; each sending has one."""
+        echoed_at = self._echoed_since_sent.get(capability)
+        if echoed_at is not None:
+            return now - echoed_at <= _SAME
+        is_fast = now - self._sent_at <= FAST
+        if capability not in self.echoes.declared and not (is_fast and capability in self.echoes.suspected):
+            return False
+        if is_fast:
+            self.fast.add(capability)
+        self.echoed[capability] = self._echoed_since_sent[capability] = now
+        return True
+
+    def _weakly_met_at(self) -> float:
+        """Return when all was reported or echoed, or sent where an echo is declared; infinity where it was not."""
+        latest = -math.inf
+        for name in self._wanted:
+            at = self._fitting.get(name)
+            if at is None and name not in self._seen:
+                at = self.echoed.get(name, self._sent_at if name in self.echoes.declared else None)
+            latest = max(latest, math.inf if at is None else at)
+        return latest
 
     def supersede(self, by: str) -> None:
         """Note that the command *by* took its place."""
@@ -135,6 +192,12 @@ class PendingCommand:
         for capability, at in self._fitting.items():
             yield capability, at - self._began
 
+    def echo_answers(self) -> Iterable[tuple[str, bool]]:
+        """Yield the capabilities with an expected echo, each with whether the device reported by itself, too."""
+        for capability in self._wanted:
+            if capability in self.echoed or capability in self.echoes.declared:
+                yield capability, capability in self._seen
+
     def outcome(self, now: float) -> Outcome:
         """Return the outcome as it is at *now*."""
         name = self.command.id
@@ -148,6 +211,9 @@ class PendingCommand:
         if others:
             saw = ", ".join(f"{capability} is {_text(value)}" for capability, value in others)
             return Contradicted(saw, command_id=name)
+        weak_at = math.inf if self.echoes is NO_ECHOES else self._weakly_met_at()
+        if weak_at < math.inf:
+            return Confirmed(weak_at - self._began, Evidence.ACKNOWLEDGED, command_id=name)
         if self.was_so:
             return AlreadySo(command_id=name)
         return NoAnswer(now - self._began, command_id=name)

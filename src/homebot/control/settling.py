@@ -9,6 +9,7 @@ from typing import TypeAlias, final
 
 import anyio
 
+from homebot.control.echoes import EchoHistory
 from homebot.control.journal import CommandJournal
 from homebot.control.pending import PendingCommand
 from homebot.control.report_watch import ReportWatch
@@ -41,13 +42,15 @@ class Settling:
         node: The node that publishes what went back.
         seconds: How long.
         journal: Notes what went back.
+        echoes: Learns which of the reports were echoes.
     """
 
-    def __init__(self, node: Node, seconds: float, journal: CommandJournal) -> None:
+    def __init__(self, node: Node, seconds: float, journal: CommandJournal, echoes: EchoHistory) -> None:
         self._node = node
         self._clock = node.graph.clock
         self._seconds = seconds
         self._journal = journal
+        self._echoes = echoes
         self._events = node.create_publisher(CommandEvent, COMMAND_EVENTS, 1000)
         self._watched: dict[_Place, _Settled] = {}
         self._deadlines: TimerQueue[_Place, None] = TimerQueue()
@@ -75,6 +78,7 @@ class Settling:
         """End each watch in its time, until cancelled."""
         while True:
             while (due := self._deadlines.pop(self._clock.monotonic())) is not None:
+                self._note_kept(due[0])
                 self._end(due[0])
             following = self._deadlines.next()
             if following is None:
@@ -87,6 +91,7 @@ class Settling:
         pending = settled.pending
         if not pending.departs(capability, value):
             return
+        self._note_taken_back(pending, capability)
         for place in _places(pending):
             self._end(place)
         command = pending.command
@@ -99,6 +104,18 @@ class Settling:
         self._node.log.warning(
             REVERTED, message=f"{command.target}: {outcome.text}", device=command.device.id, command=command.id
         )
+
+    def _note_kept(self, place: _Place) -> None:
+        pending, capability = self._watched[place].pending, place[2]
+        if capability in pending.fast:
+            self._echoes.note_fast(pending.command.target, capability, taken_back=False)
+
+    def _note_taken_back(self, pending: PendingCommand, capability: str) -> None:
+        target = pending.command.target
+        if capability in pending.fast:
+            self._echoes.note_fast(target, capability, taken_back=True)
+        if capability in pending.echoed:
+            self._echoes.note_echo(target, capability, answered=True)
 
     def _end(self, place: _Place) -> None:
         settled = self._watched.pop(place, None)

@@ -26,6 +26,8 @@ class Capability(Message):
         unit: The unit of its values, for example ``°C``; empty where there is none, or it is that of the vocabulary.
         bounds: The smallest and the largest value; empty where unknown.
         options: The texts that it accepts or reports; empty for any.
+        echoed: Whether it is declared that a report of it may only repeat a command, before the device obeyed: such a
+            report proves nothing.
     """
 
     name: str
@@ -34,6 +36,7 @@ class Capability(Message):
     unit: str = ""
     bounds: tuple[float, ...] = ()
     options: tuple[str, ...] = ()
+    echoed: bool = False
 
 
 class Part(Message):

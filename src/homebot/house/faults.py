@@ -17,6 +17,7 @@ __all__ = [
     "Chatterbox",
     "Deaf",
     "DeviceFault",
+    "EchoingBridge",
     "Flapper",
     "Liar",
     "Lossy",
@@ -189,6 +190,13 @@ class Liar(DeviceFault):
             return self._pass(command)
         self._lie = DONE.get(command, command)
         return (self._lie,)
+
+
+class EchoingBridge(DeviceFault):
+    """Reports what was commanded at once, and passes the command on; what the device then reports goes through."""
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        return (DONE.get(command, command), *self._pass(command))
 
 
 class Stuck(DeviceFault):

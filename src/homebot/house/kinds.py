@@ -179,6 +179,10 @@ class _Liar(FaultSettings):
     since: NotNegative | None = None
 
 
+class _EchoingBridge(FaultSettings):
+    makes = faults.EchoingBridge
+
+
 class _Stuck(FaultSettings):
     makes = faults.Stuck
 
@@ -231,6 +235,7 @@ FAULTS: dict[str, type[FaultSettings]] = {
     "slow": _Slow,
     "deaf": _Deaf,
     "liar": _Liar,
+    "echoing_bridge": _EchoingBridge,
     "stuck": _Stuck,
     "reverter": _Reverter,
     "chatterbox": _Chatterbox,

@@ -254,3 +254,10 @@ def test_a_device_without_hardware_address_is_known_by_its_name() -> None:
     assert EsphomeDevice({"name": "kitchen"}, []).identifiers == ("id:kitchen",)
     known = EsphomeDevice({"name": "kitchen", "mac_address": "06:35:69:AB:F6:79"}, [])
     assert known.identifiers == ("mac:063569abf679",)
+
+
+@pytest.mark.parametrize("kind", ["cover", "lock", "switch", "valve"])
+@pytest.mark.parametrize("is_assumed", [False, True])
+def test_an_assumed_state_is_an_echo(kind: str, *, is_assumed: bool) -> None:
+    part = entity(kind, assumed_state=is_assumed).part("")
+    assert {one.echoed for one in part.capabilities if one.settable} == {is_assumed}

@@ -89,6 +89,7 @@ class EsphomeEntity:
             self._readers[name] = read
         if write is not None:
             self._writers[name] = write
+        is_assumed = self.info.get("assumed_state") is True  # what it reports is what it was told
         self._capabilities.append(
             Capability(
                 name=name,
@@ -97,6 +98,7 @@ class EsphomeEntity:
                 unit=unit,
                 bounds=bounds,
                 options=options,
+                echoed=is_assumed and read is not None and write is not None,
             )
         )
 

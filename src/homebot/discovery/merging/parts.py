@@ -385,7 +385,10 @@ def _joined(best: Capability, other: Capability) -> Capability:
     if best.settable == other.settable and best.options and other.options:
         options = tuple(dict.fromkeys(best.options + other.options))
     readable, settable = best.readable or other.readable, best.settable or other.settable
-    return shown.model_copy(update={"readable": readable, "settable": settable, "options": options})
+    echoed = all(one.echoed for one in (best, other) if one.readable)  # one that is none is there as well
+    return shown.model_copy(
+        update={"readable": readable, "settable": settable, "options": options, "echoed": readable and echoed}
+    )
 
 
 def _claimed_ids(parts: Sequence[Named], known: PartIds) -> dict[int, str]:

@@ -1,0 +1,146 @@
+"""Commands to bridges that report what was commanded before the device obeyed; in virtual time."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from tests.control.conftest import Home, OpenHome, ignore, report
+
+from homebot.devices.handles import Light
+from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
+
+pytestmark = pytest.mark.virtual_time
+
+ECHO = 0.005
+
+
+async def lamp_of(home: Home, *, declared: bool) -> Light:
+    home.put("lamp", "light", "on_off", echoed=("on_off",) if declared else ())
+    return await home.handle(Light)
+
+
+async def seconds_and_outcome(home: Home, lamp: Light, *values: tuple[float, bool]) -> tuple[float, Outcome]:
+    """Turn the lamp on, which then reports the values at these seconds."""
+    home.behaviours["lamp"] = report(*values)
+    began = anyio.current_time()
+    outcome = await lamp.turn_on()
+    return round(anyio.current_time() - began, 3), outcome
+
+
+async def test_a_declared_echo_is_no_report(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=True)
+        seconds, outcome = await seconds_and_outcome(home, lamp, (ECHO, True))
+        assert isinstance(outcome, Confirmed)
+        assert (outcome.evidence, round(outcome.latency, 3), seconds) == (Evidence.ACKNOWLEDGED, ECHO, 2.005)
+        assert outcome.text == "confirmed after 0.005 s (acknowledged)"
+
+
+async def test_where_nothing_ever_follows_the_echo_nobody_waits(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=True)
+        waited = [(await seconds_and_outcome(home, lamp, (ECHO, True)))[0] for _ in range(5)]
+        assert waited == [2.005, 2.005, 2.005, 0, 0]
+
+
+async def test_an_echo_without_a_sound_is_acknowledged_all_the_same(open_home: OpenHome) -> None:
+    """As where the state topic is the command topic: what we publish there does not come back to us."""
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=True)
+        seconds, outcome = await seconds_and_outcome(home, lamp)
+        assert isinstance(outcome, Confirmed)
+        assert (outcome.evidence, seconds) == (Evidence.ACKNOWLEDGED, 2)
+
+
+async def test_a_report_after_the_echo_is_one(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=True)
+        seconds, outcome = await seconds_and_outcome(home, lamp, (ECHO, True), (0.4, True))
+        assert isinstance(outcome, Confirmed)
+        assert (outcome.evidence, seconds) == (Evidence.REPORTED, 0.4)
+
+
+async def test_a_slow_device_behind_a_bridge_that_answers_later_is_waited_for(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=True)
+        await seconds_and_outcome(home, lamp, (ECHO, True), (0.4, True))
+        _, outcome = await seconds_and_outcome(home, lamp, (ECHO, True), (0.5, False), (7.0, True))
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.REPORTED
+
+
+async def test_an_echo_that_is_taken_back_is_contradicted_although_repeating_it_is_echoed(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=True)
+        _, outcome = await seconds_and_outcome(home, lamp, (ECHO, True), (1.0, False))
+        assert isinstance(outcome, Contradicted)
+        assert len(home.commands) == 3
+
+
+async def test_an_echo_that_is_taken_back_later_is_told_as_an_event(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=True)
+        await seconds_and_outcome(home, lamp, (ECHO, True), (5.0, False))
+        await anyio.sleep(10)
+        assert [one.result.outcome for one in home.events] == ["reverted"]
+        seconds, outcome = await seconds_and_outcome(home, lamp, (ECHO, True), (5.0, False))
+        assert isinstance(outcome, Contradicted)
+        assert seconds == 10
+
+
+async def test_an_echo_is_no_reason_to_send_nothing(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=True)
+        await seconds_and_outcome(home, lamp, (ECHO, True))
+        await seconds_and_outcome(home, lamp, (ECHO, True))
+        assert len(home.commands) == 2
+
+
+async def test_fast_reports_that_are_taken_back_are_learnt_to_be_echoes(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=False)
+        grades = []
+        for _ in range(3):
+            _, outcome = await seconds_and_outcome(home, lamp, (ECHO, True), (1.5, False))
+            grades.append(type(outcome))
+            await anyio.sleep(20)
+        assert grades == [Confirmed, Confirmed, Contradicted]
+        assert len(home.events) == 2
+        _, outcome = await seconds_and_outcome(home, lamp, (ECHO, True), (0.4, True))
+        assert isinstance(outcome, Confirmed)
+        assert (outcome.evidence, round(outcome.latency, 3)) == (Evidence.REPORTED, 0.4)
+        _, outcome = await seconds_and_outcome(home, lamp, (ECHO, True))
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.ACKNOWLEDGED
+        home.behaviours["lamp"] = ignore
+        assert isinstance(await lamp.turn_on(), NoAnswer)
+
+
+async def test_echoes_that_are_true_for_long_are_believed_again(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=False)
+        for _ in range(2):
+            await seconds_and_outcome(home, lamp, (ECHO, True), (1.5, False))
+            await anyio.sleep(20)
+        for _ in range(16):
+            await seconds_and_outcome(home, lamp, (ECHO, True), (0.4, True))
+            await anyio.sleep(20)
+        await home.report("lamp", "on_off", False)
+        await anyio.sleep(1)
+        seconds, outcome = await seconds_and_outcome(home, lamp, (ECHO, True))
+        assert isinstance(outcome, Confirmed)
+        assert (outcome.evidence, seconds) == (Evidence.REPORTED, ECHO)
+
+
+async def test_a_fast_honest_lamp_that_somebody_switched_by_hand_once_is_not_waited_for(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=False)
+        await seconds_and_outcome(home, lamp, (ECHO, True), (3.0, False))
+        await anyio.sleep(20)
+        for _ in range(5):
+            seconds, outcome = await seconds_and_outcome(home, lamp, (ECHO, True))
+            assert isinstance(outcome, Confirmed)
+            assert (outcome.evidence, seconds) == (Evidence.REPORTED, ECHO)
+            await anyio.sleep(20)
+            await home.report("lamp", "on_off", False)
+            await anyio.sleep(1)
