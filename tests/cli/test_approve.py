@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -50,6 +51,10 @@ def run(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], capsys: p
     return homebot
 
 
+def approved(text: str) -> dict[str, object]:
+    return {one["id"]: one["approved"] for one in json.loads(text)}
+
+
 def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
     waits = "approval waits for it: it can hurt, and is not driven before `homebot approve DEVICE`"
     note = "note on control: 1 device waits for approval, and only locks, closes or stops until then"
@@ -59,12 +64,19 @@ def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
     assert waits in run("show", "Front door")[1]
     assert waits not in run("show", "Lamp")[1]
     assert f"{note} (`homebot approve DEVICE`): front_door" in run("doctor")[1]
+    assert "front_door" in run("find", "unapproved")[1]
+    assert "lamp" not in run("find", "unapproved")[1]
+    assert approved(run("devices", "--json")[1]) == {"front_door": False, "lamp": None}
+    assert approved(run("find", "--json", "lock")[1]) == {"front_door": False}
+    assert approved(f"[{run('show', '--json', 'Front door')[1]}]") == {"front_door": False}
     assert run("approve", "front door") == (0, "front_door is approved")
     assert "unapproved" not in run("devices")[1]
     _, shown = run("show", "Front door")
     assert waits not in shown
     assert "approved yes by the owner now" in shown
     assert note not in run("doctor")[1]
+    assert approved(run("devices", "--json")[1]) == {"front_door": True, "lamp": None}
+    assert run("find", "unapproved")[0] == 1
     assert run("approve", "front door", "--undo") == (0, "front_door is not approved any more")
     assert waits in run("show", "Front door")[1]
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 
 from homebot.cli.records import DeviceRecord, StateRecord
 from homebot.cli.time_format import iso
 from homebot.cli.values import plain_value
+from homebot.devices.names import OWNER
 from homebot.strict_json import in_ascii
 
 __all__ = ["device_json", "json_text", "list_text"]
@@ -26,8 +27,13 @@ def list_text(devices: Sequence[str]) -> str:
     return "[\n  " + ",\n".join(devices).replace("\n", "\n  ") + "\n]"
 
 
-def device_json(device: DeviceRecord) -> dict[str, object]:
-    """Return *device* as a JSON object for other programs: with plain values, and times in ISO 8601."""
+def device_json(device: DeviceRecord, waiting: Container[str] = ()) -> dict[str, object]:
+    """Return *device* as a JSON object for other programs: with plain values, and times in ISO 8601.
+
+    Args:
+        device: The device.
+        waiting: The ids of those that wait for approval.
+    """
     first = device["endpoints"][0] if device["endpoints"] else None
     reachable = device["reachable"]
     return {
@@ -56,7 +62,15 @@ def device_json(device: DeviceRecord) -> dict[str, object]:
         "facts": [{**one, "said_at": iso(one["said_at"])} for one in device["facts"]],
         "evidence": device["evidence"],
         "conflicts": device["conflicts"],
+        "approved": _is_approved(device) or (False if device["id"] in waiting else None),
     }
+
+
+def _is_approved(device: DeviceRecord) -> bool:
+    """Return whether the owner approved *device*, as :func:`homebot.devices.approval.is_approved`."""
+    return any(
+        one["name"] == "approved" and one["convention"] == OWNER and not one["gateway"] for one in device["facts"]
+    )
 
 
 def _state(state: StateRecord) -> dict[str, object]:

@@ -6,10 +6,8 @@ from contextlib import closing
 from typing import Final, final
 
 from homebot.devices import FIND_DEVICES, FindDevices
-from homebot.devices.approval import waits_for_approval
 from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
-from homebot.devices.query import query_terms
-from homebot.devices.query.terms import FactIs
+from homebot.devices.query import And, FactIs, IsUnapproved, query_terms
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import Node
@@ -47,10 +45,10 @@ class Approvals:
     async def _waiting(self, device: str = "") -> tuple[str, ...]:
         if not self._is_needed:
             return ()
-        terms = query_terms(FactIs("id", device.casefold())) if device else ()
+        query = And((IsUnapproved(), FactIs("id", device.casefold()))) if device else IsUnapproved()
         with closing(self._node.create_client(FindDevices, FIND_DEVICES)) as find:
-            found = (await find.call(FindDevicesRequest(query=terms))).devices
-        return tuple(one.id for one in found if device in {"", one.id} and waits_for_approval(one))
+            found = (await find.call(FindDevicesRequest(query=query_terms(query)))).devices
+        return tuple(one.id for one in found if device in {"", one.id})
 
 
 def _note(waiting: tuple[str, ...]) -> str:

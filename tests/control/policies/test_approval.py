@@ -8,11 +8,12 @@ from hypothesis import strategies as st
 from tests.control.conftest import Home, OpenHome
 from tests.control.policies.houses import make_command, make_device, make_facts
 
-from homebot.control import ControlSettings
+from homebot.control import Control, ControlSettings
 from homebot.control.policies import Policies, Verdict
 from homebot.control.policies.approval import judge_approval
-from homebot.devices import Fact
+from homebot.devices import FIND_DEVICES, Fact, FindDevices
 from homebot.devices.always_ask import always_asks
+from homebot.devices.approval import waits_for_approval
 from homebot.devices.approval_messages import ApproveDevice, GetUnapproved
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
 from homebot.devices.handles import DoorLock, Light
@@ -20,7 +21,10 @@ from homebot.devices.health import GetHealth
 from homebot.devices.lease_messages import HoldPart, HoldRequest
 from homebot.devices.names import APPROVE_DEVICE, GET_UNAPPROVED, HOLD_PART
 from homebot.devices.outcomes import Refused
+from homebot.devices.query import And, FactIs, IsUnapproved, PartFacets, facets_of, fits, read_terms
+from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.devices.value import PlainValue, Value
+from homebot.graph import Graph, Node
 from homebot.messages import Time
 
 KINDS = {
@@ -139,6 +143,33 @@ async def test_a_device_of_a_client_that_is_not_approved_blocks_nobody(open_home
         answer = await home.app.create_client(HoldPart, HOLD_PART).call(wanted)
         assert (answer.held, answer.result.outcome, answer.result.policy) == (False, "refused", "approval")
         assert (await lock.lock()).succeeded
+
+
+@pytest.mark.virtual_time
+async def test_who_asks_which_devices_wait_has_only_those_read() -> None:
+    """Of a whole house: the directory finds them by its index, and nobody reads the others a second time."""
+    asked: list[object] = []
+
+    def find(request: FindDevicesRequest) -> FindDevicesResponse:
+        asked.append(read_terms(request.query))
+        return FindDevicesResponse(devices=(), sequence=1)
+
+    graph = Graph()
+    async with Node(graph, "discovery") as directory, Node(graph, "control") as node, Node(graph, "app") as app:
+        directory.create_service(FindDevices, FIND_DEVICES, find)
+        Control(node).register()
+        await app.create_client(GetHealth, "/control/health").call(GetHealth.Request())
+        await app.create_client(GetUnapproved, GET_UNAPPROVED).call(GetUnapproved.Request(device="Lock"))
+    assert asked == [IsUnapproved(), And((IsUnapproved(), FactIs("id", "lock")))]
+
+
+@given(st.lists(st.tuples(st.sampled_from(sorted(KINDS)), st.sampled_from([(), (fact(),), (fact(gateway="mqtt"),)]))))
+def test_a_query_finds_what_waits(devices: list[tuple[str, tuple[Fact, ...]]]) -> None:
+    for kind, facts in devices:
+        device = make_device("it", kind, settable=(KINDS[kind][0],), facts=facts)
+        waits = waits_for_approval(device)
+        assert fits(IsUnapproved(), facets_of(device)) is waits
+        assert fits(IsUnapproved(), PartFacets(device)) is waits
 
 
 @pytest.mark.virtual_time

@@ -16,6 +16,7 @@ from homebot.devices.query import (
     HasText,
     InArea,
     IsDisputed,
+    IsUnapproved,
     NameIs,
     Not,
     Or,
@@ -53,6 +54,7 @@ _leaves: st.SearchStrategy[Query] = st.one_of(
     st.builds(GatewayIs, _texts),
     st.builds(FactIs, _texts, _texts),
     st.just(IsDisputed()),
+    st.just(IsUnapproved()),
 )
 
 

@@ -79,7 +79,8 @@ def _print_table(door: DoorClient, options: argparse.Namespace) -> None:
 
 
 def _print_json(door: DoorClient, options: argparse.Namespace) -> None:
-    print(list_text(_all(door, options.type, lambda device: json_text(device_json(device)))))
+    waiting = unapproved(door)
+    print(list_text(_all(door, options.type, lambda device: json_text(device_json(device, waiting)))))
 
 
 def _write_things(door: DoorClient, options: argparse.Namespace) -> None:

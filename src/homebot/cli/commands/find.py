@@ -7,7 +7,7 @@ import sys
 
 from homebot.cli.arguments import set_client_command, whole
 from homebot.cli.device_json import device_json, json_text, list_text
-from homebot.cli.device_queries import find_devices
+from homebot.cli.device_queries import find_devices, unapproved
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.records import QueryResponseRecord
 from homebot.cli.table import to_table, without_empty
@@ -28,8 +28,9 @@ _EXAMPLES = """\
   homebot find 'sensor with temperature not stale'
 
 A query combines types (light, lamp, window, …), capabilities (dimmable, temperature > 21), states (on, open, locked),
-rooms and floors (`in AREA`, `without area`), tags (tag=night), problems (stale, unreachable, disputed), settings
-(category=config) and words from names and models, with `and`, `or`, `not` and parentheses.
+rooms and floors (`in AREA`, `without area`), tags (tag=night), problems (stale, unreachable, disputed), what waits for
+approval (unapproved), settings (category=config) and words from names and models, with `and`, `or`, `not` and
+parentheses.
 """
 
 
@@ -49,8 +50,9 @@ def _find(options: argparse.Namespace) -> int:
     def run(door: DoorClient) -> int:
         found = find_devices(door, query, options.limit)
         if options.json:
+            waiting = unapproved(door)
             results = [
-                device_json(one["device"]) | {"score": one["score"], "reasons": one["reasons"]}
+                device_json(one["device"], waiting) | {"score": one["score"], "reasons": one["reasons"]}
                 for one in found["results"]
             ]
             print(list_text([json_text(one) for one in results]))

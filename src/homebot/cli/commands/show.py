@@ -58,7 +58,7 @@ def _show(options: argparse.Namespace) -> int:
 
             print(thing_text(to_device(device), options.broker))
         elif options.json:
-            print(json_text(device_json(device)))
+            print(json_text(device_json(device, unapproved(door, device["id"]))))
         else:
             reasons = reasons_for(door, device)
             waits = bool(unapproved(door, device["id"]))

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
         HasText,
         InArea,
         IsDisputed,
+        IsUnapproved,
         NameIs,
         Not,
         Or,
@@ -42,6 +43,7 @@ __all__ = [
     "HasText",
     "InArea",
     "IsDisputed",
+    "IsUnapproved",
     "NameIs",
     "Not",
     "Or",
@@ -68,8 +70,8 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
             "homebot.devices.query.matching": "PartFacets fits",
             "homebot.devices.query.parse": "parse_query",
             "homebot.devices.query.terms": """
-                And AreaIs CanDo FactIs FreshnessIs GatewayIs HasText InArea IsDisputed NameIs Not Or Query QueryTerm
-                ReachableIs StateIs TypeIs query_terms read_terms type_is
+                And AreaIs CanDo FactIs FreshnessIs GatewayIs HasText InArea IsDisputed IsUnapproved NameIs Not Or Query
+                QueryTerm ReachableIs StateIs TypeIs query_terms read_terms type_is
                 """,
             "homebot.devices.query.tokens": "quoted",
         },

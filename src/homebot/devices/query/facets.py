@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain
 
+from homebot.devices.approval import waits_for_approval
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.part import Part
@@ -46,6 +47,7 @@ class Facets:
         main_type: The type that it has in the first place; without parts its word.
         is_guessed: Whether the type of its first part was guessed.
         is_disputed: Whether anything about it is.
+        is_unapproved: Whether it can hurt and the owner has not approved it.
     """
 
     id: str
@@ -68,6 +70,7 @@ class Facets:
     main_type: str
     is_guessed: bool
     is_disputed: bool
+    is_unapproved: bool
 
     @property
     def names(self) -> frozenset[str]:
@@ -128,6 +131,7 @@ def facets_of(device: Device) -> Facets:
         main_type=main.service_type if main is not None else device.service_type,
         is_guessed=main.guessed if main is not None else False,
         is_disputed=bool(device.conflicts),
+        is_unapproved=waits_for_approval(device),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from homebot.devices.approval import waits_for_approval
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.query.facets import Facets, facets_of
 from homebot.devices.query.terms import (
@@ -16,6 +17,7 @@ from homebot.devices.query.terms import (
     HasText,
     InArea,
     IsDisputed,
+    IsUnapproved,
     NameIs,
     Not,
     Or,
@@ -146,6 +148,11 @@ class PartFacets:
         """True when anything about its device is disputed."""
         return bool(self._device.conflicts)
 
+    @property
+    def is_unapproved(self) -> bool:
+        """True when its device can hurt and the owner has not approved it."""
+        return waits_for_approval(self._device)
+
 
 def fits(query: Query, device: Facets | PartFacets) -> bool:
     """Return whether *device*, or one part of it, matches *query*."""
@@ -183,12 +190,14 @@ def fits(query: Query, device: Facets | PartFacets) -> bool:
 
 
 def _fits_whole(
-    query: InArea | NameIs | FreshnessIs | ReachableIs | GatewayIs | FactIs | IsDisputed,
+    query: InArea | NameIs | FreshnessIs | ReachableIs | GatewayIs | FactIs | IsDisputed | IsUnapproved,
     device: Facets | PartFacets,
 ) -> bool:
     match query:
         case IsDisputed():
             return device.is_disputed
+        case IsUnapproved():
+            return device.is_unapproved
         case NameIs(name):
             return name in device.names
         case InArea(area):

@@ -28,6 +28,7 @@ __all__ = [
     "HasText",
     "InArea",
     "IsDisputed",
+    "IsUnapproved",
     "NameIs",
     "Not",
     "Operator",
@@ -167,6 +168,11 @@ class IsDisputed:
 
 
 @dataclass(frozen=True, slots=True)
+class IsUnapproved:
+    """A device that can hurt and that the owner has not approved; see :mod:`homebot.devices.approval`."""
+
+
+@dataclass(frozen=True, slots=True)
 class And:
     """All of the terms; none at all match everything."""
 
@@ -200,6 +206,7 @@ Query: TypeAlias = (
     | GatewayIs
     | FactIs
     | IsDisputed
+    | IsUnapproved
     | And
     | Or
     | Not
@@ -231,7 +238,7 @@ def type_is(word: str) -> TypeIs:
 
 _TextTerm: TypeAlias = AreaIs | InArea | NameIs | HasText | FreshnessIs | ReachableIs | GatewayIs
 _TextKind: TypeAlias = Literal["area", "in_area", "name", "text", "freshness", "reachable", "gateway"]
-TermKind: TypeAlias = Literal[_TextKind, "and", "or", "not", "type", "can", "state", "fact", "disputed"]
+TermKind: TypeAlias = Literal[_TextKind, "and", "or", "not", "type", "can", "state", "fact", "disputed", "unapproved"]
 
 _TEXT_KINDS: dict[type[_TextTerm], _TextKind] = {
     AreaIs: "area",
@@ -297,6 +304,8 @@ def query_terms(query: Query) -> tuple[QueryTerm, ...]:
                 found.append(QueryTerm(kind="fact", name=name, text=text))
             case IsDisputed():
                 found.append(QueryTerm(kind="disputed"))
+            case IsUnapproved():
+                found.append(QueryTerm(kind="unapproved"))
             case (
                 AreaIs(text)
                 | InArea(text)
@@ -355,6 +364,8 @@ def _read_term(term: QueryTerm, number: int) -> Query:
             return FactIs(term.name, term.text)
         case "disputed":
             return IsDisputed()
+        case "unapproved":
+            return IsUnapproved()
         case "state":
             operator = _OPERATORS.get(term.operator)
             if operator is None:

@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.query.terms import CanDo, FreshnessIs, IsDisputed, Or, Query, ReachableIs, StateIs
+from homebot.devices.query.terms import CanDo, FreshnessIs, IsDisputed, IsUnapproved, Or, Query, ReachableIs, StateIs
 from homebot.folding import fold
 
 __all__ = [
@@ -162,6 +162,7 @@ CONDITIONS: Mapping[str, Query] = MappingProxyType(
         "unreachable": ReachableIs("no"),
         "offline": ReachableIs("no"),
         "disputed": IsDisputed(),
+        "unapproved": IsUnapproved(),
     }
 )
 """Adjectives of how a device is."""

@@ -19,6 +19,7 @@ from homebot.devices.query import (
     HasText,
     InArea,
     IsDisputed,
+    IsUnapproved,
     NameIs,
     Not,
     Or,
@@ -40,9 +41,13 @@ PostedValue: TypeAlias = tuple[str, str, str, StoredValue]
 """Part, type of the part, capability, and what is kept of the value, in which later values are seen."""
 
 _Key: TypeAlias = tuple[object, ...]
+_Simple: TypeAlias = (
+    CanDo | AreaIs | InArea | NameIs | FreshnessIs | ReachableIs | GatewayIs | FactIs | IsDisputed | IsUnapproved
+)
 
 _NONE: frozenset[str] = frozenset()
 _DISPUTED = ("disputed", True)
+_UNAPPROVED = ("unapproved", True)
 _FEW = 200
 """Devices that are sooner looked at one by one than by going through all values of a capability."""
 
@@ -156,12 +161,12 @@ class Postings:
             case _:
                 return self._simple(query)
 
-    def _simple(
-        self, query: CanDo | AreaIs | InArea | NameIs | FreshnessIs | ReachableIs | GatewayIs | FactIs | IsDisputed
-    ) -> Found:
+    def _simple(self, query: _Simple) -> Found:
         match query:
             case IsDisputed():
                 return self._devices(_DISPUTED)
+            case IsUnapproved():
+                return self._devices(_UNAPPROVED)
             case CanDo(name, settable):
                 return self._devices(("set" if settable else "can", name))
             case AreaIs(area):
@@ -294,6 +299,8 @@ def _keys(facets: Facets) -> list[_Key]:
     keys += zip(repeat("category"), facets.categories)
     if facets.is_disputed:
         keys.append(_DISPUTED)
+    if facets.is_unapproved:
+        keys.append(_UNAPPROVED)
     keys += zip(repeat("word"), facets.words)
     for fact, values in facets.facts.items():
         keys += zip(repeat(f"fact {fact}"), values)
