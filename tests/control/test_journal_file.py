@@ -13,21 +13,24 @@ import pytest
 
 from homebot.clock import ManualClock
 from homebot.control.journal.file_store import FileStore
+from homebot.control.journal.journal_note import JournalNote
 from homebot.control.journal.memory_store import MemoryStore
 from homebot.devices.command_messages import Setting
 from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest
 from homebot.devices.value import Value
 from homebot.graph import Graph, Node
-from homebot.messages import Time
 
 DAY = 86_400.0
 NOW = 1_800_000_000.0
 
 
-def entry(number: int, *, device: str = "lamp", at: float = NOW) -> JournalEntry:
+def note(number: int, *, device: str = "lamp", at: float = NOW) -> JournalNote:
     setting = Setting(capability="level", value=Value.of(float(number)))
-    stamp = Time.from_seconds(at)
-    return JournalEntry(kind="requested", at=stamp, device=device, command=f"c-{number}", settings=(setting,))
+    return JournalNote("requested", at, device, command=f"c-{number}", settings=(setting,))
+
+
+def entry(number: int) -> JournalEntry:
+    return note(number).entry()
 
 
 @asynccontextmanager
@@ -46,12 +49,13 @@ async def read(store: FileStore, **request: object) -> tuple[JournalEntry, ...]:
 
 
 async def test_what_was_noted_is_there_after_a_restart(tmp_path: Path) -> None:
-    entries = [entry(number, device=f"lamp{number % 2}") for number in range(10)]
+    notes = [note(number, device=f"lamp{number % 2}") for number in range(10)]
+    entries = [one.entry() for one in notes]
     async with opened(tmp_path / "journal.sqlite") as store:
-        for one in entries:
+        for one in notes:
             store.add(one)
         assert await read(store) == tuple(entries)  # those not written yet among them
-        store.add(entry(10))
+        store.add(note(10))
     async with opened(tmp_path / "journal.sqlite") as store:
         assert await read(store) == (*entries, entry(10))
         assert await read(store, device="lamp1") == tuple(entries[1::2])
@@ -67,16 +71,16 @@ async def test_a_home_without_entries_has_no_file(tmp_path: Path) -> None:
 
 async def test_old_entries_are_dropped_and_counted(tmp_path: Path) -> None:
     async with opened(tmp_path / "journal.sqlite", days=2) as store:
-        store.add(entry(0, at=NOW - 3 * DAY))
-        store.add(entry(1, at=NOW - 1 * DAY))
-        assert await read(store) == (entry(1, at=NOW - 1 * DAY),)
+        store.add(note(0, at=NOW - 3 * DAY))
+        store.add(note(1, at=NOW - 1 * DAY))
+        assert await read(store) == (note(1, at=NOW - 1 * DAY).entry(),)
         assert store.dropped == 1
 
 
 async def test_the_file_does_not_grow_without_end(tmp_path: Path) -> None:
     async with opened(tmp_path / "journal.sqlite", most_bytes=200_000) as store:
         for number in range(5000):
-            store.add(entry(number))
+            store.add(note(number))
             if number % 500 == 499:
                 await read(store, limit=1)
         kept = await read(store)
@@ -89,7 +93,7 @@ async def test_a_disk_that_is_away_costs_nothing_that_fits_into_memory(tmp_path:
     folder = tmp_path / "folder"
     folder.write_text("in the way")
     async with opened(folder / "journal.sqlite") as store:
-        store.add(entry(1))
+        store.add(note(1))
         found = await store.read(ReadJournalRequest())
         assert not found.success
         assert "cannot be opened" in found.message
@@ -104,7 +108,7 @@ async def test_a_damaged_file_is_set_aside(tmp_path: Path) -> None:
     path.write_bytes(b"no database at all" * 100)
     path.chmod(0o600)
     async with opened(path) as store:
-        store.add(entry(1))
+        store.add(note(1))
         assert await read(store) == (entry(1),)
     assert len(list(tmp_path.glob("journal.sqlite.damaged-*"))) == 1
 
@@ -112,13 +116,13 @@ async def test_a_damaged_file_is_set_aside(tmp_path: Path) -> None:
 async def test_a_file_of_a_newer_homebot_is_left_alone(tmp_path: Path) -> None:
     path = tmp_path / "journal.sqlite"
     async with opened(path) as store:
-        store.add(entry(0))
+        store.add(note(0))
     with sqlite3.connect(path) as connection:
         connection.execute("PRAGMA user_version = 99")
     connection.close()
     before = path.read_bytes()
     async with opened(path) as store:
-        store.add(entry(1))
+        store.add(note(1))
         assert await read(store) == (entry(1),)
         assert "newer homebot" in store.problem
     assert path.read_bytes() == before
@@ -127,8 +131,8 @@ async def test_a_file_of_a_newer_homebot_is_left_alone(tmp_path: Path) -> None:
 async def test_a_row_that_makes_no_sense_costs_itself_alone(tmp_path: Path) -> None:
     path = tmp_path / "journal.sqlite"
     async with opened(path) as store:
-        store.add(entry(1))
-        store.add(entry(2))
+        store.add(note(1))
+        store.add(note(2))
     with sqlite3.connect(path) as connection:
         connection.execute("UPDATE entries SET entry = 'nonsense' WHERE number = 1")
     connection.close()
@@ -142,6 +146,6 @@ async def test_a_flood_while_the_disk_is_away_is_bounded_and_counted(
     monkeypatch.setattr("homebot.control.journal.file_store._MOST_WAITING", 10)
     async with opened(tmp_path / "journal.sqlite") as store:
         for number in range(25):
-            store.add(entry(number))
+            store.add(note(number))
         assert store.failures == 15
         assert await read(store) == tuple(entry(number) for number in range(15, 25))

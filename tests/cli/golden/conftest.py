@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from homebot.clock import Clock, ManualClock
+from homebot.control.journal.journal_note import JournalNote
 from homebot.control.journal.memory_store import MemoryStore
 from homebot.devices import (
     DEVICE_CHANGES,
@@ -342,7 +343,7 @@ class StillHouse:
     async def _read_journal(self, request: ReadJournalRequest) -> ReadJournalResponse:
         kept = MemoryStore(1000, 1e9)
         for entry in self.journal:
-            kept.add(entry)
+            kept.add(JournalNote(**{**dict(entry), "at": entry.at.to_seconds()}))
         names = tuple(KeyValue(key=one.id, value=one.name) for one in self._devices())
         return (await kept.read(request)).model_copy(update={"names": names})
 

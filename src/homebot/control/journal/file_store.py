@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Final, final
 import anyio
 from anyio import to_thread
 
+from homebot.control.journal.journal_note import JournalNote
 from homebot.control.journal.memory_store import MemoryStore
-from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest, ReadJournalResponse
+from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
@@ -61,7 +62,7 @@ class FileStore:
         self._most_bytes = most_bytes
         self._memory = in_memory
         self._file: JournalFile | None = None
-        self._waiting: deque[JournalEntry] = deque()
+        self._waiting: deque[JournalNote] = deque()
         self._has_news = anyio.Event()
         self._turn = anyio.Lock()
         self._limit = LogLimit(self._clock)
@@ -70,12 +71,12 @@ class FileStore:
         self.failures = 0
         self.problem = ""
 
-    def add(self, entry: JournalEntry) -> None:
-        """Keep *entry*; it is written a second later."""
+    def add(self, note: JournalNote) -> None:
+        """Keep what was noted; it is written a second later."""
         if self._is_unusable:
-            self._memory.add(entry)
+            self._memory.add(note)
             return
-        self._waiting.append(entry)
+        self._waiting.append(note)
         if len(self._waiting) > _MOST_WAITING:
             self._waiting.popleft()
             self.failures += 1
@@ -120,7 +121,7 @@ class FileStore:
                 if file is None or not await self._write_batch(file, batch):
                     return
 
-    async def _write_batch(self, file: JournalFile, batch: tuple[JournalEntry, ...]) -> bool:
+    async def _write_batch(self, file: JournalFile, batch: tuple[JournalNote, ...]) -> bool:
         oldest = self._clock.now() - self._longest
         before = self.failures
         try:
@@ -168,8 +169,8 @@ class FileStore:
     def _give_up(self, why: str) -> None:
         self._is_unusable, self.problem = True, why
         self._node.log.warning(NOT_USED, message=f"{why}; the journal is in memory alone", file=str(self._path))
-        for entry in self._waiting:
-            self._memory.add(entry)
+        for note in self._waiting:
+            self._memory.add(note)
         self._waiting.clear()
 
     def _note_failure(self, exc: LinkError | WireError) -> None:

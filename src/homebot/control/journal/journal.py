@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.journal.explained_changes import ExplainedChanges
+from homebot.control.journal.journal_note import JournalNote
 from homebot.control.journal.store import JournalStore
 from homebot.devices import FIND_DEVICES, FindDevices, RawCommand, StateChange
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
@@ -25,7 +26,6 @@ from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL
 from homebot.devices.query import Or, query_terms
 from homebot.devices.query.terms import FactIs
 from homebot.devices.services import FindDevicesRequest
-from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, Reading, Value
 from homebot.errors import ServiceError
 from homebot.graph import Node
@@ -111,14 +111,17 @@ class CommandJournal:
 
     def requested(self, command_id: str, request: CommandRequest) -> None:
         """Note that somebody gave a command."""
-        self._note(
-            "requested",
-            request.device,
-            request.part,
-            command_id,
-            issuer=request.issuer,
-            trigger=request.trigger,
-            settings=request.settings,
+        self._keep(
+            JournalNote(
+                "requested",
+                self._clock.now(),
+                request.device,
+                request.part,
+                command_id,
+                request.issuer,
+                request.trigger,
+                request.settings,
+            )
         )
 
     def judged(self, command: IssuedCommand, verdict: Verdict) -> None:
@@ -142,12 +145,19 @@ class CommandJournal:
 
     def reported(self, command: IssuedCommand, capability: str, value: PlainValue) -> None:
         """Note that the device reported a value of what it was commanded."""
-        self._note_step("reported", command, settings=(Setting(capability=capability, value=Value.of(value)),))
+        self._note_step(
+            "reported", command, settings=(Setting.of_checked(capability=capability, value=Value.of(value)),)
+        )
 
     def decided(self, command_id: str, request: CommandRequest, result: CommandResult) -> None:
         """Note the outcome of a command."""
-        self._changes.end(request.device, request.part, command_id, self._clock.now())
-        self._note("outcome", request.device, request.part, command_id, issuer=request.issuer, results=(result,))
+        now = self._clock.now()
+        self._changes.end(request.device, request.part, command_id, now)
+        self._keep(
+            JournalNote(
+                "outcome", now, request.device, request.part, command_id, issuer=request.issuer, results=(result,)
+            )
+        )
 
     def reverted(self, command: IssuedCommand, result: CommandResult) -> None:
         """Note that the device went back after the outcome."""
@@ -155,31 +165,21 @@ class CommandJournal:
 
     def changed(self, change: StateChange, reading: Reading) -> None:
         """Note a live value of *change*, unless it is none or the entries of a command have it already."""
-        command_id = self._changes.take(change.device, reading, change.told_at.to_seconds())
+        at = change.told_at.to_seconds()
+        command_id = self._changes.take(change.device, reading, at)
         if command_id is None:
             return
-        self._note(
-            "reported" if command_id else "changed",
-            change.device,
-            reading.part,
-            command_id,
-            settings=(Setting(capability=reading.capability, value=reading.value),),
-            at=change.told_at,
-        )
+        settings = (Setting.of_checked(capability=reading.capability, value=reading.value),)
+        kind: EntryKind = "reported" if command_id else "changed"
+        self._keep(JournalNote(kind, at, change.device, reading.part, command_id, settings=settings))
 
     def published(self, device: str, command: RawCommand, at: float) -> None:
         """Note a raw command for a device that came at *at*, in seconds since the Unix epoch."""
         name = command.command_id or self.next_id()
         self._changes.begin_raw(device, name, command.payload, at)
-        self._note(
-            "published",
-            device,
-            "",
-            name,
-            issuer=command.issuer,
-            trigger=command.trigger,
-            text=command.payload[:_LONGEST],
-            at=Time.from_seconds(at),
+        text = command.payload[:_LONGEST]
+        self._keep(
+            JournalNote("published", at, device, "", name, issuer=command.issuer, trigger=command.trigger, text=text)
         )
 
     def denied(self, refused: AccessRefused, device: str, count: int) -> None:
@@ -199,33 +199,27 @@ class CommandJournal:
             reason=refused.reason,
             facts=tuple(JournalFact(name=name, value=Value.of(value)) for name, value in facts.items()),
         )
-        self._note(
-            "denied",
-            device,
-            "",
-            "",
-            issuer=refused.issuer,
-            text=refused.wanted,
-            verdicts=(verdict,),
-            at=refused.refused_at,
-        )
+        at = refused.refused_at.to_seconds()
+        self._keep(JournalNote("denied", at, device, issuer=refused.issuer, text=refused.wanted, verdicts=(verdict,)))
 
     def hold_denied(self, request: HoldRequest, policy: str, reason: str) -> None:
         """Note that *request* was refused before anything was commanded for it."""
-        self._note(
-            "denied",
-            request.device,
-            request.part,
-            "",
-            issuer=request.issuer,
-            settings=(request.setting,),
-            text=request.by,
-            verdicts=(JournalVerdict(policy=policy, allowed=False, reason=reason),),
+        self._keep(
+            JournalNote(
+                "denied",
+                self._clock.now(),
+                request.device,
+                request.part,
+                issuer=request.issuer,
+                settings=(request.setting,),
+                text=request.by,
+                verdicts=(JournalVerdict(policy=policy, allowed=False, reason=reason),),
+            )
         )
 
     def lease(self, kind: LeaseStep, place: tuple[str, str], held: Setting, issuer: str = "", text: str = "") -> None:
         """Note what became of a lease on the part *place*, a device and one of its parts."""
-        self._note(kind, *place, "", issuer=issuer, settings=(held,), text=text)
+        self._keep(JournalNote(kind, self._clock.now(), *place, issuer=issuer, settings=(held,), text=text))
 
     def _note_step(
         self,
@@ -236,45 +230,23 @@ class CommandJournal:
         verdicts: tuple[JournalVerdict, ...] = (),
         results: tuple[CommandResult, ...] = (),
     ) -> None:
-        self._note(
-            kind,
-            command.device.id,
-            command.part.id,
-            command.id,
-            issuer=command.issuer,
-            settings=settings,
-            text=text,
-            verdicts=verdicts,
-            results=results,
+        device, part = command.place
+        self._keep(
+            JournalNote(
+                kind,
+                self._clock.now(),
+                device,
+                part,
+                command.id,
+                command.issuer,
+                settings=settings,
+                text=text,
+                verdicts=verdicts,
+                results=results,
+            )
         )
 
-    def _note(
-        self,
-        kind: EntryKind,
-        device: str,
-        part: str,
-        command: str,
-        *,
-        issuer: str = "",
-        trigger: Trigger = NO_TRIGGER,
-        settings: tuple[Setting, ...] = (),
-        text: str = "",
-        verdicts: tuple[JournalVerdict, ...] = (),
-        results: tuple[CommandResult, ...] = (),
-        at: Time | None = None,
-    ) -> None:
-        entry = JournalEntry.of_checked(
-            kind=kind,
-            at=at or Time.from_seconds(self._clock.now()),
-            device=device,
-            part=part,
-            command=command,
-            issuer=issuer,
-            trigger=trigger,
-            settings=settings,
-            text=text,
-            verdicts=verdicts,
-            results=results,
-        )
-        self._store.add(entry)
-        self._entries.publish(entry)
+    def _keep(self, note: JournalNote) -> None:
+        self._store.add(note)
+        if self._entries.subscription_count:
+            self._entries.publish(note.entry())

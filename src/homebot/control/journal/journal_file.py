@@ -9,6 +9,7 @@ from typing import Final, final
 
 from pydantic import ValidationError
 
+from homebot.control.journal.journal_note import JournalNote
 from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
 from homebot.messages import Time
 from homebot.sqlite_file import SqliteFile, SqliteSchema
@@ -45,11 +46,11 @@ class JournalFile(SqliteFile):
     def __init__(self, path: Path) -> None:
         super().__init__(path, _JOURNAL)
 
-    def write(self, entries: Sequence[JournalEntry], oldest: float, most_bytes: float) -> int:
-        """Write *entries* in one transaction, and drop the oldest; return how many were dropped.
+    def write(self, notes: Sequence[JournalNote], oldest: float, most_bytes: float) -> int:
+        """Write *notes* as entries in one transaction, and drop the oldest; return how many were dropped.
 
         Args:
-            entries: The entries, oldest first.
+            notes: What was noted, oldest first.
             oldest: Seconds since the Unix epoch; what is older is dropped.
             most_bytes: What the entries may take; where it is more, a tenth of them is dropped, the oldest first.
 
@@ -58,7 +59,7 @@ class JournalFile(SqliteFile):
             WireError: The file is damaged; nothing was written.
         """
         connection = self._opened()
-        rows = [(one.at.to_seconds(), one.device, one.command, _to_json(one)) for one in entries]
+        rows = [(one.at, one.device, one.command, _to_json(one.entry())) for one in notes]
         try:
             with connection:
                 connection.executemany("INSERT INTO entries (at, device, command, entry) VALUES (?, ?, ?, ?)", rows)

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import final
 
-from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
+from homebot.control.journal.journal_note import JournalNote
+from homebot.devices.journal_messages import MOST_ENTRIES, ReadJournalRequest, ReadJournalResponse
 from homebot.messages import Time
 
 __all__ = ["MemoryStore"]
@@ -28,19 +29,19 @@ class MemoryStore:
     """
 
     def __init__(self, most: int, longest: float) -> None:
-        self._entries: deque[JournalEntry] = deque()
+        self._entries: deque[JournalNote] = deque()
         self._most = most
         self._longest = longest
         self.dropped = 0
         self.failures = 0
         self.problem = ""
 
-    def add(self, entry: JournalEntry) -> None:
-        """Keep *entry*."""
+    def add(self, note: JournalNote) -> None:
+        """Keep what was noted."""
         entries = self._entries
-        entries.append(entry)
-        oldest = entry.at.sec - self._longest
-        while len(entries) > self._most or entries[0].at.sec < oldest:
+        entries.append(note)
+        oldest = note.at - self._longest
+        while len(entries) > self._most or entries[0].at < oldest:
             entries.popleft()
             self.dropped += 1
 
@@ -49,23 +50,23 @@ class MemoryStore:
         limit = min(request.limit or MOST_ENTRIES, MOST_ENTRIES)
         found = list(islice(self._fitting(request), limit + 1))
         return ReadJournalResponse(
-            entries=tuple(reversed(found[:limit])),
+            entries=tuple([note.entry() for note in reversed(found[:limit])]),
             complete=len(found) <= limit,
-            begins=self._entries[0].at if self._entries else Time(sec=0, nanosec=0),
+            begins=Time.from_seconds(self._entries[0].at if self._entries else 0.0),
         )
 
     async def run(self) -> None:
         """Do nothing: there is no file."""
 
-    def _fitting(self, request: ReadJournalRequest) -> Iterator[JournalEntry]:
+    def _fitting(self, request: ReadJournalRequest) -> Iterator[JournalNote]:
         since, until = request.since.to_seconds(), request.until.to_seconds()
-        for entry in reversed(self._entries):
-            at = entry.at.to_seconds()
+        for note in reversed(self._entries):
+            at = note.at
             if at < since:
                 continue  # not the end: the clock may have been set
             if (
                 (not until or at <= until)
-                and request.device in {"", entry.device}
-                and request.command in {"", entry.command}
+                and request.device in {"", note.device}
+                and request.command in {"", note.command}
             ):
-                yield entry
+                yield note

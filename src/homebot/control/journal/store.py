@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest, ReadJournalResponse
+from homebot.control.journal.journal_note import JournalNote
+from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
 
 __all__ = ["JournalStore"]
 
@@ -22,8 +23,8 @@ class JournalStore(Protocol):
     failures: int
     problem: str
 
-    def add(self, entry: JournalEntry) -> None:
-        """Keep *entry*; never blocks, and does no input or output."""
+    def add(self, note: JournalNote) -> None:
+        """Keep what was noted; never blocks, and does no input or output."""
         ...
 
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
