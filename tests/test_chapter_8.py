@@ -12,9 +12,9 @@ from typing import Literal
 import anyio
 import pytest
 from tests.patience import PATIENCE
+from tests.thesis_light_service import ThesisLightService
 
 from homebot.apps import NoSettings
-from homebot.apps.light_service import LightService
 from homebot.config import parse_config
 from homebot.devices import GET_INDEX_DATA, GetIndexData, RawMessage, SubscribeToTopic
 from homebot.graph import Node, Subscription
@@ -112,7 +112,7 @@ async def test_chapter_8(broker_url: str, delivery: Delivery) -> None:
         assert before == {f"{base}/out": 5 for base in DEVICES}
 
         async with Node(run.runtime.graph, "light_service") as node, anyio.create_task_group() as tasks:
-            tasks.start_soon(LightService(node, NoSettings()).run)
+            tasks.start_soon(ThesisLightService(node, NoSettings()).run)
             await anyio.wait_all_tasks_blocked()
             await run.publish(5)
             after = await run.count_received(15)

@@ -55,7 +55,7 @@ BARE = tuple(flag for name in ("asyncio", "timeout", "xdist", "cov", "anyio") fo
 """As in an environment with no plug-in of pytest but ours and Hypothesis's: their options are unknown then."""
 
 
-@pytest.mark.parametrize("folder", ["02_window_light", "05_random_days"])
+@pytest.mark.parametrize("folder", ["02_window_light", "05_random_days", "07_thesis_light_service"])
 @pytest.mark.parametrize("flags", [(), BARE, BARE[2:]], ids=["all plug-ins", "no plug-in", "pytest-asyncio alone"])
 def test_the_tests_of_an_example_pass_without_a_warning_whatever_is_installed(
     folder: str, flags: tuple[str, ...]

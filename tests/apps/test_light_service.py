@@ -1,177 +1,121 @@
-"""The light service: it answers on with off, notes off once, and nothing a lamp says ends it; in virtual time."""
+"""The light service in simulated houses, in virtual time: it turns off what is on, and tells what became of it."""
 
 from __future__ import annotations
-
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 
 import anyio
 import pytest
 from structlog.testing import capture_logs
+from tests.apps.houses import flat, is_on, lamp, motion
+from tests.control.conftest import OpenHome, obey, obey_after, report
 
 from homebot.apps import NoSettings
 from homebot.apps.light_service import LightService
-from homebot.discovery import Directory, DirectorySettings
-from homebot.graph import Graph, Node
-from homebot.testing import FakeGateway, FakeGatewaySettings
+from homebot.devices.handles import Light
+from homebot.graph import Node
+from homebot.house import SimulatedLamp, World
+from homebot.testing import virtual_house_of
 
 pytestmark = pytest.mark.virtual_time
 
-
-@asynccontextmanager
-async def light_service(graph: Graph | None = None, **settings: object) -> AsyncIterator[FakeGateway]:
-    """A gateway to lamps, a directory, and the light service."""
-    graph = graph or Graph()
-    async with (
-        Node(graph, "fake", namespace="/gateway") as gateway_node,
-        Node(graph, "discovery") as discovery,
-        Node(graph, "light_service") as node,
-        anyio.create_task_group() as tasks,
-    ):
-        gateway = FakeGateway(gateway_node, FakeGatewaySettings.model_validate(settings))
-        await tasks.start(Directory(discovery, DirectorySettings()).serve)
-        await tasks.start(LightService(node, NoSettings()).serve)
-        yield gateway
-        await anyio.sleep(0.01)
-        tasks.cancel_scope.cancel()
+GUARDED = {"control": {"presence_guard": True}}
+EVENTS = ("light_service.", "app.command_failed")
 
 
-async def settle() -> None:
-    await anyio.sleep(0.01)
-
-
-async def test_on_is_answered_with_off_each_time() -> None:
-    """Also the first word of a lamp that appears later."""
-    async with light_service() as gateway:
-        await gateway.says("lights/a", "on")
-        await settle()
-        await gateway.says("lights/a", "on")
-        await anyio.sleep(100)
-        await gateway.says("lights/later", "on")
-    assert gateway.told == [("lights/a/in", "off"), ("lights/a/in", "off"), ("lights/later/in", "off")]
-
-
-@pytest.mark.parametrize(
-    ("word", "told"),
-    [
-        ("0.6", ["off"]),
-        ("1", ["off"]),
-        ("0.01", ["off"]),
-        ("0", []),
-        ("2700 K", []),
-    ],
-)
-async def test_a_lamp_is_judged_by_its_value(word: str, told: list[str]) -> None:
-    """And nothing is said of a word that is about something else."""
+async def told(world: World, command: str = "", *, wait: str = "1s") -> tuple[list[str], list[str]]:
+    """Return what the lamp was told, and what the service logged of it, once hands gave *command*."""
     with capture_logs() as lines:
-        async with light_service() as gateway:
-            for _ in range(3):
-                await gateway.says("lights/a", word)
-                await settle()
-    assert gateway.told == [("lights/a/in", one) for one in told * 3]
-    assert [line["event"] for line in lines if line["event"].startswith("light_service")] == (
-        ["light_service.turned_off"] * 3 if told else ["light_service.is_off"] if word == "0" else []
-    )
+        async with virtual_house_of("light_service", world=world) as house:
+            if command:
+                await house.press("lamp", command)
+            await house.run_for(wait)
+    commands = [event.what for event in world.event_log.since(0) if event.verb == "told"]
+    return commands, [line["message"] for line in lines if line["event"].startswith(EVENTS)]
 
 
-async def test_off_is_noted_once_until_the_lamp_was_on_again() -> None:
-    """Not with each heartbeat."""
+@pytest.mark.parametrize("command", ["on", "0.6", "0.01"])
+async def test_a_lamp_that_is_on_is_turned_off_and_a_dimmed_one_too(command: str) -> None:
+    commands, messages = await told(World.of(SimulatedLamp("lamp")), command)
+    assert commands == ["off"]
+    assert sorted(messages) == ["lights/lamp is off", "lights/lamp is on: turned it off"]
+
+
+@pytest.mark.parametrize("command", ["off", "0", "4000 K"])
+async def test_one_that_is_off_is_left_alone(command: str) -> None:
+    commands, messages = await told(World.of(SimulatedLamp("lamp")), command)
+    assert (commands, messages) == ([], ["lights/lamp is off"])
+
+
+async def test_a_lamp_that_was_on_before_is_turned_off() -> None:
+    world = World.of(SimulatedLamp("lamp", is_on=True))
+    assert (await told(world))[0] == ["off"]
+
+
+async def test_a_lamp_that_does_not_obey_is_told_about_and_turned_off_again_some_minutes_later() -> None:
+    commands, messages = await told(flat(lamp=lamp("hall", faults={"deaf": {}})), "on", wait="11m")
+    assert commands == ["off"] * 9  # three tries each time
+    assert "lamp: no answer within 10 s" in messages
+    assert sum(one.startswith("lamp: ") for one in messages) == 3
+
+
+async def test_where_somebody_is_a_policy_keeps_the_light_on() -> None:
+    world = flat(("06:00", "hall"), hall_lamp=lamp("hall"), hall_motion=motion("hall"))
     with capture_logs() as lines:
-        async with light_service() as gateway:
-            for word in ("off", "off", "on", "off", "off"):
-                await gateway.says("lights/a", word)
-                await settle()
-    said = [line["message"] for line in lines if line["event"].startswith("light_service")]
-    assert said == ["lights/a is off", "lights/a is on: turned it off", "lights/a is off"]
+        async with virtual_house_of(
+            "light_service", world=world, config={"control": {"presence_guard": True}}
+        ) as house:
+            await house.run_until("06:01")
+            await house.press("hall_lamp", "on")
+            await house.run_for("30s")
+    assert is_on(world, "hall_lamp")
+    (message,) = [line["message"] for line in lines if line["event"] == "app.command_failed"]
+    assert message.startswith("hall_lamp: refused (presence_guard): somebody is in hall")
 
 
-async def test_what_is_no_lamp_is_left_alone() -> None:
-    """A window that says on."""
-    async with light_service() as gateway:
-        await gateway.says("windows/w", "on")
-    assert gateway.told == []
+async def test_reports_while_a_command_is_under_way_give_no_second_one(open_home: OpenHome) -> None:
+    async with open_home() as home, Node(home.graph, "light_service") as node:
+        home.behaviours["lamp"] = obey_after(2.0)
+        home.tasks.start_soon(LightService(node, NoSettings()).serve)
+        home.put("lamp", "light", "on_off")
+        for _ in range(10):
+            await home.report("lamp", "on_off", True)
+            await anyio.sleep(0.1)
+        await anyio.sleep(5)
+        assert [one.value.plain() for one in home.commands] == [False]
 
 
-@pytest.mark.parametrize(
-    ("payload", "problem"),
-    [(b"\xff\xfe", "the payload on lights/a/out is not text"), (b"dimmed", "lights/a/out reported neither on nor off")],
-)
-async def test_what_it_does_not_understand_is_told_once_and_it_goes_on(payload: bytes, problem: str) -> None:
-    """A flood of it is a line in ten seconds, with the number of those held back."""
-    with capture_logs() as lines:
-        async with light_service() as gateway:
-            await gateway.says("lights/a", payload)
-            await settle()
-            for _ in range(99):
-                await gateway.says("lights/a", payload)
-            await anyio.sleep(10)
-            await gateway.says("lights/a", payload)
-            await gateway.says("lights/a", "on")
-    told = [line["message"] for line in lines if line["event"] == "light_service.not_understood"]
-    assert len(told) == 2
-    assert told[0].startswith(f"lights/a: {problem}")
-    assert told[1].endswith("(and 99 more like this)")
-    assert gateway.told == [("lights/a/in", "off")]
+@pytest.mark.parametrize("later", [0.0, 0.001, 0.1])
+async def test_one_that_is_turned_on_again_at_once_is_turned_off_again(open_home: OpenHome, later: float) -> None:
+    async with open_home() as home, Node(home.graph, "light_service") as node:
+        home.behaviours["lamp"] = report((0.5, False), (0.5 + later, True))
+        home.tasks.start_soon(LightService(node, NoSettings()).serve)
+        home.put("lamp", "light", "on_off")
+        await home.report("lamp", "on_off", True)
+        await anyio.sleep(0.8)
+        home.behaviours["lamp"] = obey
+        await anyio.sleep(5)
+        assert len(home.commands) >= 2
+        assert (await home.handle(Light)).on is False
 
 
-async def test_a_lamp_that_is_removed_and_back_is_answered_once() -> None:
-    """And its state is noted anew."""
-    with capture_logs() as lines:
-        async with light_service() as gateway:
-            await gateway.says("lights/a", "off")
-            await settle()
-            gateway.removes("lights/a")
-            await settle()
-            await gateway.says("lights/a", "off")
-            await settle()
-            await gateway.says("lights/a", "on")
-    assert [line["event"] for line in lines if line["event"].startswith("light_service")] == [
-        "light_service.is_off",
-        "light_service.is_off",
-        "light_service.turned_off",
-    ]
-    assert gateway.told == [("lights/a/in", "off")]
+async def test_a_lamp_without_a_switch_is_turned_off_by_its_brightness(open_home: OpenHome) -> None:
+    async with open_home() as home, Node(home.graph, "light_service") as node:
+        home.tasks.start_soon(LightService(node, NoSettings()).serve)
+        home.put("lamp", "light", "level")
+        await home.report("lamp", "level", 40.0)
+        await anyio.sleep(1)
+        assert [(one.capability, one.value.plain()) for one in home.commands] == [("level", 0.0)]
 
 
-async def test_a_lamp_that_is_described_anew_is_not_answered_for_old_words() -> None:
-    """A change is no reason to hear everything again."""
-    async with light_service() as gateway:
-        await gateway.says("lights/a", "on")
-        await settle()
-        await gateway.says("lights/a", "off", name="reading lamp")
-    assert gateway.told == [("lights/a/in", "off")]
-
-
-async def test_a_lamp_that_takes_no_commands_is_told_about_and_the_others_are_served() -> None:
-    """It can say on as long as it likes."""
-    with capture_logs() as lines:
-        async with light_service() as gateway:
-            await gateway.says("lights/deaf", "on", takes_commands=False)
-            await gateway.says("lights/deaf", "on", takes_commands=False)
-            await gateway.says("lights/a", "on")
-    told = [line["message"] for line in lines if line["event"] == "light_service.not_turned_off"]
-    assert told == ["lights/deaf: a command to lights/deaf was refused: it takes no commands"]
-    assert gateway.told == [("lights/a/in", "off")]
-
-
-async def test_a_lamp_that_may_not_be_listened_to_is_told_about() -> None:
-    """With the gateway's reason."""
-    with capture_logs() as lines:
-        async with light_service(refused=("lights/a/out",)) as gateway:
-            await gateway.says("lights/a", "on")
-            await gateway.says("lights/b", "on")
-    told = [line["message"] for line in lines if line["event"] == "light_service.no_messages"]
-    assert told == ["lights/a: listening to lights/a/out was refused: the test refuses it"]
-    assert gateway.told == [("lights/b/in", "off")]
-
-
-async def test_lamps_that_flicker_do_not_flood_the_log() -> None:
-    """Each is answered every time, and told about five times in ten seconds."""
-    with capture_logs() as lines:
-        async with light_service() as gateway:
-            await gateway.says("lights/a", "on")
-            await settle()
-            for _ in range(99):
-                await gateway.says("lights/a", "on")
-    assert len(gateway.told) == 100
-    assert len([line for line in lines if line["event"] == "light_service.turned_off"]) == 5
+async def test_a_lamp_that_takes_no_commands_is_told_about_and_the_others_are_served(open_home: OpenHome) -> None:
+    async with open_home() as home, Node(home.graph, "light_service") as node:
+        home.tasks.start_soon(LightService(node, NoSettings()).serve)
+        home.put("sealed", "light", readable=("on_off",))
+        home.put("lamp", "light", "on_off")
+        with capture_logs() as lines:
+            await home.report("sealed", "on_off", True)
+            await home.report("lamp", "on_off", True)
+            await anyio.sleep(1)
+        assert [one.key for one in home.commands] == ["lamp"]
+        messages = [line["message"] for line in lines if line["event"] == "app.command_failed"]
+        assert len(messages) == 1
+        assert messages[0].startswith("Sealed: ")

@@ -10,6 +10,7 @@ from typing import Any
 import anyio
 import pytest
 from tests.patience import PATIENCE
+from tests.thesis_light_service import THESIS_LIGHT_SERVICE
 
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
@@ -110,7 +111,20 @@ async def test_the_brightness_of_a_lamp_that_is_off_does_not_make_it_on(homebot:
 
 
 @pytest.mark.homebot("light_service")
-async def test_the_gangs_that_a_word_does_not_reach_are_named(homebot: Any) -> None:
+async def test_all_gangs_of_a_switch_are_turned_off(homebot: Any) -> None:
+    async with player(homebot) as devices:
+        await devices.say(
+            ("zigbee2mqtt/bridge/devices", [SWITCH]),
+            ("zigbee2mqtt/wall", {"state_left": "ON", "state_right": "ON"}),
+        )
+        expected = {("zigbee2mqtt/wall/set", '{"state_left":"OFF"}'), ("zigbee2mqtt/wall/set", '{"state_right":"OFF"}')}
+        found: set[tuple[str, str]] = set()
+        while not expected <= found:
+            found.update(await devices.told())
+
+
+@pytest.mark.homebot(THESIS_LIGHT_SERVICE)
+async def test_the_gangs_that_a_text_does_not_reach_are_named(homebot: Any) -> None:
     async with player(homebot) as devices:
         await devices.say(
             ("zigbee2mqtt/bridge/devices", [SWITCH]),

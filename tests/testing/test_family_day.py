@@ -1,4 +1,4 @@
-"""A day of the family home with the light service, on the wire and in virtual time: what holds for every seed.
+"""A day of the family home with the light service of the thesis, in virtual time: what holds for every seed.
 
 ``HOUSES`` in the environment is the number of seeds: one while coverage is measured, which takes five times as long;
 ``make houses`` takes 100.
@@ -14,6 +14,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from tests.thesis_light_service import THESIS_LIGHT_SERVICE
 
 from homebot.devices import Devices
 from homebot.graph import Node
@@ -40,7 +41,7 @@ async def test_a_day_of_the_family_home_holds_what_it_promises(seed: int) -> Non
     """Faults there are in the house, not on the wire: so all that is said is heard, and all that is told is obeyed."""
     world = parse_world(FAMILY, "family.toml", seed=seed)
     async with (
-        virtual_house_of("light_service", world=world, seed=seed) as house,
+        virtual_house_of(THESIS_LIGHT_SERVICE, world=world, seed=seed) as house,
         EventLog.of(house) as log,
         Node(house.runtime.graph, "judge") as judge,
     ):

@@ -63,6 +63,11 @@ class RoomApp(App):
             scope = self._scopes[fold(room)] = anyio.CancelScope()
             self._tasks.start_soon(self._run_task, room, function, scope)
 
+    def start_task(self, function: Callable[[], Coroutine[object, object, object]]) -> None:
+        """Call *function* in a task beside those of the rooms, any number at once; while the app runs."""
+        if self._tasks is not None:
+            self._tasks.start_soon(function)
+
     def cancel(self, room: str) -> None:
         """Cancel the task of *room*, if it has one."""
         if (scope := self._scopes.pop(fold(room), None)) is not None:

@@ -49,8 +49,10 @@ class Light(Handle):
 
     @property
     def on(self) -> bool | None:
-        """True if it is on; None if unknown."""
-        return self._flag("on_off")
+        """True if it is on; None if unknown. A lamp that reports only its brightness is off at 0."""
+        if (on := self._flag("on_off")) is not None or self.level is None:
+            return on
+        return self.level > 0
 
     @property
     def level(self) -> float | None:
@@ -106,11 +108,13 @@ class Light(Handle):
         return await self.commands(settings, transition=transition)
 
     async def turn_off(self, *, transition: float = 0.0) -> Outcome:
-        """Turn it off.
+        """Turn it off, by its brightness if it has no switch.
 
         Raises:
             RefusedError: It takes no such command.
         """
+        if not self.can("on_off") and self.can("level"):
+            return await self.command("level", 0.0, transition=transition)
         return await self.command("on_off", False, transition=transition)  # noqa: FBT003  # the value
 
     async def set_level(self, level: float, *, transition: float = 0.0) -> Outcome:
