@@ -60,6 +60,12 @@ class IssuedCommand:
         return None
 
     @property
+    def places(self) -> list[tuple[str, str, str]]:
+        """The ids of the device and of the part with each capability."""
+        device, part = self.device.id, self.part.id
+        return [(device, part, one) for one in self.settings]
+
+    @property
     def place(self) -> tuple[str, str]:
         """The ids of the device and of the part."""
         return self.device.id, self.part.id

@@ -108,7 +108,7 @@ class CommandExecutor:
         """Note that *command* is sent as a text: nobody waits for its outcome, and older ones for the same are over."""
         self.leases.note_stop(command.place, command.settings, self._clock.monotonic())
         self._judge.note_sent(command)
-        places = [(command.device.id, command.part.id, one) for one in command.settings]
+        places = command.places
         for place in places:
             if (older := self._pending.get(place)) is not None:
                 older.supersede(command.id)
@@ -151,7 +151,7 @@ class CommandExecutor:
         changed = _Signal()
         pending = PendingCommand(command, known, _readable(command), self._clock.monotonic(), changed.set, echoes)
         stop = self._watch.watch(command.part.routes, partial(self._take, pending))
-        places = [(command.device.id, command.part.id, one) for one in command.settings]
+        places = command.places
         is_at_rest = not any(one in self._pending for one in places)  # else the device may be about to change
         self._take_over(pending, places)
         try:
@@ -297,11 +297,11 @@ class _Signal:
 
 
 def _readable(command: IssuedCommand) -> Iterable[str]:
-    return (one.name for one in command.part.part.capabilities if one.readable and one.name not in MOMENTARY)
+    return [one.name for one in command.part.part.capabilities if one.readable and one.name not in MOMENTARY]
 
 
 def _is_momentary(command: IssuedCommand) -> bool:
-    return any(one in MOMENTARY for one in command.settings)
+    return not MOMENTARY.isdisjoint(command.settings)
 
 
 def _until(until: float, pending: PendingCommand, began: float) -> float:

@@ -30,11 +30,14 @@ class ResponseTimes:
 
     def note(self, target: str, capability: str, seconds: float) -> None:
         """Note how long an answer took; also one that came after the limit."""
-        times = self._known.setdefault((target, capability), deque(maxlen=_KEPT))
+        times = self._known.get((target, capability))
+        if times is not None:
+            self._known.move_to_end((target, capability))
+        else:
+            times = self._known[target, capability] = deque(maxlen=_KEPT)
+            if len(self._known) > _MOST:
+                self._known.popitem(last=False)
         times.append(seconds)
-        self._known.move_to_end((target, capability))
-        if len(self._known) > _MOST:
-            self._known.popitem(last=False)
 
     def limit(self, target: str, capability: str) -> float:
         """Return for how many seconds to wait: three times the longest known and one more, 2 s to 120 s."""

@@ -63,7 +63,7 @@ class Settling:
             return
         settled = _Settled(pending, now, lambda: None)
         settled.stop = watch.watch(command.part.routes, partial(self._take, settled))
-        for place in _places(pending):
+        for place in command.places:
             self._end(place)
             self._watched[place] = settled
             self._deadlines.set(place, now + self._seconds, None)
@@ -92,9 +92,9 @@ class Settling:
         if not pending.departs(capability, value):
             return
         self._note_taken_back(pending, capability)
-        for place in _places(pending):
-            self._end(place)
         command = pending.command
+        for place in command.places:
+            self._end(place)
         outcome = Reverted(self._clock.monotonic() - settled.confirmed_at, command_id=command.id)
         result = result_of(outcome)
         self._journal.reverted(command, result)
@@ -119,11 +119,9 @@ class Settling:
 
     def _end(self, place: _Place) -> None:
         settled = self._watched.pop(place, None)
+        if settled is None:
+            return
         self._deadlines.discard(place)
-        if settled is not None and all(self._watched.get(one) is not settled for one in _places(settled.pending)):
+        places = settled.pending.command.places
+        if len(places) == 1 or all(self._watched.get(one) is not settled for one in places):
             settled.stop()
-
-
-def _places(pending: PendingCommand) -> list[_Place]:
-    command = pending.command
-    return [(command.device.id, command.part.id, one) for one in command.settings]

@@ -68,9 +68,10 @@ class ExplainedChanges:
 
     def end(self, device: str, part: str, command: str, now: float) -> None:
         """Take them so for the settling time alone, as the outcome of *command* is known."""
-        for one in self._commands.get((device, part), ()):
+        for one in reversed(self._commands.get((device, part), ())):
             if one.id == command:
                 one.until = now + self._settle
+                break
 
     def begin_raw(self, device: str, command: str, text: str, now: float) -> None:
         """Take changes of any part of the device for effects of a raw command, for the settling time."""
@@ -109,10 +110,14 @@ class ExplainedChanges:
         return reason.id if reason.is_raw else None
 
     def _put(self, device: str, part: str, command: _Command) -> None:
-        self._commands.setdefault((device, part), deque(maxlen=_KEPT)).append(command)
-        self._commands.move_to_end((device, part))
-        if len(self._commands) > _MOST:
-            self._commands.popitem(last=False)
+        known = self._commands.get((device, part))
+        if known is not None:
+            self._commands.move_to_end((device, part))
+        else:
+            known = self._commands[device, part] = deque(maxlen=_KEPT)
+            if len(self._commands) > _MOST:
+                self._commands.popitem(last=False)
+        known.append(command)
 
 
 def _word(value: PlainValue) -> str:
