@@ -59,7 +59,7 @@ class JournalFile(SqliteFile):
             WireError: The file is damaged; nothing was written.
         """
         connection = self._opened()
-        rows = [(one.at, one.device, one.command, _to_json(one.entry())) for one in notes]
+        rows = [(one.at.to_seconds(), one.device, one.command, _to_json(one)) for one in map(JournalNote.entry, notes)]
         try:
             with connection:
                 connection.executemany("INSERT INTO entries (at, device, command, entry) VALUES (?, ?, ?, ?)", rows)

@@ -37,11 +37,16 @@ class JournalNote:
     verdicts: tuple[JournalVerdict, ...] = ()
     results: tuple[CommandResult, ...] = ()
 
+    @property
+    def stamp(self) -> Time:
+        """The time as the entry has it, to the nanosecond."""
+        return Time.from_seconds(self.at)
+
     def entry(self) -> JournalEntry:
         """Return the entry; each call makes a new one."""
         return JournalEntry.of_checked(
             kind=self.kind,
-            at=Time.from_seconds(self.at),
+            at=self.stamp,
             device=self.device,
             part=self.part,
             command=self.command,

@@ -52,7 +52,7 @@ class MemoryStore:
         return ReadJournalResponse(
             entries=tuple([note.entry() for note in reversed(found[:limit])]),
             complete=len(found) <= limit,
-            begins=Time.from_seconds(self._entries[0].at if self._entries else 0.0),
+            begins=self._entries[0].stamp if self._entries else Time(sec=0, nanosec=0),
         )
 
     async def run(self) -> None:
@@ -61,7 +61,7 @@ class MemoryStore:
     def _fitting(self, request: ReadJournalRequest) -> Iterator[JournalNote]:
         since, until = request.since.to_seconds(), request.until.to_seconds()
         for note in reversed(self._entries):
-            at = note.at
+            at = note.stamp.to_seconds()  # who asks has it from an entry
             if at < since:
                 continue  # not the end: the clock may have been set
             if (
