@@ -209,6 +209,7 @@ def test_devices_are_a_list_for_programs(homebot: Any, capsys: Text) -> None:
             "facts": [],
             "evidence": [],
             "conflicts": [],
+            "approved": None,
         }
     ]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -53,10 +54,14 @@ def sighting(number: int, name: str, area: str) -> Sighting:
     )
 
 
-def index_node(graph: Graph) -> Node:
-    node = Node(graph, "discovery")
+@pytest.fixture
+def index() -> DeviceIndex:
     places = read_places(TABLE, "home425", "homebot.toml", "configuration")
-    index = DeviceIndex(forget_after=1000.0, owner=OwnerFacts("home425", places, NOW - 60))
+    return DeviceIndex(forget_after=1000.0, owner=OwnerFacts("home425", places, NOW - 60))
+
+
+def index_node(index: DeviceIndex, graph: Graph) -> Node:
+    node = Node(graph, "discovery")
     for number, (name, area) in enumerate((("Desk lamp", "Study"), ("Ceiling", ""))):
         index.observe(sighting(number, name, area), NOW)
     persistence = IndexPersistence(node, index, None)
@@ -65,8 +70,8 @@ def index_node(graph: Graph) -> Node:
 
 
 @pytest.fixture
-def placed(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any]) -> Homebot:
-    made: Homebot = homebot_with(index_node, ManualClock(NOW))
+def placed(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], index: DeviceIndex) -> Homebot:
+    made: Homebot = homebot_with(partial(index_node, index), ManualClock(NOW))
     return made
 
 
@@ -126,6 +131,29 @@ def test_a_mistake_is_told(run: Run, arguments: tuple[str, ...], problem: str) -
 
 def test_a_room_with_a_name_like_another_can_be_new(run: Run) -> None:
     assert run("place", "Desk lamp", "Kichen", "--new") == (0, "desk_lamp is in Kichen now\n")
+
+
+def test_a_device_that_is_to_come_is_placed_when_it_appears(placed: Homebot, index: DeviceIndex, run: Run) -> None:
+    told = "there is no device Garden lamp yet; garden_lamp will be in Terrace when it appears\n"
+    assert run("place", "Garden lamp", "Terrace") == (0, told)
+    code, problem = run("place", "Desk lmp", "Hall")
+    assert code == 1
+    assert "there is no device Desk lmp; did you mean Desk lamp" in problem
+    assert "say --new" in problem
+    assert run("place", "Desk lmp", "Hall", "--new")[0] == 0
+    assert run("place", "mac:000000000008", "kitchen")[1].endswith(
+        "mac:000000000008 will be in Kitchen when it appears\n"
+    )
+    assert run("places", "list")[1].partition("placed, and not there yet:\n")[2].split() == [
+        *("desk_lmp", "Hall", "garden_lamp", "Terrace", "mac:000000000008", "Kitchen")
+    ]
+    assert run("place", "Desk lmp", "--undo")[1].endswith("desk_lmp will be in no stated room\n")
+    assert run("place", "Desk lmp", "--undo")[0] == 1
+    for number, name in ((7, "Garden lamp"), (8, "Plug")):
+        placed.do(partial(index.observe, sighting(number, name, "Attic"), NOW))
+    assert "area          Terrace (home425)" in run("show", "Garden lamp")[1]
+    assert "area          Kitchen (Downstairs, home425)" in run("show", "Plug")[1]
+    assert "not there yet" not in run("places", "list")[1]
 
 
 def test_a_device_gets_names_and_tags(run: Run) -> None:

@@ -15,13 +15,22 @@ from homebot.devices.names import FIND_DEVICES, GET_UNAPPROVED, QUERY_DEVICES
 from homebot.devices.query.tokens import quoted
 from homebot.errors import PeerError, UsageError
 from homebot.folding import fold
-from homebot.similar import did_you_mean
+from homebot.similar import did_you_mean, similar_to
 
-__all__ = ["all_devices", "find_devices", "house_time", "named_device", "reasons_for", "unapproved"]
+__all__ = [
+    "all_devices",
+    "device_or_similar",
+    "find_devices",
+    "house_time",
+    "named_device",
+    "reasons_for",
+    "unapproved",
+]
 
 T = TypeVar("T")
 
 _NEAR = 100
+_TYPO = 0.8
 
 _PAGE = 200
 """Devices in one answer, which take some milliseconds to be put together."""
@@ -59,6 +68,25 @@ def named_device(door: DoorClient, name: str) -> DeviceRecord:
         UsageError: *name* is empty.
         PeerError: There is none, with similar ones named, or there are several, all named.
     """
+    found = _find_named(door, name)
+    if isinstance(found, list):
+        raise PeerError(f"there is no device {name}; {did_you_mean(name, found, '`homebot devices` lists all')}")
+    return found
+
+
+def device_or_similar(door: DoorClient, name: str) -> DeviceRecord | list[str]:
+    """Return the one device whose id or name *name* is; where there is none, the ids and names a typo away from it.
+
+    Raises:
+        UsageError: *name* is empty.
+        PeerError: There are several, all named.
+    """
+    found = _find_named(door, name)
+    return similar_to(name, found, _TYPO) if isinstance(found, list) else found
+
+
+def _find_named(door: DoorClient, name: str) -> DeviceRecord | list[str]:
+    """Return the one device that is called *name*; where there is none, the ids and names of all."""
     if not name.strip():
         raise UsageError("give the id or the name of a device; `homebot devices` lists all")
     named = _called(name, _near(door, name))
@@ -73,8 +101,7 @@ def named_device(door: DoorClient, name: str) -> DeviceRecord:
             f"{len(named)} devices are called {name}; give the id of one: "
             + ", ".join(printable(one["id"]) for one in named[:10])
         )
-    known = [printable(text) for one in devices for text in (one["id"], one["name"])]
-    raise PeerError(f"there is no device {name}; {did_you_mean(name, known, '`homebot devices` lists all')}")
+    return [printable(text) for one in devices for text in (one["id"], one["name"])]
 
 
 def reasons_for(door: DoorClient, device: DeviceRecord) -> Sequence[str]:

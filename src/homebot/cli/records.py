@@ -247,6 +247,7 @@ class PlaceResponseRecord(TypedDict):
     success: bool
     message: str
     room: str
+    absent: str
 
 
 class AliasResponseRecord(TypedDict):
@@ -291,6 +292,7 @@ class PlacesRecord(TypedDict):
 
     home: str
     rooms: list[RoomRecord]
+    absent: list[KeyValueRecord]
 
 
 class PlacesExportRecord(TypedDict):

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
+from homebot.devices.device import KeyValue
 from homebot.messages.message import Message, ServiceType
 
 __all__ = ["AliasDevice", "ExportPlaces", "GetPlaces", "ImportPlaces", "PlaceDevice", "RoomInfo", "TagDevice"]
@@ -18,14 +19,16 @@ class PlaceDeviceRequest(Message):
     """State the room that a device is in; the directory remembers that over a restart.
 
     Attributes:
-        device: The id of the device.
+        device: The id of the device; of one that is not there yet also its name or a hardware address.
         room: The room, or a floor; empty to take back what was stated by this service or an import.
         is_new: Whether it may be a room whose name is one typo away from that of another.
+        may_be_absent: Whether the device need not be there yet: it is placed when it appears.
     """
 
     device: str
     room: str = ""
     is_new: bool = False
+    may_be_absent: bool = False
 
 
 class PlaceDeviceResponse(Message):
@@ -34,12 +37,14 @@ class PlaceDeviceResponse(Message):
     Attributes:
         success: Whether it is stated, or was taken back.
         message: Why not.
-        room: The room that the device is in now; empty for none.
+        room: The room that the device is in now, or will be; empty for none.
+        absent: The id or hardware address by which a device that is not there yet will be known; empty for one that is.
     """
 
     success: bool
     message: str = ""
     room: str = ""
+    absent: str = ""
 
 
 class AliasDeviceRequest(Message):
@@ -122,10 +127,12 @@ class GetPlacesResponse(Message):
     Attributes:
         home: The name of the home, in which all rooms are.
         rooms: The rooms.
+        absent: The rooms of devices that are not there, by their ids or hardware addresses; at most 1,000.
     """
 
     home: str
     rooms: tuple[RoomInfo, ...] = ()
+    absent: tuple[KeyValue, ...] = ()
 
 
 class ExportPlacesRequest(Message):

@@ -13,7 +13,7 @@ from homebot.devices import Sighting
 from homebot.discovery.source_record import SourceKey
 from homebot.folding import fold
 
-__all__ = ["MAX_TOMBSTONES", "Tombstone", "Tombstones", "new_id"]
+__all__ = ["MAX_TOMBSTONES", "Tombstone", "Tombstones", "id_of_name", "new_id"]
 
 MAX_TOMBSTONES = 10_000
 """Devices that went and are remembered; the oldest is forgotten."""
@@ -39,7 +39,7 @@ def new_id(sighting: Sighting, known: Container[str], gone: Container[str]) -> s
         while found in known or found in gone:
             found = f"{found}@{sighting.gateway}"
         return found
-    slug = _NO_LETTERS.sub("_", fold(sighting.name))[:_LONGEST_SLUG].strip("_") or "device"
+    slug = id_of_name(sighting.name)
     if slug not in known and slug not in gone:
         return slug
     identity = _identity(sighting)
@@ -51,6 +51,11 @@ def new_id(sighting: Sighting, known: Container[str], gone: Container[str]) -> s
     while (found := f"{slug}_{identity}_{number}") in known or found in gone:
         number += 1
     return found
+
+
+def id_of_name(name: str) -> str:
+    """Return the id of a device of that name, where no other has it."""
+    return _NO_LETTERS.sub("_", fold(name))[:_LONGEST_SLUG].strip("_") or "device"
 
 
 def _identity(sighting: Sighting) -> str:

@@ -162,11 +162,11 @@ class OwnerFacts:
         self.is_unsaved = True
 
     def put_unknown(self, names: Iterable[str], facts: Iterable[OwnerFact], present: Container[SourceKey]) -> None:
-        """Keep *facts* of a device that is not there yet.
+        """Replace what commands and imports stated of a device that is not there yet.
 
         Args:
             names: The id, or the hardware addresses, that it will have.
-            facts: The facts.
+            facts: The facts; none to take all back.
             present: The announcements of devices that are there.
 
         Raises:
@@ -180,7 +180,13 @@ class OwnerFacts:
                 stated.keys.update((key, None) for key in before.keys if key not in present)
                 for key in stated.keys:
                     before.keys.pop(key, None)
-        self._put(stated)
+        if stated.facts:
+            self._put(stated)
+        else:
+            for name in stated.names:
+                self._by_name.pop(name, None)
+            for key in stated.keys:
+                self._by_key.pop(key, None)
         self.is_unsaved = True
 
     def unknown(self, known: Collection[str]) -> Iterator[tuple[str, _Facts]]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import final
 
 from homebot.devices.approval import APPROVED
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
+from homebot.discovery.ids import id_of_name
 from homebot.errors import RefusedError, UsageError
 from homebot.folding import fold, is_typo
 from homebot.places import FactName, OwnerFact, check_name
@@ -33,6 +34,10 @@ class PlacesEditor:
     def __init__(self, table: DeviceTable) -> None:
         self._table = table
 
+    def has(self, device_id: str) -> bool:
+        """Return whether there is a device of that id."""
+        return device_id in self._table.entries
+
     def place(self, device_id: str, room: str, now: float, *, is_new: bool = False) -> str:
         """Set the room of a device; return it as the plan spells it.
 
@@ -53,6 +58,55 @@ class PlacesEditor:
         facts = [fact for fact in self.stated(entry) if fact.name != "area"]
         self.state(entry, [OwnerFact("area", name, "command", now), *facts], f"the owner placed it in {name}")
         return name
+
+    def place_absent(self, device: str, room: str, now: float, *, is_new: bool = False) -> tuple[str, str]:
+        """Set the room of a device that is not there yet.
+
+        Args:
+            device: The name or the id that it will have, or its hardware address, such as ``mac:a4cf12f04ab1``.
+            room: As for :meth:`place`.
+            now: Likewise.
+            is_new: Likewise.
+
+        Returns:
+            The id or hardware address by which it will be known, and the room as the plan spells it.
+
+        Raises:
+            RefusedError: There are too many statements.
+            UsageError: A name cannot be one, or that of the room is probably a typo.
+        """
+        name, _ = self._table.owner.plan.locate(check_name(room))
+        if not is_new:
+            self._check_typo(name)
+        key = _future_name(check_name(device))
+        self._state_absent(key, OwnerFact("area", name, "command", now))
+        return key, name
+
+    def unplace_absent(self, device: str) -> str:
+        """Take back the room of a device that is not there; return the id or hardware address that was meant.
+
+        Raises:
+            RefusedError: No command and no import stated a room.
+            UsageError: *device* cannot be a name.
+        """
+        key = _future_name(check_name(device))
+        if all(fact.name != "area" for fact in self._table.owner.stated_of((key,))):
+            raise RefusedError("to take back the room", f"there is no device {device}, and no command stated its room")
+        self._state_absent(key, None)
+        return key
+
+    def absent(self) -> Iterator[tuple[str, str]]:
+        """Yield the id or hardware address of each device that is not there, and the room that is stated of it."""
+        known = set(self._table.entries)
+        known.update(one for source in self._table.sources.values() for one in source.sighting.identifiers)
+        known.update(self._table.owner.known_as(key) for key in self._table.sources)
+        for key, facts in self._table.owner.unknown(known):
+            yield from ((key, fact.value) for fact in facts if fact.name == "area")
+
+    def _state_absent(self, key: str, area: OwnerFact | None) -> None:
+        others = [fact for fact in self._table.owner.stated_of((key,)) if fact.name != "area"]
+        facts = others if area is None else [area, *others]
+        self._table.owner.put_unknown((key,), facts, self._table.owners)
 
     def unplace(self, device_id: str) -> str:
         """Take back the room that a command or an import stated; return the room that it is in now, empty for none.
@@ -169,3 +223,8 @@ class PlacesEditor:
         if entry is None:
             raise RefusedError(f"a statement on {device_id!r}", "there is no device of that id")
         return entry
+
+
+def _future_name(device: str) -> str:
+    """Return the id that a device of that name will have; an id or a hardware address as it is."""
+    return device if ":" in device or "/" in device else id_of_name(device)

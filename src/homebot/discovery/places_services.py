@@ -10,6 +10,7 @@ from anyio import to_thread
 
 from homebot.clock import Clock, TimeSlice
 from homebot.devices.approval_messages import ApproveDevice, ApproveDeviceRequest, ApproveDeviceResponse
+from homebot.devices.device import KeyValue
 from homebot.devices.names import (
     ALIAS_DEVICE,
     APPROVE_DEVICE,
@@ -48,6 +49,8 @@ __all__ = ["PlacesServices"]
 
 T = TypeVar("T")
 
+_MOST_ABSENT = 1000
+
 _SHORT = 4000
 """Characters of a places file that is read at once, in some milliseconds; a long one takes a second, in a thread."""
 
@@ -77,16 +80,22 @@ class PlacesServices:
         node.create_service(ImportPlaces, IMPORT_PLACES, self._import)
 
     def _place(self, request: PlaceDeviceRequest) -> PlaceDeviceResponse:
-        places = self._index.places
+        places, absent, room = self._index.places, "", ""
+        now = self._clock.now()
         try:
-            if request.room:
-                room = places.place(request.device, request.room, self._clock.now(), is_new=request.is_new)
+            if request.may_be_absent and not places.has(request.device):
+                if request.room:
+                    absent, room = places.place_absent(request.device, request.room, now, is_new=request.is_new)
+                else:
+                    absent = places.unplace_absent(request.device)
+            elif request.room:
+                room = places.place(request.device, request.room, now, is_new=request.is_new)
             else:
                 room = places.unplace(request.device)
         except (RefusedError, UsageError) as exc:
             return PlaceDeviceResponse(success=False, message=str(exc))
         self._publish_all()
-        return PlaceDeviceResponse(success=True, room=room)
+        return PlaceDeviceResponse(success=True, room=room, absent=absent)
 
     def _add_alias(self, request: AliasDeviceRequest) -> AliasDeviceResponse:
         places = self._index.places
@@ -127,7 +136,10 @@ class PlacesServices:
     def _get_places(self, _: GetPlacesRequest) -> GetPlacesResponse:
         plan = self._index.owner.plan
         rooms = tuple(RoomInfo(name=room.name, floor=room.floor, doors=room.doors) for room in plan.rooms)
-        return GetPlacesResponse(home=plan.home, rooms=rooms)
+        absent = sorted(self._index.places.absent())[:_MOST_ABSENT]
+        return GetPlacesResponse(
+            home=plan.home, rooms=rooms, absent=tuple(KeyValue(key=key, value=room) for key, room in absent)
+        )
 
     async def _export(self, _: ExportPlacesRequest) -> ExportPlacesResponse:
         return ExportPlacesResponse(text=await self._in_turns(self._index.places_exchange.export_text()))

@@ -6,7 +6,7 @@ import argparse
 from typing import cast
 
 from homebot.cli.arguments import set_client_command
-from homebot.cli.device_queries import named_device
+from homebot.cli.device_queries import device_or_similar
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.records import PlaceResponseRecord
 from homebot.cli.table import printable
@@ -20,7 +20,8 @@ _EXAMPLES = """\
   homebot place 'Kitchen lamp' Kitchen
   homebot place 'Kitchen lamp' --undo
 
-The directory remembers it over a restart. It outranks the room that the device announces, and the one in the
+A device that is not there yet, by its name, id or hardware address (mac:a4cf12f04ab1), is placed when it appears. The
+directory remembers it over a restart. It outranks the room that the device announces, and the one in the
 configuration; `homebot show` tells who said what. `homebot places list` lists the rooms.
 """
 
@@ -31,7 +32,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     parser.add_argument("room", nargs="?", default="", metavar="ROOM", help="the room or floor that it is in")
     parser.add_argument("--undo", action="store_true", help="take back what was said by this command or an import")
-    parser.add_argument("--new", action="store_true", help="ROOM is new, although its name is like that of another")
+    parser.add_argument(
+        "--new",
+        action="store_true",
+        help="ROOM, or a DEVICE not there yet, is not the one with a similar name",
+    )
+
+
+def _told(device: str, room: str, absent: str) -> str:
+    if absent:
+        later = f"will be in {room} when it appears" if room else "will be in no stated room"
+        return f"there is no device {device} yet; {absent} {later}"
+    return f"{device} is in {room} now" if room else f"the room of {device} is unknown now"
 
 
 def _place(options: argparse.Namespace) -> int:
@@ -40,13 +52,21 @@ def _place(options: argparse.Namespace) -> int:
         raise UsageError("give either a ROOM or --undo")
 
     def run(door: DoorClient) -> int:
-        device = named_device(door, options.device)["id"]
-        request = {"device": device, "room": options.room, "is_new": options.new}
+        known = device_or_similar(door, options.device)
+        if isinstance(known, list) and known and options.room and not options.new:
+            hint = "if it is another one, which is to come, say --new"
+            raise PeerError(f"there is no device {options.device}; did you mean {' or '.join(known)}? {hint}")
+        device = options.device if isinstance(known, list) else known["id"]
+        request = {
+            "device": device,
+            "room": options.room,
+            "is_new": options.new,
+            "may_be_absent": isinstance(known, list),
+        }
         answer = cast("PlaceResponseRecord", door.call(PLACE_DEVICE, request))
         if not answer["success"]:
             raise PeerError(answer["message"])
-        room = printable(answer["room"])
-        print(f"{printable(device)} is in {room} now" if room else f"the room of {printable(device)} is unknown now")
+        print(_told(printable(device), printable(answer["room"]), printable(answer["absent"])))
         return 0
 
     return with_client(options, run)

@@ -13,7 +13,7 @@ from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.records import PlacesExportRecord, PlacesImportRecord, PlacesRecord
 from homebot.cli.table import printable
-from homebot.cli.terminal import print_table
+from homebot.cli.terminal import print_rows, print_table
 from homebot.devices.names import EXPORT_PLACES, GET_PLACES, IMPORT_PLACES
 from homebot.errors import PeerError, UsageError
 from homebot.folding import fold
@@ -71,6 +71,8 @@ def _list(options: argparse.Namespace) -> int:
             print_table(_HEAD, rows, if_any=("FLOOR", "DOORS"))
         else:
             print("no room is known; state some with `homebot place DEVICE ROOM` or [places] in the configuration")
+        absent = [(printable(one["key"]), printable(one["value"])) for one in places["absent"]]
+        print_rows(absent, "placed, and not there yet:")
         return 0
 
     return with_client(options, run)
