@@ -1,22 +1,143 @@
-"""The id of this installation of homebot, which tells it from others on the network."""
+"""The identity of this homebot, which tells it from others on the network and on this computer.
+
+It is kept in a file beside the index, so that it stays the same over a restart and a move to another computer. A file
+belongs to one running homebot; a second one of the same home, and one that keeps nothing, has an identity for this run.
+"""
 
 from __future__ import annotations
 
 import hashlib
-import platform
+import json
+import os
+import sys
 from pathlib import Path
+from random import Random, SystemRandom
+from threading import Lock
+from typing import Final
 
-__all__ = ["installation_id"]
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
+
+__all__ = ["INSTALLATION_FILE", "Installation"]
+
+INSTALLATION_FILE: Final = "installation.json"
+"""The name of the file, beside the index file."""
+
+_LONGEST: Final = 4096
+_MOST_NAMES: Final = 20
+_DIGITS: Final = 16
 
 
-def installation_id(name: str) -> str:
-    """Return the id, 16 hexadecimal digits; reads a file. It stays the same, and says nothing about the computer.
+class Installation:
+    """The id of this homebot, and the names that it got on the network. Blocking; called from worker threads.
+
+    A file that cannot be used, or holds no identity, costs a new one.
 
     Args:
-        name: The name of what is identified on this computer.
+        file: Where it is kept; None for nowhere.
+        random: The source of new ids; a seeded one makes every run the same.
+
+    Attributes:
+        problem: The reason why it is not kept in the file, as text; empty where it is, or was not needed yet.
     """
+
+    def __init__(self, file: Path | None = None, random: Random | None = None) -> None:
+        self._file = file
+        self._random = random or SystemRandom()
+        self._lock = Lock()
+        self._descriptor: int | None = None
+        self._id = ""
+        self._names: dict[str, str] = {}
+        self.problem = ""
+
+    def id_of(self, part: str) -> str:
+        """Return the id of a part of this homebot, 16 hexadecimal digits, which say nothing about the computer.
+
+        Args:
+            part: What is identified, for example the full name of a node.
+        """
+        with self._lock:
+            self._load()
+            return hashlib.sha256(f"homebot {self._id} {part}".encode()).hexdigest()[:_DIGITS]
+
+    def renew(self) -> None:
+        """Take another id: another homebot has this one, for example because the file was copied."""
+        with self._lock:
+            self._load()
+            self._id = self._new_id()
+            self._save()
+
+    def name_for(self, wanted: str) -> str:
+        """Return the name that was got on the network the last time that *wanted* was taken; else *wanted*."""
+        with self._lock:
+            self._load()
+            return self._names.get(wanted, wanted)
+
+    def keep_name(self, wanted: str, got: str) -> None:
+        """Keep the name that was got in place of *wanted*, as RFC 6762, section 9, recommends."""
+        with self._lock:
+            self._load()
+            if self._names.get(wanted, wanted) != got and len(self._names) < _MOST_NAMES:
+                self._names[wanted] = got
+                self._save()
+
+    def close(self) -> None:
+        """Leave the file to others; the identity stays."""
+        with self._lock:
+            if self._descriptor is not None:
+                os.close(self._descriptor)
+                self._descriptor = self._file = None
+
+    def _load(self) -> None:
+        if self._id:
+            return
+        known: object = None
+        if self._file is not None:
+            try:
+                self._descriptor = _opened_alone(self._file)
+                known = json.loads(os.read(self._descriptor, _LONGEST) or "{}")
+            except (OSError, ValueError, RecursionError) as exc:
+                self.problem = f"{self._file}: {exc}"
+        fields = known if isinstance(known, dict) else {}
+        found, names = fields.get("id"), fields.get("names")
+        self._id = found if isinstance(found, str) and len(found) == _DIGITS else ""
+        if isinstance(names, dict):
+            self._names = {one: got for one, got in names.items() if isinstance(got, str)}
+        if not self._id:
+            self._id = self._new_id()
+            self._save()
+
+    def _save(self) -> None:
+        if self._descriptor is None:
+            return
+        text = json.dumps({"id": self._id, "names": self._names}).encode()
+        try:
+            os.lseek(self._descriptor, 0, os.SEEK_SET)
+            os.truncate(self._descriptor, 0)
+            os.write(self._descriptor, text)
+        except OSError as exc:  # a full disk
+            self.problem = f"{self._file}: {exc}"
+
+    def _new_id(self) -> str:
+        return f"{self._random.getrandbits(4 * _DIGITS):0{_DIGITS}x}"
+
+
+def _opened_alone(path: Path) -> int:
+    """Open the file for this process alone, for as long as it is open.
+
+    Raises:
+        OSError: It cannot be opened, or another homebot has it.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
     try:
-        machine = Path("/etc/machine-id").read_text(encoding="ascii")
-    except (OSError, ValueError):
-        machine = platform.node()
-    return hashlib.sha256(f"homebot {machine.strip()} {name}".encode()).hexdigest()[:16]
+        if sys.platform == "win32":
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        else:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(descriptor)
+        raise
+    return descriptor

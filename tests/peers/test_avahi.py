@@ -83,11 +83,28 @@ async def test_avahi_finds_homebot_with_name_version_and_id_until_it_stops(lan: 
         async with gateway(announce=True, announce_as="Robot, the 1st"):
             shown = await browser.prints("=;e0;IPv4;Robot")
             line = next(one for one in shown.splitlines() if one.startswith("=;"))
-            assert line.split(";")[6:9] == ["robot--the-1st-homebot.local", hub.address, "0"]
+            assert re.fullmatch(r"robot--the-1st-homebot-[0-9a-f]{8}\.local", line.split(";")[6])
+            assert line.split(";")[7:9] == [hub.address, "0"]
             assert '"name=Robot, the 1st"' in line
             assert '"version=' in line
             assert re.search(r'"id=[0-9a-f]{16}"', line)
         await browser.prints("-;e0;IPv4;Robot")
+
+
+async def test_avahi_tells_two_homebots_of_one_computer_apart(lan: Lan, hub: Machine) -> None:
+    command = ("avahi-browse", "-prk", "_homebot._tcp")
+    own = {"announce": True, "announce_as": "robot", "service_types": ["_homebot._tcp"]}
+    async with avahi(lan.machine("neighbour"), *command, ready="Server startup") as browser, gateway(**own):
+        await browser.prints("=;e0;IPv4;robot;")
+        async with gateway(**own):
+            shown = await browser.prints("=;e0;IPv4;robot-2;")
+            lines = [one.split(";", 9) for one in shown.splitlines() if one.startswith("=;")]
+            assert {one[3] for one in lines} == {"robot", "robot-2"}
+            assert len({one[6] for one in lines}) == 2
+            assert len({id_ for one in lines for id_ in re.findall(r'"id=([0-9a-f]{16})"', one[9])}) == 2
+            assert {one[7] for one in lines} == {hub.address}
+        shown = await browser.prints("-;e0;IPv4;robot-2;")
+        assert "-;e0;IPv4;robot;" not in shown
 
 
 async def test_avahi_finds_what_homebot_serves_to_the_network_and_nothing_that_is_for_this_computer_alone(
@@ -106,7 +123,8 @@ async def test_avahi_finds_what_homebot_serves_to_the_network_and_nothing_that_i
             service_type="_directory._sub._wot._tcp", addresses=(hub.address,), port=9092, facts=facts
         )
         served.publish(directory)
-        shown = await browser.prints("=;e0;IPv4;robot;_rosbridge._tcp;local;robot-homebot.local;10.77.0.1;9091;")
+        shown = await browser.prints("=;e0;IPv4;robot;_rosbridge._tcp;local;robot-homebot-")
+        assert ".local;10.77.0.1;9091;" in shown.partition("=;e0;IPv4;robot;_rosbridge._tcp;")[2]
         assert "_private._tcp" not in shown
         async with avahi(
             lan.machine("client"), "avahi-browse", "-pr", "_directory._sub._wot._tcp", ready="9092"

@@ -30,6 +30,7 @@ from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import ConfigError, UsageError
 from homebot.gateways import Gateway, GatewayContext, HostService
 from homebot.graph import Graph, Node, RosoutFeed
+from homebot.installation import INSTALLATION_FILE, Installation
 from homebot.isolation import run_as
 from homebot.logger import get_logger, observed_lines
 from homebot.plugins import plugin_names
@@ -120,7 +121,9 @@ class Runtime:
             self._approves_all = True
         self._with_door = with_door
         self._trusts_apps = trusts_apps or house is not None
-        self._context = GatewayContext.of(*services, random=random)
+        kept_at = index_file.with_name(INSTALLATION_FILE) if index_file and self._plan.discovery.persist else None
+        self._installation = Installation(kept_at, random)
+        self._context = GatewayContext.of(self._installation, *services, random=random)
         self._index_file = index_file
         self._loop_watch = loop_watch
         self._lost_lines = lost_lines
@@ -171,6 +174,7 @@ class Runtime:
             await self._stack.aclose()
 
     async def _start(self, stack: AsyncExitStack) -> None:
+        stack.callback(self._installation.close)
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         RuntimeHealth(main, self.supervisor, self._loop_watch, self._lost_lines)
@@ -287,11 +291,10 @@ class Runtime:
 
     def _serve_things(self, settings: DirectoryBridgeSettings) -> Work:
         from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge  # noqa: PLC0415 - an extra
-        from homebot.installation import installation_id  # noqa: PLC0415 - for those who serve it
 
         async def work(*, task_status: TaskStatus[None]) -> None:
             async with Node(self.graph, "thing_directory") as node:
-                owner = await to_thread.run_sync(installation_id, self._plan.home)
+                owner = await to_thread.run_sync(self._installation.id_of, node.full_name)
                 announce = self._network_services.publish
                 things = ThingDirectoryBridge(node, settings, self._plan.home, owner, announce)
                 node.create_service(GetHealth, "~/health", things.health)

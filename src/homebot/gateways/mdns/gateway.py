@@ -33,6 +33,7 @@ from homebot.gateways.mdns.services import CHANGE_EVERY, Services
 from homebot.gateways.mdns.settings import MdnsGatewaySettings
 from homebot.gateways.mdns.sleepers import Sleepers
 from homebot.graph import Node
+from homebot.installation import Installation
 from homebot.isolation import run_as
 
 if TYPE_CHECKING:
@@ -92,7 +93,8 @@ class MdnsGateway(Gateway):
         )
         self._services = Services(self, node.graph.clock, settings.max_services)
         self._sleepers = Sleepers(node.graph.clock, settings.forget_sleeping_after, self._remove)
-        self._own = OwnServices(node, settings.announce_as) if settings.announce else None
+        installation = self.context.service(Installation) or Installation()
+        self._own = OwnServices(node, settings.announce_as, installation) if settings.announce else None
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
@@ -137,6 +139,8 @@ class MdnsGateway(Gateway):
             self.devices.reject(service.key, found.txt, found.problem)
             if not service.addresses:
                 return
+        if self._own is not None:
+            self._own.note_other(service)
         listed = self._listed.get(service.key)
         if listed is None:
             listed = self._listed[service.key] = _Listed(service, found.ttl + SLACK)

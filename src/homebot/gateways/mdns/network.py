@@ -52,6 +52,7 @@ class OwnService:
     Attributes:
         service_type: Its type, such as ``_homebot._tcp``, perhaps with a subtype.
         name: The name for people.
+        host: The label of its host name.
         port: Its port; 0 where there is nothing to connect to.
         addresses: The addresses that it listens on; empty for all of this computer.
         properties: Its TXT record.
@@ -59,6 +60,7 @@ class OwnService:
 
     service_type: str
     name: str
+    host: str
     port: int
     addresses: tuple[str, ...] = ()
     properties: Mapping[str, str] = field(default_factory=dict)

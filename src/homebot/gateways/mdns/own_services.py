@@ -2,34 +2,45 @@
 
 ``_homebot._tcp`` is always announced, with name, version and id. Other services are announced as published on
 :data:`homebot.devices.network_service.NETWORK_SERVICES`, unless they listen on loopback only.
+
+Several homebots on one network, or on one computer, have different names, host names and ids. A name that another
+program has is changed, and kept for the next start; of two homebots that have one id, because a folder was copied, the
+one whose name sorts last takes another.
+
+Source: RFC 6762 (Multicast DNS), section 9 (Conflict Resolution).
 """
 
 from __future__ import annotations
 
 import platform
-from collections.abc import Mapping
 from importlib.metadata import version
+from typing import Final
 
 import anyio
-import anyio.to_thread
+from anyio import to_thread
 
 from homebot.addresses import is_loopback
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.errors import LinkError
+from homebot.gateways.drivers import FoundService
+from homebot.gateways.drivers.service_type import full_type
 from homebot.gateways.mdns.network import OwnService, ServiceNetwork
 from homebot.graph import Node
-from homebot.installation import installation_id
+from homebot.installation import Installation
 
-__all__ = ["HOMEBOT", "OwnServices", "installation_facts"]
+__all__ = ["HOMEBOT", "OwnServices"]
 
 ANNOUNCE_FAILED = "mdns.announce_failed"
+NAME_TAKEN = "mdns.name_taken"
+ID_TAKEN = "mdns.id_taken"
+ID_NOT_KEPT = "mdns.id_not_kept"
 
-HOMEBOT = "_homebot._tcp"
+HOMEBOT: Final = "_homebot._tcp"
 
-DOOR = "_rosbridge._tcp"
+DOOR: Final = "_rosbridge._tcp"
 """The door. ``_homebot._tcp`` has its port too, or 0 if there is no door to connect to."""
 
-MAX_SERVICES = 20
+MAX_SERVICES: Final = 20
 
 
 class OwnServices:
@@ -38,25 +49,45 @@ class OwnServices:
     Args:
         node: The node of the gateway.
         name: The name that others see; empty for that of this computer.
+        installation: The identity of this homebot.
     """
 
-    def __init__(self, node: Node, name: str) -> None:
+    def __init__(self, node: Node, name: str, installation: Installation) -> None:
         self._node = node
-        self._name = name or platform.node().partition(".")[0] or "homebot"
+        self._wanted = name or platform.node().partition(".")[0] or "homebot"
+        self._installation = installation
+        self._name = self._wanted
+        self._id = self._version = ""
         self._offered: dict[str, NetworkService] = {}
         self._changed = anyio.Event()
         self._waiting: dict[str, None] = {}
+        self._same_id_as = ""
         node.create_subscription(NetworkService, NETWORK_SERVICES, self._take, NETWORK_SERVICES_QOS)
 
     async def announce(self, network: ServiceNetwork) -> None:
         """Keep the announcements up to date until cancelled."""
-        self._waiting = dict.fromkeys((HOMEBOT, *self._offered))
-        identity = await anyio.to_thread.run_sync(installation_facts, self._node.full_name)
+        self._name = await to_thread.run_sync(self._installation.name_for, self._wanted)
+        self._version = await to_thread.run_sync(version, "homebot")
+        await self._read_id()
+        if problem := self._installation.problem:
+            self._node.log.info(ID_NOT_KEPT, message=f"homebot's id on the network is for this run: {problem}")
         while True:
             while self._waiting:
-                await self._tell(network, self._waiting.popitem()[0], identity)
+                service_type = next(iter(self._waiting))
+                del self._waiting[service_type]
+                await self._tell(network, service_type)
+            if self._same_id_as and self._same_id_as < self._name:
+                await self._change_id()
+                continue
             self._changed = anyio.Event()
             await self._changed.wait()
+
+    def note_other(self, service: FoundService) -> None:
+        """Note a service of another program: it may be a homebot with the same id."""
+        is_homebot = service.service_type == full_type(HOMEBOT)
+        if is_homebot and self._id and service.properties.get("id") == self._id:
+            self._same_id_as = service.name
+            self._changed.set()
 
     def _take(self, service: NetworkService) -> None:
         reached = tuple(one for one in service.addresses if not is_loopback(one))
@@ -67,30 +98,47 @@ class OwnServices:
         self._waiting |= {service.service_type: None, HOMEBOT: None}
         self._changed.set()
 
-    async def _tell(self, network: ServiceNetwork, service_type: str, identity: Mapping[str, str]) -> None:
+    async def _read_id(self) -> None:
+        self._id = await to_thread.run_sync(self._installation.id_of, self._node.full_name)
+        self._waiting = dict.fromkeys((HOMEBOT, *self._offered, *self._waiting))  # others get its name
+
+    async def _change_id(self) -> None:
+        self._same_id_as = ""
+        await to_thread.run_sync(self._installation.renew)
+        await self._read_id()
+        message = "another homebot on the network has this one's id, which is another one from now on"
+        self._node.log.warning(ID_TAKEN, message=message, id=self._id)
+
+    async def _tell(self, network: ServiceNetwork, service_type: str) -> None:
         offered = self._offered.get(service_type)
         try:
             if service_type == HOMEBOT:
-                await network.announce(self._homebot(identity))
+                await self._keep_name(await network.announce(self._homebot()))
             elif offered is None:
                 await network.withdraw(service_type)
             else:
                 facts = {one.key: one.value for one in offered.facts}
-                own = OwnService(service_type, self._name, offered.port, offered.addresses, facts)
+                own = OwnService(service_type, self._name, self._host, offered.port, offered.addresses, facts)
                 await network.announce(own)
         except LinkError as exc:
             self._node.log.warning(ANNOUNCE_FAILED, message=str(exc), service_type=service_type)
 
-    def _homebot(self, identity: Mapping[str, str]) -> OwnService:
+    async def _keep_name(self, got: str) -> None:
+        """Keep the name that was got in place of a taken one, for the next start and for the other services."""
+        if got == self._name:
+            return
+        message = f"another program on the network is called {self._name}; this homebot is {got} there"
+        self._node.log.info(NAME_TAKEN, message=message, name=got)
+        self._name = got
+        await to_thread.run_sync(self._installation.keep_name, self._wanted, got)
+
+    @property
+    def _host(self) -> str:
+        """The label of a host name for this homebot alone: others on this computer have the same addresses."""
+        label = "".join(one if one.isascii() and one.isalnum() else "-" for one in self._wanted.lower()).strip("-")
+        return f"{label[:40] or 'robot'}-homebot-{self._id[:8]}"
+
+    def _homebot(self) -> OwnService:
         door = self._offered.get(DOOR)
-        facts = {"name": self._name, **identity}
-        return OwnService(HOMEBOT, self._name, 0 if door is None else door.port, properties=facts)
-
-
-def installation_facts(name: str) -> dict[str, str]:
-    """Return version and id of this homebot; reads files. The id stays the same, and says nothing about the computer.
-
-    Args:
-        name: The name of what is identified on this computer.
-    """
-    return {"version": version("homebot"), "id": installation_id(name)}
+        facts = {"name": self._wanted, "version": self._version, "id": self._id}
+        return OwnService(HOMEBOT, self._name, self._host, 0 if door is None else door.port, properties=facts)

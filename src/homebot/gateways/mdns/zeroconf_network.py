@@ -182,15 +182,15 @@ class MdnsNetwork(ServiceNetwork):
             f"{service.name}.{base_type(full)}",
             port=service.port,
             properties=dict(service.properties),
-            server=f"{_host_label(service.name)}.local.",
+            server=f"{service.host}.local.",
             parsed_addresses=addresses or self._own_addresses(),
         )
-        self._own[service.service_type] = info
         try:
             sent = await self._zeroconf.async_register_service(info, allow_name_change=True)
+            self._own[service.service_type] = info  # not before: until then the name may be somebody else's
             await sent
         except Error as exc:
-            del self._own[service.service_type]
+            self._own.pop(service.service_type, None)
             raise LinkError(f"{service.name} cannot be announced as {service.service_type}: {exc}") from exc
         return instance_label(info.name, full)
 
@@ -264,9 +264,3 @@ def _version(interfaces: Interfaces) -> IPVersion:
 
 def _is_loopback(interface: str | int) -> bool:
     return isinstance(interface, str) and ipaddress.ip_address(interface).is_loopback
-
-
-def _host_label(name: str) -> str:
-    """Return a host name for this program alone: another program may announce that of the computer."""
-    label = "".join(one if one.isascii() and one.isalnum() else "-" for one in name.lower()).strip("-")
-    return f"{label[:50] or 'homebot'}-homebot"
