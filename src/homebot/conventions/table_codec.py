@@ -92,14 +92,16 @@ class TableCodec(Generic[MessageT]):
             readers += self._event_readers.get(topic, ())
         if self._wild:
             readers += self._readers_on_filters(topic, retained=retained)
-        message = self._parse_payload(payload, retained=retained) if readers else None
+        if not readers:
+            return NO_READINGS
+        message = self._parse_payload(payload, retained=retained)
         if message is None:
             return NO_READINGS
-        if len(readers) == 1:
-            return readers[0](message)
-        found: dict[str, PlainValue] = {}
-        for read in readers:
-            found.update(read(message))
+        found = readers[0](message)
+        if len(readers) > 1:
+            found = dict(found)
+            for read in readers[1:]:
+                found.update(read(message))
         return found
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:

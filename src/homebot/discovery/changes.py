@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple, final
+from typing import TypeAlias, final
 
 from homebot.devices import Device, DeviceChange, StateChange
 from homebot.devices.capabilities import EVENTS
@@ -38,6 +38,11 @@ _PART = 1024
 """Bytes of a part without its lists, about."""
 
 
+NewStates: TypeAlias = tuple[Entry, MergedParts, tuple[Reading, ...], Time, bool]
+"""New values that a report of a device brought, or one event: the device, its parts as they were then, the values, when
+they were told, and whether the device told them itself."""
+
+
 @dataclass(slots=True, eq=False)
 class _PendingChange:
     kind: ChangeKind
@@ -45,14 +50,6 @@ class _PendingChange:
     why: str
     other: str
     device: Device | None = None
-
-
-class NewStates(NamedTuple):
-    """The new values that a report brought, or one event; see :class:`StateChange`."""
-
-    readings: tuple[Reading, ...]
-    told_at: Time
-    live: bool
 
 
 @final
@@ -79,7 +76,7 @@ class ChangeQueue:
         self._topics = topics
         self.pending: list[_PendingChange] = []
         self._last: dict[str, _PendingChange] = {}
-        self.states: list[tuple[Entry, MergedParts, NewStates]] = []
+        self.states: list[NewStates] = []
 
     def note(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
         """Note a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one."""
@@ -99,12 +96,12 @@ class ChangeQueue:
                     one.device = device
         self.pending.append(_PendingChange("removed", entry, why, other, device))
 
-    def note_states(self, entry: Entry, parts: MergedParts, states: NewStates) -> None:
-        """Note new values of *parts* of *entry*, or one event; while 10,000 wait, they are dropped and counted."""
+    def note_states(self, states: NewStates) -> None:
+        """Note new values, or one event; while 10,000 wait, they are dropped and counted."""
         if len(self.states) >= _MAX_STATES:
             self.states_lost += 1
         else:
-            self.states.append((entry, parts, states))
+            self.states.append(states)
 
     def take(self, at_most: int | None = None) -> tuple[DeviceChange, ...]:
         """Return the oldest changes, and what they made disputed, and forget them.
@@ -128,10 +125,10 @@ class ChangeQueue:
         taken = self.states if at_most is None else self.states[:at_most]
         self.states = [] if at_most is None else self.states[at_most:]
         found: list[StateChange] = []
-        for entry, parts, states in taken:
-            readings = self._current(entry, parts, states.readings)
-            if readings:
-                found.append(self._state_change(entry, readings, states))
+        for entry, parts, readings, told_at, live in taken:
+            current = self._current(entry, parts, readings)
+            if current:
+                found.append(self._state_change(entry, current, told_at, live=live))
         return tuple(found)
 
     def _current(self, entry: Entry, parts: MergedParts, readings: tuple[Reading, ...]) -> tuple[Reading, ...]:
@@ -139,7 +136,7 @@ class ChangeQueue:
         if self._entries.get(entry.id) is not entry:
             return ()
         merged = entry.parts(self._topics)
-        if merged is parts:
+        if merged is parts:  # as nearly always
             return readings
         if readings[0].capability in EVENTS:
             ids = {part.id for part in merged.parts}
@@ -167,7 +164,7 @@ class ChangeQueue:
         self.sequence += 1
         return DeviceChange.of_checked(kind=kind, device=device, sequence=self.sequence, why=why, other=other)
 
-    def _state_change(self, entry: Entry, readings: tuple[Reading, ...], states: NewStates) -> StateChange:
+    def _state_change(self, entry: Entry, readings: tuple[Reading, ...], told_at: Time, *, live: bool) -> StateChange:
         self.sequence += 1
         names = [entry.id]
         for reading in readings:
@@ -179,8 +176,8 @@ class ChangeQueue:
             stream="\0".join(names),
             device=entry.id,
             readings=readings,
-            told_at=states.told_at,
-            live=states.live,
+            told_at=told_at,
+            live=live,
             sequence=self.sequence,
         )
 

@@ -10,7 +10,6 @@ from homebot.devices import DevicePart
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.value import Reading
-from homebot.discovery.changes import NewStates
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
@@ -151,8 +150,7 @@ class StateRecorder:
             if part is not None:
                 readings.append(reading if part.id == name else _of_part(part.id, reading))
         if readings:
-            stamp, live = report.received_at, not report.retained
-            table.changes.note_states(entry, merged, NewStates(tuple(readings), stamp, live))
+            table.changes.note_states((entry, merged, tuple(readings), report.received_at, not report.retained))
 
     def _record_event(self, entry: Entry, source: SourceRecord, reading: Reading, stamp: Time) -> None:
         """Publish an event once, by however many routes it comes; it is no state, so nothing is found by it."""
@@ -171,7 +169,7 @@ class StateRecorder:
         source.events = {**source.events, (reading.part, reading.capability): stored}
         if table.collects_states:
             event = _of_part(merged.parts[number].id, reading)
-            table.changes.note_states(entry, merged, NewStates((event,), stamp, live=True))
+            table.changes.note_states((entry, merged, (event,), stamp, True))
 
 
 def has_capability(source: SourceRecord, part_id: str, capability: str) -> bool:

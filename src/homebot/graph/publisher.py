@@ -161,8 +161,14 @@ class Publisher(Generic[MessageT]):
         item = Expiring(message, self._clock.monotonic() + lifespan) if lifespan else message
         if self._history is not None:
             self._history.append(item)
-        for mailbox in self._mailboxes:
-            mailbox.put(item)
+        if not self._is_keyed:
+            for mailbox in self._mailboxes:
+                mailbox.put(item)
+            return
+        for mailbox in self._mailboxes:  # written out as above
+            mailbox.queue.append(item)
+            if mailbox.waiter is not None:
+                mailbox.wake()
 
     def _kept(self) -> Iterator[MessageT | Expiring[MessageT]]:
         now = self._clock.monotonic()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from homebot.messages.message import Int32, Message, UInt32
 
 __all__ = ["Duration", "Time"]
@@ -21,15 +23,17 @@ class Time(Message, ros_type="builtin_interfaces/msg/Time"):
     sec: Int32
     nanosec: UInt32
 
-    @classmethod
-    def from_seconds(cls, seconds: float) -> Time:
+    @staticmethod
+    @lru_cache(maxsize=256)
+    def from_seconds(seconds: float) -> Time:
         """Return the point *seconds* after the Unix epoch, to the nearest nanosecond that a float can tell.
 
         What lies before 1901 or after January 2038, as a clock that was set wrongly may say, is the nearest that it can
-        be: a wrong stamp is less of a fault than none.
+        be: a wrong stamp is less of a fault than none. The last ones are remembered, as what is heard at once has one
+        stamp.
         """
         sec, nanosec = divmod(round(min(max(seconds, _FIRST), _LAST) * _NANOSECONDS), _NANOSECONDS)
-        return cls.of_checked(sec=sec, nanosec=nanosec)
+        return Time.of_checked(sec=sec, nanosec=nanosec)
 
     def to_seconds(self) -> float:
         """Return seconds since the Unix epoch."""

@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.jinja import PayloadContext, Template, TemplateError, UndefinedValueError
-from homebot.conventions.payload import MAX_LONG_STATE_BYTES, shown
+from homebot.conventions.payload import MAX_LONG_STATE_BYTES, parse_json, shown
 from homebot.errors import InvalidNameError, RefusedError, WireError
 from homebot.mqtt.topics import validate_filter, validate_topic
 
@@ -144,9 +144,21 @@ class StateMessage:
 
     def json_object(self, encoding: str = "utf-8") -> Mapping[str, object] | None:
         """Return the JSON object that the payload is; None where it is none."""
+        if encoding == "utf-8":
+            return _json_object(self.payload)
         context = _context(self.payload, encoding)
         value = None if context is None else context.value_json
         return value if isinstance(value, dict) else None
+
+
+@lru_cache(maxsize=2)
+def _json_object(payload: bytes) -> Mapping[str, object] | None:
+    """Return the JSON object that UTF-8 is, which need not become text before."""
+    try:
+        value = parse_json(payload, MAX_LONG_STATE_BYTES)
+    except WireError:
+        return None
+    return value if isinstance(value, dict) else None
 
 
 @lru_cache(maxsize=2)

@@ -39,11 +39,13 @@ class AnnouncedPart(PartTexts):
         stored: Whose part it is.
         described: The part.
         address: Where it is listened to: its text address, or the address on which it says text by itself.
+        known: The last value of each capability with its reading; None where it reported none.
     """
 
     stored: StoredAnnouncement
     described: DescribedPart
     address: str
+    known: dict[str, tuple[PlainValue, Reading]] | None = field(default=None, init=False)
 
     def readings(self, values: Mapping[str, PlainValue]) -> list[Reading]:
         """Return *values* as readings, each the same one as before where the value is the same.
@@ -51,18 +53,16 @@ class AnnouncedPart(PartTexts):
         Raises:
             pydantic.ValidationError: A value, or the name of a capability, is none that a reading can have.
         """
-        part, found = self.described.part.id, []
-        if (of_parts := self.stored.readings) is None:
-            of_parts = self.stored.readings = {}
-        if (known := of_parts.get(part)) is None:
-            known = of_parts[part] = {}
+        found = []
+        if (known := self.known) is None:
+            known = self.known = {}
         for name, value in values.items():
             before = known.get(name)
             if before is not None and before[0] == value and type(before[0]) is type(value):
                 found.append(before[1])
                 continue
             make = Reading.of_checked if str.isascii(name) else Reading
-            reading = make(part=part, capability=name, value=Value.of(value))
+            reading = make(part=self.described.part.id, capability=name, value=Value.of(value))
             if before is not None or len(known) < _MAX_READINGS:
                 known[name] = (value, reading)
             found.append(reading)
@@ -102,7 +102,6 @@ class StoredAnnouncement:
         reachable: Whether the device (``""``) and its parts can be reached, as it was published last.
         report_streams: The streams of reports that late joiners get, by what was said on them.
         template: A sighting with all that its sightings have in common.
-        readings: The last value of each capability with its reading, by part; None where it reported none.
     """
 
     gateway: str
@@ -118,7 +117,6 @@ class StoredAnnouncement:
     reachable: Mapping[str, bool | None] = field(init=False)
     report_streams: dict[str, str] = field(default_factory=dict, init=False)
     template: Sighting = field(init=False)
-    readings: dict[str, dict[str, tuple[PlainValue, Reading]]] | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         described, text = self.described, self.described.text

@@ -38,28 +38,29 @@ class LastMessageCache:
     def __init__(self, max_total: int = MAX_TOTAL, max_each: int = MAX_EACH) -> None:
         self._max_total = max_total
         self._max_each = max_each
-        self._kept: OrderedDict[str, CachedMessage] = OrderedDict()
+        self._kept: OrderedDict[str, tuple[bytes, bool, Time, float]] = OrderedDict()
         self._total = 0
 
-    def keep(self, topic: str, word: CachedMessage) -> None:
-        """Remember *word* as the last one on *topic*."""
-        kept, length = self._kept, len(word.payload)
+    def keep(self, topic: str, payload: bytes, at: Time, heard_at: float, *, retained: bool) -> None:
+        """Remember what was said last on *topic*; see :class:`CachedMessage`."""
+        kept, length = self._kept, len(payload)
         before = kept.pop(topic, None)
         if length > self._max_each:
-            self._total -= 0 if before is None else len(before.payload) + len(topic)
+            self._total -= 0 if before is None else len(before[0]) + len(topic)
             return
-        kept[topic] = word
-        self._total += length + len(topic) if before is None else length - len(before.payload)
+        kept[topic] = payload, retained, at, heard_at  # one for each message: a named tuple takes three times as long
+        self._total += length + len(topic) if before is None else length - len(before[0])
         while self._total > self._max_total:
             oldest, lost = kept.popitem(last=False)
-            self._total -= len(lost.payload) + len(oldest)
+            self._total -= len(lost[0]) + len(oldest)
 
     def get(self, topic: str) -> CachedMessage | None:
         """Return the last word on *topic*, or None."""
-        return self._kept.get(topic)
+        word = self._kept.get(topic)
+        return None if word is None else CachedMessage(*word)
 
     def forget(self, topic: str) -> None:
         """Remember nothing of *topic*."""
         word = self._kept.pop(topic, None)
         if word is not None:
-            self._total -= len(word.payload) + len(topic)
+            self._total -= len(word[0]) + len(topic)

@@ -27,7 +27,7 @@ from homebot.devices.health import Count, HealthResponse
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader
 from homebot.gateways.announced.engine import GatewayEngine
-from homebot.gateways.announced.last_messages import CachedMessage, LastMessageCache
+from homebot.gateways.announced.last_messages import LastMessageCache
 from homebot.gateways.announced.registry import RegistryChange, RegistryLimits
 from homebot.gateways.announced.work_budget import WorkBudgets
 from homebot.gateways.base import Gateway
@@ -226,8 +226,8 @@ class AnnouncedDevices:
             await self._listeners.deliver(raw_text, wait_if_full=message.qos > 0)
 
     def _keep(self, message: MqttMessage) -> None:
-        word = CachedMessage(message.payload, message.retain, self._reporter.stamp, self._reporter.now)
-        self._last_messages.keep(message.topic, word)
+        reporter = self._reporter
+        self._last_messages.keep(message.topic, message.payload, reporter.stamp, reporter.now, retained=message.retain)
 
     async def take(self, message: MqttMessage, route: TopicReaders) -> None:
         """Take a message as nothing but an announcement; what homebot itself offers is none."""

@@ -26,6 +26,9 @@ _TOPIC_CACHE = 4096
 _LONGEST_CACHED = 256
 """Longer topics are checked each time, so that the memory stays near one megabyte."""
 
+_new = tuple.__new__
+"""Makes a named tuple in half the time that its own call takes; there are two of each message."""
+
 
 class Frame(NamedTuple):
     """One control packet as it came, not yet understood.
@@ -89,7 +92,7 @@ class FrameReader:
             if end > size:
                 self._needed = end - position
                 break
-            packets.append(Frame(buffer[position], buffer[start:end]))
+            packets.append(_new(Frame, (buffer[position], buffer[start:end], 0)))
             position = end
         if self._rest or position < size:
             self._rest = bytearray(buffer[position:])
@@ -162,7 +165,7 @@ class PublishReader:
                 end += 1
             else:
                 properties, end = _read_properties(body, end)
-        return MqttMessage(topic, body[end:], qos, bool(first & 1), properties, receipt)
+        return _new(MqttMessage, (topic, body[end:], qos, bool(first & 1), properties, receipt))
 
     def _check_topic(self, name: bytes, body: bytes) -> str:
         try:
