@@ -156,6 +156,60 @@ def test_a_device_that_is_to_come_is_placed_when_it_appears(placed: Homebot, ind
     assert "not there yet" not in run("places", "list")[1]
 
 
+def test_an_imported_room_is_renamed_and_removed(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "house.toml"
+    file.write_text(
+        '[places.rooms]\nAttic = { floor = "Top", doors = ["Loft"] }\nLoft = {}\n'
+        '[places.devices.shed]\nroom = "Attic"\n'
+    )
+    assert run("places", "import", str(file))[0] == 0
+    run("place", "ceiling", "attic")
+    assert run("places", "rename", "attic", "Guest room") == (0, "attic is called Guest room now\n")
+    assert "Guest room (Top, home425)" in run("show", "ceiling")[1]
+    listed = run("places", "list")[1]
+    assert "Attic" not in listed
+    assert ["shed", "Guest", "room"] in [line.split() for line in listed.splitlines()]
+    assert ["Loft", "Guest", "room", "0"] in [line.split() for line in listed.splitlines()]
+    code, problem = run("places", "remove", "Guest room")
+    assert (code, "ceiling, shed was placed in it; place it elsewhere first" in problem) == (1, True)
+    run("place", "ceiling", "--undo")
+    run("place", "shed", "--undo")
+    assert run("places", "remove", "guest room") == (0, "guest room is removed\n")
+    assert [line.split() for line in run("places", "list")[1].splitlines() if "Loft" in line] == [["Loft", "0"]]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        (("remove", "Hall"), "it is stated in the configuration; change [places] there"),
+        (("rename", "Hall", "Lobby"), "it is stated in the configuration; change [places] there"),
+        (("remove", "Nowhere"), "no import stated it"),
+        (("rename", "Attik", "Top"), "no import stated it; did you mean Attic?"),
+        (("rename", "Attic", "Kitchen"), "there is a room 'Kitchen' already"),
+        (("rename", "Attic", "Downstairs"), "'Downstairs' is a room"),
+        (("rename", "Attic", "  "), "a name is empty"),
+    ],
+)
+def test_a_room_that_cannot_be_changed_stays(
+    run: Run, tmp_path: Path, arguments: tuple[str, ...], problem: str
+) -> None:
+    file = tmp_path / "house.toml"
+    file.write_text("[places.rooms.Attic]\n")
+    run("places", "import", str(file))
+    before = run("places", "list")
+    code, told = run("places", *arguments)
+    assert code == 1
+    assert problem in told
+    assert run("places", "list") == before
+
+
+def test_a_room_of_placed_devices_is_renamed(run: Run) -> None:
+    run("place", "ceiling", "Attic")
+    assert run("places", "rename", "Attic", "attic") == (0, "Attic is called attic now\n")
+    assert run("places", "rename", "Attic", "Loft") == (0, "Attic is called Loft now\n")
+    assert "Loft (home425)" in run("show", "ceiling")[1]
+
+
 def test_a_device_gets_names_and_tags(run: Run) -> None:
     assert run("alias", "Desk lamp", "Reading lamp") == (0, "aliases of desk_lamp: Reading lamp\n")
     assert run("alias", "reading lamp", "Corner") == (0, "aliases of desk_lamp: Corner, Reading lamp\n")

@@ -12,6 +12,7 @@ __all__ = [
     "AliasResponseRecord",
     "ApproveResponseRecord",
     "CapabilityRecord",
+    "ChangeRoomRecord",
     "CommandDevicesRecord",
     "CommandResultRecord",
     "CommandedPartRecord",
@@ -293,6 +294,14 @@ class PlacesRecord(TypedDict):
     home: str
     rooms: list[RoomRecord]
     absent: list[KeyValueRecord]
+
+
+class ChangeRoomRecord(TypedDict):
+    """:class:`homebot.devices.places.ChangeRoomResponse`."""
+
+    success: bool
+    message: str
+    name: str
 
 
 class PlacesExportRecord(TypedDict):

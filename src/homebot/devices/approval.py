@@ -21,4 +21,4 @@ def is_approved(device: Device) -> bool:
 
 def waits_for_approval(device: Device) -> bool:
     """Return whether a part of *device* can hurt and the owner has not approved it."""
-    return not is_approved(device) and any(always_asks(device, part) for part in device.parts)
+    return any(always_asks(device, part) for part in device.parts) and not is_approved(device)

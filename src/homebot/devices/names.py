@@ -8,6 +8,7 @@ __all__ = [
     "ACCESS_REFUSALS",
     "ALIAS_DEVICE",
     "APPROVE_DEVICE",
+    "CHANGE_ROOM",
     "COMMAND_DEVICES",
     "COMMAND_EVENTS",
     "DEVICE_CHANGES",
@@ -59,6 +60,7 @@ PLACE_DEVICE = "/discovery/place"
 ALIAS_DEVICE = "/discovery/alias"
 TAG_DEVICE = "/discovery/tag"
 APPROVE_DEVICE = "/discovery/approve"
+CHANGE_ROOM = "/discovery/change_room"
 GET_PLACES = "/discovery/places"
 EXPORT_PLACES = "/discovery/export_places"
 IMPORT_PLACES = "/discovery/import_places"

@@ -9,7 +9,16 @@ from pydantic import Field
 from homebot.devices.device import KeyValue
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["AliasDevice", "ExportPlaces", "GetPlaces", "ImportPlaces", "PlaceDevice", "RoomInfo", "TagDevice"]
+__all__ = [
+    "AliasDevice",
+    "ChangeRoom",
+    "ExportPlaces",
+    "GetPlaces",
+    "ImportPlaces",
+    "PlaceDevice",
+    "RoomInfo",
+    "TagDevice",
+]
 
 
 _LONGEST = 800_000
@@ -135,6 +144,32 @@ class GetPlacesResponse(Message):
     absent: tuple[KeyValue, ...] = ()
 
 
+class ChangeRoomRequest(Message):
+    """An order to rename or remove a room that was imported, or to rename one in which devices were placed.
+
+    Attributes:
+        room: The room.
+        name: Its new name; empty to remove it.
+    """
+
+    room: str
+    name: str = ""
+
+
+class ChangeRoomResponse(Message):
+    """The result of changing a room.
+
+    Attributes:
+        success: Whether it was done.
+        message: Why not.
+        name: The new name of the room; empty for one that was removed.
+    """
+
+    success: bool
+    message: str = ""
+    name: str = ""
+
+
 class ExportPlacesRequest(Message):
     """A request for all rooms and all that the owner states of devices, as the text of a places file."""
 
@@ -181,5 +216,6 @@ PlaceDevice = ServiceType("homebot/srv/PlaceDevice", PlaceDeviceRequest, PlaceDe
 AliasDevice = ServiceType("homebot/srv/AliasDevice", AliasDeviceRequest, AliasDeviceResponse)
 TagDevice = ServiceType("homebot/srv/TagDevice", TagDeviceRequest, TagDeviceResponse)
 GetPlaces = ServiceType("homebot/srv/GetPlaces", GetPlacesRequest, GetPlacesResponse)
+ChangeRoom = ServiceType("homebot/srv/ChangeRoom", ChangeRoomRequest, ChangeRoomResponse)
 ExportPlaces = ServiceType("homebot/srv/ExportPlaces", ExportPlacesRequest, ExportPlacesResponse)
 ImportPlaces = ServiceType("homebot/srv/ImportPlaces", ImportPlacesRequest, ImportPlacesResponse)

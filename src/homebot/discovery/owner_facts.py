@@ -20,6 +20,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from homebot.config import UNNAMED
 from homebot.devices.approval import APPROVED
+from homebot.discovery.house_rooms import HouseRooms
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import ConfigError, RefusedError, WireError
 from homebot.folding import fold
@@ -32,6 +33,7 @@ MAX_STATEMENTS = 100_000
 
 _Facts: TypeAlias = tuple[OwnerFact, ...]
 _NONE: _Facts = ()
+_MOST_NAMED = 5
 
 
 @dataclass(slots=True, eq=False)
@@ -75,27 +77,39 @@ class OwnerFacts:
         read_at: When that was read, in seconds since the Unix epoch.
 
     Attributes:
-        plan: The rooms of the configuration and those that were imported.
+        rooms: The rooms of the configuration and those that were imported.
         is_empty: Whether nothing was ever stated of a device, so that there is nothing to ask for.
         is_unsaved: Whether something was stated that is not in the index file.
     """
 
-    __slots__ = ("_by_key", "_by_name", "_configured", "_imported", "_known_as", "is_empty", "is_unsaved", "plan")
+    __slots__ = (
+        "_by_key",
+        "_by_name",
+        "_configured",
+        "_known_as",
+        "is_empty",
+        "is_unsaved",
+        "rooms",
+    )
 
     def __init__(self, home: str = UNNAMED, places: Places | None = None, read_at: float = 0.0) -> None:
         given = places or Places()
-        self.plan = HousePlan(home, given.rooms)
+        self.rooms = HouseRooms(home, given.rooms)
         self.is_unsaved = False
         self._configured = {
             name: tuple(replace(fact, said_at=read_at) for fact in facts)
             for names, facts in given.devices.items()
             for name in names
         }
-        self._imported: tuple[HouseRoom, ...] = ()
         self._by_key: dict[SourceKey, _Statement] = {}
         self._by_name: dict[str, _Statement] = {}
         self._known_as: dict[SourceKey, str] = {}
         self.is_empty = not self._configured
+
+    @property
+    def plan(self) -> HousePlan:
+        """All rooms of the house."""
+        return self.rooms.plan
 
     def of(self, device_id: str, sources: Collection[SourceRecord]) -> _Facts:
         """Return the facts of a device, each once: room, aliases, those shown first first, tags, approval.
@@ -206,10 +220,42 @@ class OwnerFacts:
         Raises:
             ConfigError: They do not fit the plan; nothing was added.
         """
-        added = tuple(rooms)
-        self.plan = self.plan.with_rooms(added, source)
-        self._imported = HousePlan(self.plan.home, (*self._imported, *added), source).rooms
+        self.rooms.add(rooms, source)
         self.is_unsaved = True
+
+    def remove_room(self, name: str) -> None:
+        """Take an imported room out of the plan, with its doors.
+
+        Raises:
+            RefusedError: No import stated it, the configuration does, or devices were placed in it.
+        """
+        if placed := sorted(str(next(iter(one.names or one.keys))) for one in self._in(name)):
+            named = ", ".join(placed[:_MOST_NAMED]) + (", …" if len(placed) > _MOST_NAMED else "")
+            raise RefusedError(f"to remove the room {name!r}", f"{named} was placed in it; place it elsewhere first")
+        self.rooms.remove(name)
+        self.is_unsaved = True
+
+    def rename_room(self, name: str, new: str) -> None:
+        """Give a room that was imported, or in which devices were placed, another name.
+
+        Raises:
+            RefusedError: There is no such room, the configuration has it, or there is one called *new*.
+            ConfigError: *new* is the name of a floor or of the home.
+        """
+        in_it = self._in(name)
+        if fold(new) != fold(name) and self._in(new):
+            raise RefusedError(f"to rename the room {name!r}", f"there is a room {new!r} already")
+        self.rooms.rename(name, new, is_stated=bool(in_it))
+        for one in in_it:
+            one.facts = tuple(replace(fact, value=new) if _is_room(fact, name) else fact for fact in one.facts)
+        self.is_unsaved = True
+
+    def _statements(self) -> Iterable[_Statement]:
+        return dict.fromkeys((*self._by_key.values(), *self._by_name.values()))
+
+    def _in(self, room: str) -> list[_Statement]:
+        """Return the statements on devices that were placed in *room*."""
+        return [one for one in self._statements() if any(_is_room(fact, room) for fact in one.facts)]
 
     def check_room(self, count: int) -> None:
         """Check that there is room for *count* more statements.
@@ -253,7 +299,6 @@ class OwnerFacts:
 
     def record(self) -> str:
         """Return all but the configuration as text, for the index file."""
-        statements = dict.fromkeys((*self._by_key.values(), *self._by_name.values()))
         record = {
             "statements": [
                 {
@@ -264,9 +309,9 @@ class OwnerFacts:
                     "announcements": list(one.keys),
                     "names": list(one.names),
                 }
-                for one in statements
+                for one in self._statements()
             ],
-            "rooms": [{"name": one.name, "floor": one.floor, "doors": one.doors} for one in self._imported],
+            "rooms": [{"name": one.name, "floor": one.floor, "doors": one.doors} for one in self.rooms.imported],
             "known_as": [[*key, name] for key, name in self._known_as.items()],
         }
         return json.dumps(record)
@@ -287,18 +332,10 @@ class OwnerFacts:
                 keys, names = dict.fromkeys(statement.announcements), dict.fromkeys(statement.names)
                 self._put(_Statement(statement.facts, keys, names))
         self._known_as = {(gateway, key): name for gateway, key, name in read.known_as[:MAX_STATEMENTS]}
-        self._imported = read.rooms
-        problem: ConfigError | None = None
         try:
-            self.plan = self.plan.with_rooms(read.rooms, "the index file")
-        except ConfigError:
-            for room in read.rooms:
-                try:
-                    self.plan = self.plan.with_rooms((room,), "the index file")
-                except ConfigError as exc:
-                    problem = exc
-        if problem is not None:
-            raise WireError(f"rooms that do not fit: {problem}", record[:100].encode(errors="replace")) from problem
+            self.rooms.restore(read.rooms, "the index file")
+        except ConfigError as exc:
+            raise WireError(f"rooms that do not fit: {exc}", record[:100].encode(errors="replace")) from exc
 
     def _configured_of(self, device_id: str, sources: Iterable[SourceRecord]) -> _Facts:
         names = dict.fromkeys(_names(device_id, sources))
@@ -327,6 +364,10 @@ class OwnerFacts:
 
     def _has_room(self) -> bool:
         return len(self._by_key) + len(self._by_name) + len(self._known_as) < MAX_STATEMENTS
+
+
+def _is_room(fact: OwnerFact, room: str) -> bool:
+    return fact.name == "area" and fold(fact.value) == fold(room)
 
 
 def _names(device_id: str, sources: Iterable[SourceRecord]) -> Iterator[str]:

@@ -13,7 +13,7 @@ from homebot.discovery.places_editor import PlacesEditor
 from homebot.discovery.source_record import SourceKey
 from homebot.errors import ConfigError
 from homebot.folding import fold
-from homebot.places import HousePlan, OwnerFact, Places, places_text, read_places
+from homebot.places import HousePlan, OwnerFact, Places, check_name, places_text, read_places
 from homebot.toml_file import parse_toml
 
 __all__ = ["Imported", "PlacesExchange", "parse_places"]
@@ -102,6 +102,34 @@ class PlacesExchange:
         if owner.plan.rooms != before.rooms:
             yield from self._restate(before, owner.plan)
         return Imported(tuple(added), tuple(kept))
+
+    def remove_room(self, name: str) -> Generator[None, None, None]:
+        """Take an imported room out of the plan; others may have their turn at each step.
+
+        Raises:
+            RefusedError: No import stated it, the configuration does, or devices were placed in it.
+        """
+        before = self._table.owner.plan
+        self._table.owner.remove_room(name)
+        yield from self._restate(before, self._table.owner.plan)
+
+    def rename_room(self, name: str, new: str) -> Generator[None, None, str]:
+        """Rename a room that was imported, or in which devices were placed; return its name.
+
+        Others may have their turn at each step.
+
+        Raises:
+            RefusedError: There is no such room, the configuration has it, or there is one called *new*.
+            ConfigError: *new* is the name of a floor or of the home.
+            UsageError: *new* cannot be a name.
+        """
+        owner, checked = self._table.owner, check_name(new)
+        owner.rename_room(name, checked)
+        for entry in tuple(self._table.entries.values()):
+            yield
+            if fold(checked) in {fold(fact.value) for fact in self._editor.stated(entry) if fact.name == "area"}:
+                self._editor.restate((entry,), f"the room {name} was renamed")
+        return checked
 
     def _count(self, names: tuple[str, ...], by_identifier: Mapping[str, list[SourceKey]]) -> int:
         """Return how many statements a device of the file takes at most."""

@@ -14,6 +14,7 @@ from homebot.devices.device import KeyValue
 from homebot.devices.names import (
     ALIAS_DEVICE,
     APPROVE_DEVICE,
+    CHANGE_ROOM,
     EXPORT_PLACES,
     GET_PLACES,
     IMPORT_PLACES,
@@ -24,6 +25,9 @@ from homebot.devices.places import (
     AliasDevice,
     AliasDeviceRequest,
     AliasDeviceResponse,
+    ChangeRoom,
+    ChangeRoomRequest,
+    ChangeRoomResponse,
     ExportPlaces,
     ExportPlacesRequest,
     ExportPlacesResponse,
@@ -76,6 +80,7 @@ class PlacesServices:
         node.create_service(TagDevice, TAG_DEVICE, self._add_tag)
         node.create_service(ApproveDevice, APPROVE_DEVICE, self._approve)
         node.create_service(GetPlaces, GET_PLACES, self._get_places)
+        node.create_service(ChangeRoom, CHANGE_ROOM, self._change_room)
         node.create_service(ExportPlaces, EXPORT_PLACES, self._export)
         node.create_service(ImportPlaces, IMPORT_PLACES, self._import)
 
@@ -140,6 +145,18 @@ class PlacesServices:
         return GetPlacesResponse(
             home=plan.home, rooms=rooms, absent=tuple(KeyValue(key=key, value=room) for key, room in absent)
         )
+
+    async def _change_room(self, request: ChangeRoomRequest) -> ChangeRoomResponse:
+        exchange, name = self._index.places_exchange, ""
+        try:
+            if request.name:
+                name = await self._in_turns(exchange.rename_room(request.room, request.name))
+            else:
+                await self._in_turns(exchange.remove_room(request.room))
+        except (ConfigError, RefusedError, UsageError) as exc:
+            return ChangeRoomResponse(success=False, message=str(exc))
+        self._publish_all()
+        return ChangeRoomResponse(success=True, name=name)
 
     async def _export(self, _: ExportPlacesRequest) -> ExportPlacesResponse:
         return ExportPlacesResponse(text=await self._in_turns(self._index.places_exchange.export_text()))

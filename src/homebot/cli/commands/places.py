@@ -1,4 +1,4 @@
-"""``homebot places``: ``list``, ``export`` and ``import``."""
+"""``homebot places``: ``list``, ``rename``, ``remove``, ``export`` and ``import``."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from typing import cast
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.records import PlacesExportRecord, PlacesImportRecord, PlacesRecord
+from homebot.cli.records import ChangeRoomRecord, PlacesExportRecord, PlacesImportRecord, PlacesRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_rows, print_table
-from homebot.devices.names import EXPORT_PLACES, GET_PLACES, IMPORT_PLACES
+from homebot.devices.names import CHANGE_ROOM, EXPORT_PLACES, GET_PLACES, IMPORT_PLACES
 from homebot.errors import PeerError, UsageError
 from homebot.folding import fold
 
@@ -27,6 +27,13 @@ _LIST = """\
 
 Rooms are those of the configuration and of imported files, and those that devices are in. `homebot find 'in ROOM'`
 lists the devices of a room or a floor.
+"""
+_EDIT = """\
+  homebot places rename Attic 'Guest room'
+  homebot places remove Attic
+
+Devices that you placed in a room stay in it when it is renamed; a room that devices announce keeps its name. Rooms of
+the configuration are changed there.
 """
 _EXPORT = """\
   homebot places export house.toml
@@ -47,6 +54,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, f"{_LIST.partition(chr(10))[0]}\n  homebot places export house.toml\n")
     listed = add_verb(verbs, "list", "list the rooms of the house")
     set_client_command(listed, _list, _LIST)
+    rename = add_verb(verbs, "rename", "give an imported room, or one that devices were placed in, another name")
+    set_client_command(rename, _edit, _EDIT)
+    rename.add_argument("room", metavar="ROOM", help="the room")
+    rename.add_argument("name", metavar="NAME", help="its new name")
+    remove = add_verb(verbs, "remove", "remove an imported room")
+    set_client_command(remove, _edit, _EDIT)
+    remove.add_argument("room", metavar="ROOM", help="the room; no device may be placed in it")
+    remove.set_defaults(name="")
     export = add_verb(verbs, "export", "write the rooms, and what you stated of devices, to a file")
     set_client_command(export, _export, _EXPORT)
     export.add_argument(
@@ -90,6 +105,20 @@ def _rows(places: PlacesRecord, areas: Iterable[str]) -> list[tuple[str, ...]]:
         names.pop(fold(room["name"]), None)
         rows.append((room["name"], room["floor"], ", ".join(room["doors"]), str(counts.get(fold(room["name"]), 0))))
     return rows + [(names[key], "", "", str(counts[key])) for key in sorted(names)]
+
+
+def _edit(options: argparse.Namespace) -> int:
+    """Rename or remove a room."""
+
+    def run(door: DoorClient) -> int:
+        answer = cast("ChangeRoomRecord", door.call(CHANGE_ROOM, {"room": options.room, "name": options.name}))
+        if not answer["success"]:
+            raise PeerError(answer["message"])
+        became = f"called {printable(answer['name'])} now" if answer["name"] else "removed"
+        print(f"{printable(options.room)} is {became}")
+        return 0
+
+    return with_client(options, run)
 
 
 def _export(options: argparse.Namespace) -> int:
