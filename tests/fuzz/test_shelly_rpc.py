@@ -12,8 +12,8 @@ from tests.conventions.shelly.rpc_documents import MODELS
 
 from homebot.conventions.payload import as_fields, parse_object
 from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, is_news_of_setup
+from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.drivers.shelly.rpc_login import RpcLogin
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz, Mutator

@@ -12,12 +12,13 @@ from structlog.typing import FilteringBoundLogger
 
 from homebot.backoff import Backoff
 from homebot.clock import Clock
+from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
 from homebot.gateways.announced.device_runner import DeviceRunner
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.drivers import Driver, FoundService
+from homebot.gateways.drivers import Driver
 from homebot.gateways.drivers.installed_drivers import UsableDriver
 
 __all__ = ["LOST_BACKOFF", "DriverRunner"]

@@ -9,9 +9,9 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from homebot.config import in_folder
+from homebot.conventions.dns_sd.service_type import full_type
 from homebot.errors import PluginError, UsageError
 from homebot.gateways.drivers import Driver, DriverSettings
-from homebot.gateways.drivers.service_type import full_type
 from homebot.plugins import load_plugin, plugin_names
 
 __all__ = ["DRIVERS", "InstalledDrivers", "UsableDriver", "find_drivers"]

@@ -14,6 +14,8 @@ from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
 from homebot.backoff import BackoffCounter
+from homebot.conventions.dns_sd.found_service import FoundService
+from homebot.conventions.dns_sd.service_facts import facts_of, identifiers_of, name_of
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
 from homebot.extras import check_extra
@@ -22,13 +24,11 @@ from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
-from homebot.gateways.drivers import FoundService
 from homebot.gateways.drivers.driver_runner import LOST_BACKOFF, DriverRunner
 from homebot.gateways.drivers.installed_drivers import InstalledDrivers, find_drivers
 from homebot.gateways.mdns.interfaces import Interfaces, NetworkInterfaces
 from homebot.gateways.mdns.network import ResolvedService, ServiceNews
 from homebot.gateways.mdns.own_services import OwnServices
-from homebot.gateways.mdns.service_facts import facts_of, identifiers_of, name_of
 from homebot.gateways.mdns.services import CHANGE_EVERY, Services
 from homebot.gateways.mdns.settings import MdnsGatewaySettings
 from homebot.gateways.mdns.sleepers import Sleepers

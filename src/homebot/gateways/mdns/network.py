@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
-from homebot.gateways.drivers import FoundService
+from homebot.conventions.dns_sd.found_service import FoundService
 
 __all__ = ["OwnService", "ResolvedService", "ServiceNetwork", "ServiceNews"]
 

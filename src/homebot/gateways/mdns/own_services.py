@@ -20,10 +20,10 @@ import anyio
 from anyio import to_thread
 
 from homebot.addresses import is_loopback
+from homebot.conventions.dns_sd.found_service import FoundService
+from homebot.conventions.dns_sd.service_type import full_type
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.errors import LinkError
-from homebot.gateways.drivers import FoundService
-from homebot.gateways.drivers.service_type import full_type
 from homebot.gateways.mdns.network import OwnService, ServiceNetwork
 from homebot.graph import Node
 from homebot.installation import Installation

@@ -16,7 +16,7 @@ import anyio
 from anyio.abc import TaskGroup
 
 from homebot.clock import Clock
-from homebot.gateways.drivers import FoundService
+from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.gateways.mdns.network import ResolvedService, ServiceNetwork, ServiceNews
 from homebot.isolation import isolated
 

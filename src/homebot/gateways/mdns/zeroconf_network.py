@@ -18,14 +18,14 @@ import anyio
 from zeroconf import Error, IPVersion, ServiceInfo, ServiceStateChange, Zeroconf, current_time_millis
 from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf
 
+from homebot.conventions.dns_sd.found_service import FoundService
+from homebot.conventions.dns_sd.service_facts import printable, usable_addresses
+from homebot.conventions.dns_sd.service_type import ENUMERATION, base_type, full_type, instance_label, is_service_type
+from homebot.conventions.dns_sd.txt_record import read_txt
 from homebot.errors import LinkError
 from homebot.gateways.announced.counters import GatewayCounters
-from homebot.gateways.drivers import FoundService
-from homebot.gateways.drivers.service_type import ENUMERATION, base_type, full_type, instance_label, is_service_type
 from homebot.gateways.mdns.interfaces import Interfaces
 from homebot.gateways.mdns.network import OwnService, ResolvedService, ServiceNetwork, ServiceNews
-from homebot.gateways.mdns.service_facts import printable, usable_addresses
-from homebot.gateways.mdns.txt_record import read_txt
 
 __all__ = ["MdnsNetwork"]
 

@@ -20,8 +20,8 @@ from homebot.conventions.payload import as_fields, clean_text, compact_json, par
 from homebot.conventions.shelly.gen2 import MAX_ANSWER_BYTES
 from homebot.conventions.shelly.gen2_component import Fields
 from homebot.conventions.shelly.gen2_rpc import CLIENT
+from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.errors import HomebotError, LinkError, RefusedError, WireError
-from homebot.gateways.drivers.shelly.rpc_login import RpcLogin
 from homebot.gateways.http_websocket import WebSocket
 
 __all__ = ["RpcLink", "TakeFrame"]

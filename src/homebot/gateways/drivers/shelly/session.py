@@ -14,6 +14,7 @@ from homebot.conventions.shelly.gen2 import MAX_ANSWER_BYTES
 from homebot.conventions.shelly.gen2_component import Fields
 from homebot.conventions.shelly.gen2_device import is_prefix, text_of
 from homebot.conventions.shelly.gen2_rpc import ANSWERS, COMPONENTS, AnswerKind, Gen2RpcDevice, is_news_of_setup
+from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
@@ -21,7 +22,6 @@ from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import DriverHost, FoundService
 from homebot.gateways.drivers.first_answer import first_answer
 from homebot.gateways.drivers.shelly.rpc_link import RpcLink, wants_password
-from homebot.gateways.drivers.shelly.rpc_login import RpcLogin
 from homebot.gateways.drivers.shelly.settings import ShellyDriverSettings
 from homebot.gateways.http_address import http_origin
 from homebot.gateways.http_client import HttpClient

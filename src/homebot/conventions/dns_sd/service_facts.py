@@ -6,8 +6,8 @@ import ipaddress
 import re
 from collections.abc import Iterable
 
+from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.devices.identity import identifiers
-from homebot.gateways.drivers import FoundService
 
 __all__ = ["facts_of", "identifiers_of", "name_of", "printable", "usable_addresses"]
 

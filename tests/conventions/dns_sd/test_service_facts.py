@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from homebot.conventions.dns_sd.service_facts import facts_of, identifiers_of, name_of, usable_addresses
+from homebot.conventions.dns_sd.service_type import base_type, full_type, instance_label, is_service_type
 from homebot.gateways.drivers import FoundService
-from homebot.gateways.drivers.service_type import base_type, full_type, instance_label, is_service_type
-from homebot.gateways.mdns.service_facts import facts_of, identifiers_of, name_of, usable_addresses
 
 
 def found(name: str, service_type: str, host: str, **properties: str) -> FoundService:
