@@ -9,6 +9,7 @@ from tests.control.conftest import Home, OpenHome, ignore
 from homebot.config import parse_settings
 from homebot.control import ControlSettings
 from homebot.devices.command_messages import CommandRequest, Setting
+from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light, WindowCovering
 from homebot.devices.outcomes import Confirmed, NoAnswer, Refused
 from homebot.devices.value import Value
@@ -70,6 +71,50 @@ async def test_somebody_who_sits_still_is_there_for_a_while(open_home: OpenHome)
         assert "somebody was in Hall 299 s ago" in outcome.reason
         await anyio.sleep(2)
         assert (await lamp.turn_off()).succeeded
+
+
+async def test_a_hand_at_the_switch_is_somebody_although_no_sensor_tells(open_home: OpenHome) -> None:
+    """It is faster than the sensor, which may not see the switch at all."""
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await leave(home)
+        await home.report("lamp", "on_off", True)
+        await anyio.sleep(100)
+        lamp = await home.handle(Light, "lamp")
+        refused = await lamp.turn_off()
+        assert isinstance(refused, Refused)
+        assert refused.reason == "somebody is in Hall: lamp was changed by hand 100 s ago"
+        await anyio.sleep(200)
+        assert isinstance(await lamp.turn_off(), Confirmed)
+
+
+async def test_what_a_command_did_is_no_hand(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await leave(home)
+        lamp = await home.handle(Light, "lamp")
+        home.behaviours["lamp"] = report_both
+        assert (await lamp.turn_on()).succeeded
+        await anyio.sleep(1)
+        assert isinstance(await lamp.turn_off(), Confirmed)
+
+
+async def report_both(home: Home, command: Command) -> None:
+    """Report what is commanded, and the brightness that comes with it."""
+    await home.report(command.key, "on_off", command.value.plain())
+    await home.report(command.key, "level", 70.0 if command.value.plain() else 0.0)
+
+
+async def test_what_undoes_a_command_is_a_hand(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await leave(home)
+        lamp = await home.handle(Light, "lamp")
+        assert (await lamp.turn_off()).succeeded
+        await anyio.sleep(5)
+        await home.report("lamp", "on_off", True)
+        await anyio.sleep(1)
+        assert isinstance(await lamp.turn_off(), Refused)
 
 
 async def test_a_room_without_a_sensor_is_unknown_which_means_no(open_home: OpenHome) -> None:

@@ -30,6 +30,10 @@ def judge_presence(settings: PresenceGuardSettings, command: IssuedCommand, fact
         return Verdict(
             NAME, allowed=False, reason="the room of the device is unknown, and so is whether somebody is there"
         )
+    if (hand := _hand(command, facts, settings.absent_after)) is not None:
+        ago = max(0.0, facts.now - hand.since)
+        reason = f"somebody is in {room}: {command.target} was changed by hand {ago:.0f} s ago"
+        return Verdict(NAME, allowed=False, reason=reason, facts=(hand,))
     presence, used = presence_in(room, facts, settings.absent_after)
     return Verdict(NAME, presence == "absent", _reason(presence, room, used, facts.now), used)
 
@@ -50,6 +54,24 @@ def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence,
     if silent or not found:
         return "unknown", tuple(silent)
     return "absent", tuple(found)
+
+
+def _hand(command: IssuedCommand, facts: Facts, within: float) -> FactUsed | None:
+    """Return a change of the commanded part within the last seconds that no command explains: a hand at its switch.
+
+    The switch tells sooner than the motion sensor.
+    """
+    settable = [one.name for one in command.part.part.capabilities if one.settable]
+    for state in command.device.states:
+        if state.part != command.part.id or not state.live or state.capability not in settable:
+            continue
+        since, value = state.since.to_seconds(), state.value.plain()
+        changed_at = facts.monotonic - (facts.now - since)
+        if facts.now - since < within and not facts.recent.explain(
+            command.place, settable, state.capability, value, changed_at
+        ):
+            return FactUsed(f"{state.capability} of {command.target}", value, since)
+    return None
 
 
 def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], now: float) -> str:

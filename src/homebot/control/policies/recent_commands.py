@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections import OrderedDict, deque
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
 from homebot.control.command import IssuedCommand
+from homebot.control.tolerance import fits, is_intermediate
 from homebot.devices.value import PlainValue
 
 __all__ = ["RecentCommands"]
@@ -14,12 +16,19 @@ __all__ = ["RecentCommands"]
 _MOST_TURNS: Final = 1000
 _MOST: Final = 10_000
 
+_EFFECT: Final = 60.0
+"""Seconds after a command in which changes of its part are taken for its effect."""
+
+_LATE: Final = -2.0
+"""The same for changes before: a device may report what it did before its network says that it has the command."""
+
 _Place: TypeAlias = tuple[str, str, str]
 
 
 @dataclass(slots=True)
 class _Sent:
     value: PlainValue
+    at: float = 0.0
     direction: float = 0.0
     turns: deque[float] = field(default_factory=lambda: deque(maxlen=_MOST_TURNS))
 
@@ -41,7 +50,7 @@ class RecentCommands:
             place = (command.device.id, command.part.id, capability)
             sent = self._sent.get(place)
             if sent is None:
-                self._sent[place] = _Sent(value)
+                self._sent[place] = _Sent(value, now)
                 if len(self._sent) > _MOST:
                     self._sent.popitem(last=False)
                 continue
@@ -49,7 +58,20 @@ class RecentCommands:
             if _turns(sent, value):
                 sent.turns.append(now)
             sent.direction = _direction(sent, value) or sent.direction
-            sent.value = value
+            sent.value, sent.at = value, now
+
+    def explain(
+        self, part: tuple[str, str], settable: Iterable[str], capability: str, value: PlainValue, at: float
+    ) -> bool:
+        """Return whether a command explains that *capability* of *part* changed to *value* at *at*.
+
+        One that was sent to it within the minute before does, unless it set that capability to another value.
+        """
+        own = self._sent.get((*part, capability))
+        if own is not None and _LATE <= at - own.at <= _EFFECT:
+            return fits(capability, own.value, value) or is_intermediate(capability, own.value, value)
+        others = (self._sent.get((*part, name)) for name in settable)
+        return any(one is not None and _LATE <= at - one.at <= _EFFECT for one in others)
 
     def turns(self, command: IssuedCommand, since: float) -> int:
         """Return how often the values that *command* would turn were turned after *since*; 0 if it turns none."""
