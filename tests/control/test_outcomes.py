@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.control.conftest import Home, OpenHome, ignore, obey_after, report
+from tests.control.conftest import Behaviour, Home, OpenHome, ignore, obey, obey_after, report
 
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import DoorLock, Light, Switch, WindowCovering
@@ -262,3 +262,37 @@ async def test_a_command_has_one_to_twenty_settings(open_home: OpenHome, count: 
         home.put("lamp", "light", "on_off")
         with pytest.raises(RefusedError, match=f"{count} settings"):
             await (await home.handle(Light)).commands({f"x_{number}": 1.0 for number in range(count)})
+
+
+def take_seconds(seconds: float) -> Behaviour:
+    """Obey once the gateway has a connection to the device."""
+
+    async def behaviour(home: Home, command: Command) -> None:
+        await anyio.sleep(seconds)
+        await obey(home, command)
+
+    return behaviour
+
+
+async def test_a_gateway_that_takes_long_to_connect_is_waited_for(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = take_seconds(7.0)
+        outcome = await (await home.handle(Light)).turn_on()
+        assert isinstance(outcome, Confirmed)
+        assert (round(outcome.latency), outcome.evidence) == (7, Evidence.REPORTED)
+
+
+async def test_what_a_gateway_cannot_send_in_time_does_not_happen_later(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = take_seconds(12.0)
+        lamp = await home.handle(Light)
+        outcome = await lamp.turn_on()
+        assert isinstance(outcome, NoAnswer)
+        assert (outcome.waited, outcome.text) == (
+            10,
+            "not sent: on_off was not sent to lamp: lamp was not reached within 10 s",
+        )
+        await anyio.sleep(60)
+        assert lamp.on is None

@@ -186,10 +186,12 @@ class CommandExecutor:
                 self._journal.sent(command, number)
                 pending.note_sent(clock.monotonic())
                 problem = await self._send(command, began + limit - clock.monotonic())
-                if problem is not None and number == 0:
-                    return problem
-                if problem is None:
+                if problem is None or pending.is_reported:
                     self._journal.acknowledged(command)
+                elif number == 0:
+                    return problem
+                if number == 0:
+                    began = clock.monotonic()  # a gateway may have had to connect before it was sent
             until = began + limit * (number + 1) / tries
             while not pending.is_over and (left := _until(until, pending, began) - clock.monotonic()) > 0:
                 await changed.wait(left)
@@ -199,7 +201,8 @@ class CommandExecutor:
 
     async def _send(self, command: IssuedCommand, seconds: float) -> Outcome | None:
         """Send the settings in their order, to be done in so many *seconds*; return the outcome where that fails."""
-        self.leases.note_stop(command.place, command.settings, self._clock.monotonic())
+        began = self._clock.monotonic()
+        self.leases.note_stop(command.place, command.settings, began)
         try:
             for capability, value in command.settings.items():
                 if (refused := self._held(command)) is not None:
@@ -208,7 +211,7 @@ class CommandExecutor:
                     command.device, command.part, capability, value, command.transition, command.code, seconds
                 )
         except LinkError as exc:
-            return NoAnswer(0.0, str(exc), command_id=command.id)
+            return NoAnswer(self._clock.monotonic() - began, str(exc), command_id=command.id)
         except RefusedError as exc:
             return Refused("gateway", str(exc), command_id=command.id)
         self._judge.note_sent(command)
@@ -257,18 +260,16 @@ class CommandExecutor:
     def _known(self, command: IssuedCommand, echoes: ExpectedEchoes) -> tuple[dict[str, PlainValue], bool]:
         """Return the values that the part reported live, and whether all that are wanted were reported lately.
 
-        What may be an echo is not known.
+        What may be an echo was not reported lately.
         """
         now, known, ages = self._clock.now(), {}, [0.0]
-        unproved = echoes.declared | echoes.suspected
         if command.device.freshness != "fresh":
             return {}, False
         for state in command.device.states:
-            name = state.capability
-            if state.part == command.part.id and state.live and name in command.settings and name not in unproved:
+            if state.part == command.part.id and state.live and state.capability in command.settings:
                 known[state.capability] = state.value.plain()
                 ages.append(abs(now - state.told_at.to_seconds()))
-        return known, max(ages) <= _RECENT
+        return known, max(ages) <= _RECENT and echoes is NO_ECHOES
 
 
 class _Signal:

@@ -91,6 +91,11 @@ class PendingCommand:
         return len(self._fitting) == len(self._wanted)
 
     @property
+    def is_reported(self) -> bool:
+        """True if the device reported all that was commanded, and it was something that it reports."""
+        return self.is_verified and self.is_met
+
+    @property
     def is_verified(self) -> bool:
         """True if the device reports any of what was commanded, so that it shows whether it obeyed."""
         return bool(self._wanted)
@@ -215,7 +220,9 @@ class PendingCommand:
         if weak_at < math.inf:
             return Confirmed(weak_at - self._began, Evidence.ACKNOWLEDGED, command_id=name)
         if self.was_so:
-            return AlreadySo(command_id=name)
+            waited = now - self._began  # what was reported before may have been an echo
+            is_sure = self.echoes is NO_ECHOES
+            return AlreadySo(command_id=name) if is_sure else Confirmed(waited, Evidence.ACKNOWLEDGED, command_id=name)
         return NoAnswer(now - self._began, command_id=name)
 
     def _items(self) -> Iterable[tuple[str, PlainValue]]:

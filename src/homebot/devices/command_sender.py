@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.device import EVERYTHING, Device, DevicePart
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
@@ -11,6 +13,9 @@ from homebot.errors import InvalidNameError, LinkError, RefusedError, ServiceErr
 from homebot.graph import Client, Node
 
 __all__ = ["CommandSender"]
+
+_ANSWERS_WITHIN: Final = 5.0
+"""Seconds that a gateway has for its answer beyond the time in which it may carry the command out."""
 
 
 class CommandSender:
@@ -35,6 +40,8 @@ class CommandSender:
         expires_after: float = 0.0,
     ) -> None:
         """Set *capability* to *value* within *transition* seconds; return when the network has accepted the command.
+
+        A gateway that has not carried it out within *expires_after* seconds, where given, gives up.
 
         Where a route cannot do that, and sent nothing, or cannot reach the device, the next one is tried; what a
         gateway refuses to do at all is not done by another route. A button is not pressed by a second route where the
@@ -89,7 +96,7 @@ class CommandSender:
                 client = self._node.create_client(SendCommand, GatewayNames(gateway).send_command)
                 self._clients[gateway] = client
             if client.service_is_ready():
-                return await client.call(command)
+                return await client.call(command, timeout=command.expires_after + _ANSWERS_WITHIN)
         except InvalidNameError as exc:
             return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=True)
         except ServiceUnavailableError:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from typing import Final, TypeAlias
 
+import anyio
+
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.text.commands import decode_command
 from homebot.devices.value import Value
@@ -52,7 +54,10 @@ class CommandServer:
         """Answer the service: carry *command* out, and return what became of it."""
         try:
             self._permit(command.key)
-            await self._perform(command)
+            if command.expires_after:
+                await self._perform_in_time(command)
+            else:
+                await self._perform(command)
         except LinkError as exc:
             self._counters.commands_failed += 1
             return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
@@ -62,6 +67,13 @@ class CommandServer:
             return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=is_unable)
         self._counters.commands += 1
         return _ACCEPTED
+
+    async def _perform_in_time(self, command: Command) -> None:
+        """Carry *command* out unless it expires before, as while a radio connects: nothing happens late."""
+        with anyio.move_on_after(command.expires_after):
+            await self._perform(command)
+            return
+        raise LinkError(f"{command.key[:100]} was not reached within {command.expires_after:.2g} s")
 
     async def tell(self, key: str, part_id: str, text: str) -> None:
         """Carry out what *text* means to a part; see :mod:`homebot.devices.text.commands`.
