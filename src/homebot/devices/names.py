@@ -38,7 +38,9 @@ __all__ = [
     "RUNTIME_NODE",
     "SEND_TEXT",
     "SPLIT_DEVICE",
+    "TAG",
     "TAG_DEVICE",
+    "TEACH_PLACE",
     "TEXT_SCHEME",
     "THING_DIRECTORY_NODE",
     "CommissioningNames",
@@ -58,6 +60,7 @@ SPLIT_DEVICE = "/discovery/split"
 MERGE_DEVICES = "/discovery/merge"
 PLACE_DEVICE = "/discovery/place"
 ALIAS_DEVICE = "/discovery/alias"
+TEACH_PLACE = "/discovery/teach_place"
 TAG_DEVICE = "/discovery/tag"
 APPROVE_DEVICE = "/discovery/approve"
 CHANGE_ROOM = "/discovery/change_room"
@@ -93,6 +96,9 @@ RUNTIME_NODE = "/homebot"
 
 OWNER = "owner"
 """The convention of facts that the owner states."""
+
+TAG = "tag"
+"""The convention of facts that an NFC tag or a code at the device says."""
 
 _GATEWAYS = "/gateway/"
 TEXT_SCHEME = "words:"

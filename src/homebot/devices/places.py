@@ -18,6 +18,7 @@ __all__ = [
     "PlaceDevice",
     "RoomInfo",
     "TagDevice",
+    "TeachPlace",
 ]
 
 
@@ -144,6 +145,38 @@ class GetPlacesResponse(Message):
     absent: tuple[KeyValue, ...] = ()
 
 
+class TeachPlaceRequest(Message):
+    """The room of a device, as a tag says that is at it; it counts where neither the owner nor the device says one.
+
+    Attributes:
+        device: The id of the device.
+        gateway: The gateway of the tag.
+        tag: The key of the tag; empty for a code.
+        room: The room that the tag or code says; the one that the tag is in, as far as that is known, counts more.
+    """
+
+    device: str
+    gateway: str
+    tag: str = ""
+    room: str = ""
+
+
+class TeachPlaceResponse(Message):
+    """The result of teaching a room.
+
+    Attributes:
+        success: Whether it is remembered.
+        message: Why not.
+        room: The room that the device is in now.
+        is_new: Whether the tag taught another room before, or none.
+    """
+
+    success: bool
+    message: str = ""
+    room: str = ""
+    is_new: bool = False
+
+
 class ChangeRoomRequest(Message):
     """An order to rename or remove a room that was imported, or to rename one in which devices were placed.
 
@@ -216,6 +249,7 @@ PlaceDevice = ServiceType("homebot/srv/PlaceDevice", PlaceDeviceRequest, PlaceDe
 AliasDevice = ServiceType("homebot/srv/AliasDevice", AliasDeviceRequest, AliasDeviceResponse)
 TagDevice = ServiceType("homebot/srv/TagDevice", TagDeviceRequest, TagDeviceResponse)
 GetPlaces = ServiceType("homebot/srv/GetPlaces", GetPlacesRequest, GetPlacesResponse)
+TeachPlace = ServiceType("homebot/srv/TeachPlace", TeachPlaceRequest, TeachPlaceResponse)
 ChangeRoom = ServiceType("homebot/srv/ChangeRoom", ChangeRoomRequest, ChangeRoomResponse)
 ExportPlaces = ServiceType("homebot/srv/ExportPlaces", ExportPlacesRequest, ExportPlacesResponse)
 ImportPlaces = ServiceType("homebot/srv/ImportPlaces", ImportPlacesRequest, ImportPlacesResponse)

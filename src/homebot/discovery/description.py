@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 from homebot.devices import DevicePart, Fact, KeyValue
 from homebot.devices.device_types import wanted_types
-from homebot.devices.names import OWNER
+from homebot.devices.names import OWNER, TAG
 from homebot.discovery.endpoints import Addresses, addresses
 from homebot.discovery.merging.parts import MergedParts, PartIds, main_part, merge_parts
 from homebot.discovery.owner_facts import OwnerFacts
@@ -82,24 +83,18 @@ def describe_device(
     )
 
 
+_VALUES: Final = ("area", "name", "tag", "taught_area")
+
+
 def with_stated_facts(
     described: DeviceDescription, stated: tuple[OwnerFact, ...], plan: HousePlan
 ) -> DeviceDescription:
     """Return what is announced of a device with what the owner states of it, which outranks that."""
-    values = {name: tuple(fact.value for fact in stated if fact.name == name) for name in ("area", "name", "tag")}
+    values = {name: tuple(fact.value for fact in stated if fact.name == name) for name in _VALUES}
     names = tuple(dict.fromkeys((*values["name"], described.name, *described.names)))
-    facts = tuple(
-        Fact.of_checked(
-            name=fact.name,
-            value=fact.value,
-            gateway="",
-            convention=OWNER,
-            key=fact.source,
-            said_at=Time.from_seconds(fact.said_at),
-        )
-        for fact in stated
-    )
-    area, outer_areas = plan.locate(values["area"][0]) if values["area"] else (described.area, described.outer_areas)
+    area, outer_areas = described.area, described.outer_areas
+    if stated_area := values["area"] or (() if area else values["taught_area"]):
+        area, outer_areas = plan.locate(stated_area[0])
     return replace(
         described,
         name=names[0],
@@ -107,7 +102,22 @@ def with_stated_facts(
         area=area,
         outer_areas=outer_areas,
         tags=values["tag"],
-        facts=(*facts, *described.facts)[:MAX_FACTS],
+        facts=(*map(_stated_fact, stated), *described.facts)[:MAX_FACTS],
+    )
+
+
+def _stated_fact(fact: OwnerFact) -> Fact:
+    name, gateway, convention, key = fact.name, "", OWNER, fact.source
+    if fact.name == "taught_area":
+        name, convention = "area", TAG
+        gateway, _, key = fact.source.partition("/")
+    return Fact.of_checked(
+        name=name,
+        value=fact.value,
+        gateway=gateway,
+        convention=convention,
+        key=key,
+        said_at=Time.from_seconds(fact.said_at),
     )
 
 

@@ -376,7 +376,10 @@ def _names(device_id: str, sources: Iterable[SourceRecord]) -> Iterator[str]:
         yield from source.sighting.identifiers
 
 
-_ORDER: Mapping[str, int] = {"area": 0, "name": 1, "tag": 2, "approved": 3}
+_ORDER: Mapping[str, int] = {"area": 0, "name": 1, "tag": 2, "approved": 3, "taught_area": 4}
+
+
+_SINGLE = frozenset({"area", "taught_area"})
 
 
 def _rank(fact: OwnerFact) -> tuple[bool, float]:
@@ -387,5 +390,5 @@ def _once(facts: Iterable[OwnerFact]) -> _Facts:
     """Return the first room, each alias and tag once, and the approval, in this order of kinds."""
     found: dict[tuple[str, str], OwnerFact] = {}
     for fact in facts:
-        found.setdefault((fact.name, "" if fact.name == "area" else fold(fact.value)), fact)
+        found.setdefault((fact.name, "" if fact.name in _SINGLE else fold(fact.value)), fact)
     return tuple(sorted(found.values(), key=lambda fact: _ORDER[fact.name]))

@@ -18,7 +18,13 @@ __all__ = ["PlacesEditor"]
 _MOST = 50
 """Aliases, and tags, of a device."""
 
-_WORDS: Mapping[FactName, str] = {"area": "room", "name": "alias", "tag": "tag", "approved": "approval"}
+_WORDS: Mapping[FactName, str] = {
+    "area": "room",
+    "name": "alias",
+    "tag": "tag",
+    "approved": "approval",
+    "taught_area": "room",
+}
 
 
 @final
@@ -109,19 +115,52 @@ class PlacesEditor:
         self._table.owner.put_unknown((key,), facts, self._table.owners)
 
     def unplace(self, device_id: str) -> str:
-        """Take back the room that a command or an import stated; return the room that it is in now, empty for none.
+        """Take back the room that a command or an import stated, or a tag taught.
+
+        Returns:
+            The room that it is in now; empty for none.
 
         Raises:
-            RefusedError: There is no such device, or no command and no import stated a room.
+            RefusedError: There is no such device, or nobody stated or taught a room.
         """
         entry = self._entry(device_id)
         stated = self.stated(entry)
-        facts = [fact for fact in stated if fact.name != "area"]
+        first = next((one for one in ("area", "taught_area") if any(fact.name == one for fact in stated)), "")
+        facts = [fact for fact in stated if fact.name != first]
         if len(facts) == len(stated):
             where = self._where_configured("area", entry)
             raise RefusedError("to take back the room", where or f"no command stated the room of {device_id}")
         self.state(entry, facts, "the owner took back its room")
         return entry.to_device(self._table.topics).area
+
+    def teach(self, device_id: str, gateway: str, tag: str, room: str, now: float) -> tuple[str, bool]:
+        """Remember the room that a tag at a device says; it counts where neither the owner nor the device says one.
+
+        Args:
+            device_id: The device.
+            gateway: The gateway of the tag.
+            tag: The key of the tag.
+            room: What the tag says; the room that it is in itself, as far as that is known, counts more.
+            now: Seconds since the Unix epoch.
+
+        Returns:
+            The room that the device is in now, and whether the room of the tag is another one than before.
+
+        Raises:
+            RefusedError: There is no such device, or there are too many statements.
+            UsageError: Nobody says where the tag is, its room cannot be one, or is probably a typo.
+        """
+        entry, stated = self._entry(device_id), self.stated(self._entry(device_id))
+        at = self._table.owners.get((gateway, tag))
+        said = (at.to_device(self._table.topics).area if at is not None and at is not entry else "") or room
+        name, _ = self._table.owner.plan.locate(check_name(said))
+        self._check_typo(name)
+        is_new = all((fact.name, fact.value) != ("taught_area", name) for fact in stated)
+        if is_new:
+            fact = OwnerFact("taught_area", name, f"{gateway}/{tag or 'code'}", now)
+            others = [one for one in stated if one.name != "taught_area"]
+            self.state(entry, [*others, fact], f"a tag says that it is in {name}")
+        return entry.to_device(self._table.topics).area, is_new
 
     def add(self, device_id: str, name: FactName, value: str, now: float) -> tuple[str, ...]:
         """Add an alias or a tag of a device; return all that it has.

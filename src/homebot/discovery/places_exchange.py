@@ -6,7 +6,6 @@ from collections.abc import Generator, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import final
 
-from homebot.devices.approval import APPROVED
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.places_editor import PlacesEditor
@@ -52,7 +51,7 @@ class PlacesExchange:
     def export_text(self) -> Generator[None, None, str]:
         """Return all rooms, and all that the owner states of devices, as the text of a places file.
 
-        Approvals are not in it: who takes over a file of others would approve devices unseen.
+        Approvals are not in it: who takes over a file of others would approve devices unseen. Nor is what tags taught.
 
         Others may have their turn at each step.
         """
@@ -65,9 +64,9 @@ class PlacesExchange:
             known.add(entry.id)
             known.update(one for source in sources for one in source.sighting.identifiers)
             known.update(owner.known_as(key) for key in entry.sources)
-            if facts := _without_approval(owner.of(entry.id, sources)):
+            if facts := _exported(owner.of(entry.id, sources)):
                 devices.append((entry.id, facts, entry.hardware()))
-        unknown = ((name, _without_approval(facts)) for name, facts in owner.unknown(known))
+        unknown = ((name, _exported(facts)) for name, facts in owner.unknown(known))
         devices += [(name, facts, ()) for name, facts in unknown if facts]
         return places_text(owner.plan.home, owner.plan.rooms, sorted(devices, key=lambda one: one[0]))
 
@@ -194,8 +193,8 @@ def parse_places(text: str, home: str, now: float) -> Places:
     return read_places(_places_table(text), home, SOURCE, "import", now)
 
 
-def _without_approval(facts: tuple[OwnerFact, ...]) -> tuple[OwnerFact, ...]:
-    return tuple(fact for fact in facts if fact.name != APPROVED)
+def _exported(facts: tuple[OwnerFact, ...]) -> tuple[OwnerFact, ...]:
+    return tuple(fact for fact in facts if fact.name in {"area", "name", "tag"})
 
 
 def _places_table(text: str) -> Mapping[str, object]:

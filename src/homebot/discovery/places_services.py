@@ -20,6 +20,7 @@ from homebot.devices.names import (
     IMPORT_PLACES,
     PLACE_DEVICE,
     TAG_DEVICE,
+    TEACH_PLACE,
 )
 from homebot.devices.places import (
     AliasDevice,
@@ -44,6 +45,9 @@ from homebot.devices.places import (
     TagDevice,
     TagDeviceRequest,
     TagDeviceResponse,
+    TeachPlace,
+    TeachPlaceRequest,
+    TeachPlaceResponse,
 )
 from homebot.discovery.index import DeviceIndex
 from homebot.errors import ConfigError, RefusedError, UsageError
@@ -80,6 +84,7 @@ class PlacesServices:
         node.create_service(TagDevice, TAG_DEVICE, self._add_tag)
         node.create_service(ApproveDevice, APPROVE_DEVICE, self._approve)
         node.create_service(GetPlaces, GET_PLACES, self._get_places)
+        node.create_service(TeachPlace, TEACH_PLACE, self._teach)
         node.create_service(ChangeRoom, CHANGE_ROOM, self._change_room)
         node.create_service(ExportPlaces, EXPORT_PLACES, self._export)
         node.create_service(ImportPlaces, IMPORT_PLACES, self._import)
@@ -145,6 +150,15 @@ class PlacesServices:
         return GetPlacesResponse(
             home=plan.home, rooms=rooms, absent=tuple(KeyValue(key=key, value=room) for key, room in absent)
         )
+
+    def _teach(self, request: TeachPlaceRequest) -> TeachPlaceResponse:
+        places = self._index.places
+        try:
+            room, is_new = places.teach(request.device, request.gateway, request.tag, request.room, self._clock.now())
+        except (RefusedError, UsageError) as exc:
+            return TeachPlaceResponse(success=False, message=str(exc))
+        self._publish_all()
+        return TeachPlaceResponse(success=True, room=room, is_new=is_new)
 
     async def _change_room(self, request: ChangeRoomRequest) -> ChangeRoomResponse:
         exchange, name = self._index.places_exchange, ""

@@ -23,7 +23,7 @@ from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import ago
 from homebot.cli.values import is_topic, life, plain_value, span, value_text
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.names import OWNER
+from homebot.devices.names import OWNER, TAG
 
 __all__ = ["add_arguments"]
 
@@ -164,5 +164,7 @@ def _by(source: RouteRecord | FactRecord) -> str:
     gateway, convention, key = source["gateway"], source["convention"], source["key"]
     if not gateway and convention == OWNER:
         return f"by the owner{_STATED_BY.get(key, '')}"
+    if convention == TAG:
+        return f"by the tag {key} at {gateway}"
     named = key if not convention or key.startswith(f"{convention}:") else f"{convention}:{key}"
     return f"via {gateway} as {named}" if gateway else f"as {named}"

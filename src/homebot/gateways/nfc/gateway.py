@@ -29,6 +29,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.nfc.device_finder import DeviceFinder, PointedAt
+from homebot.gateways.nfc.place_teacher import PlaceTeacher
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders, read_tags
 from homebot.gateways.nfc.settings import NfcGatewaySettings, TagSettings
 from homebot.gateways.nfc.tag import ReaderNews, ReadersFound, TagLeft, TagSeen
@@ -91,6 +92,7 @@ class NfcGateway(Gateway):
         self._was_tried = anyio.Event()
         self._taps = node.create_publisher(TagTap, "~/taps")
         self._services = TagServices(self, node)
+        self._teacher = PlaceTeacher(node) if settings.teaches_place else None
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
@@ -256,6 +258,8 @@ class NfcGateway(Gateway):
                 tapped_at=Time.from_seconds(self.node.graph.clock.now()),
             )
         )
+        if self._teacher is not None and pointed.id:
+            await self._teacher.teach(seen.uid, pointed.id, pointer.area)
 
     def _described(self, seen: TagSeen, pointer: Pointer, pointed: PointedAt) -> GatewayDevice:
         own = self._settings.tags.get(seen.uid, TagSettings())

@@ -45,6 +45,7 @@ class NfcGatewaySettings(GatewaySettings):
             ``udp:HOST:PORT``.
         tags: The settings of single tags, by their numbers in hexadecimal digits.
         max_tags: Tags that may be known at once.
+        teaches_place: Whether a tag that points to a device says which room that is in, where nobody else says one.
         stale_after: Seconds after which a tag counts as stale if it is not held to a reader.
     """
 
@@ -53,6 +54,7 @@ class NfcGatewaySettings(GatewaySettings):
     devices: Annotated[tuple[str, ...], Field(min_length=1, max_length=8)] = ("usb",)
     tags: Mapping[str, TagSettings] = Field(default_factory=dict)
     max_tags: Annotated[int, Field(ge=1, le=10_000)] = 1000
+    teaches_place: bool = True
     stale_after: Seconds = _YEAR
 
     @field_validator("devices")
