@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable
 from inspect import isawaitable
 from types import CoroutineType
-from typing import Generic, NoReturn, TypeVar
+from typing import Any, Generic, NoReturn, TypeVar
 from weakref import WeakSet
 
 import anyio
@@ -21,7 +21,7 @@ from homebot.errors import (
     TypeMismatchError,
 )
 from homebot.graph.endpoint import EndpointInfo, EntityKind
-from homebot.graph.handler_steps import Handling, RemainingSteps
+from homebot.graph.handler_steps import RemainingSteps
 from homebot.graph.handler_tasks import HandlerRun
 from homebot.graph.service import Service, ServiceSlot
 from homebot.isolation import is_cancelled
@@ -33,8 +33,6 @@ RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
 
 DEFAULT_TIMEOUT = 5.0
-
-_NOT_YET = object()
 
 
 class Client(Generic[RequestT, ResponseT]):
@@ -116,24 +114,15 @@ class Client(Generic[RequestT, ResponseT]):
             timeout = await self._take_turn(server, timeout)
         else:
             server.is_busy = server.is_exclusive
-        waits_for: object = _NOT_YET
+        outcome: object = None
         try:
-            response = server.callback(request)
-            if type(response) is not self._response_type:
-                # The first step is taken without a time limit in place: most handlers need no second one, and a timer
-                # costs more than such a call.
-                handler = response if type(response) is CoroutineType else _as_coroutine(response)
-                if server.outlives_callers and server.tasks.is_open and not cancel_with_caller:
-                    response = server.tasks.begin(server, handler)
-                else:
-                    try:
-                        waits_for = handler.send(None)
-                    except StopIteration as stop:
-                        response = stop.value
-                    else:
-                        response = await self._finish(server, handler, waits_for, timeout)
+            outcome = server.callback(request)
+            if type(outcome) is not self._response_type:
+                outcome = _first_step(server, outcome, cancel_with_caller)
+                if type(outcome) is RemainingSteps:
+                    outcome = await self._finish(server, outcome, timeout)
         except BaseException as exc:
-            if _is_end_of_call(exc, has_waited=waits_for is not _NOT_YET):
+            if _is_end_of_call(exc, has_waited=type(outcome) is RemainingSteps):
                 raise
             raise server.failed(exc) from exc
         finally:
@@ -141,9 +130,9 @@ class Client(Generic[RequestT, ResponseT]):
                 server.end_turn()
             else:
                 server.is_busy = server.is_full
-        if type(response) is self._response_type:
-            return response
-        return await self._late_response(response, timeout)
+        if type(outcome) is self._response_type:
+            return outcome
+        return await self._late_response(outcome, timeout)
 
     async def wait_for_handlers(self) -> None:
         """Wait until no handler works any more on a call of this client that ran out of time."""
@@ -189,8 +178,7 @@ class Client(Generic[RequestT, ResponseT]):
     async def _finish(
         self,
         server: Service[RequestT, ResponseT],
-        handler: Handling,
-        waits_for: object,
+        rest: RemainingSteps,
         timeout: float,  # noqa: ASYNC109  # as call()
     ) -> object:
         """Run a handler that waits to its end in this task; return its response, or what ended the call.
@@ -200,7 +188,6 @@ class Client(Generic[RequestT, ResponseT]):
         try:
             async with asyncio.timeout(timeout) as deadline:
                 server.watch(deadline)
-                rest = RemainingSteps(handler, waits_for)
                 try:
                     return await rest
                 except (TimeoutError, GeneratorExit) as exc:
@@ -222,6 +209,25 @@ class Client(Generic[RequestT, ResponseT]):
     def _check_open(self) -> None:
         if self._closed:
             raise ClosedError(f"the client of {self.info.node} for {self.info.name} is closed")
+
+
+def _first_step(server: Service[Any, Any], result: object, cancel_with_caller: bool) -> object:  # noqa: FBT001
+    """Let the handler whose coroutine is *result* take its first step.
+
+    There is no time limit in place: most handlers need no second step, and a timer costs more than such a call.
+
+    Returns:
+        Its outcome; where it waits, the :class:`HandlerRun` of a task of its node, or the :class:`RemainingSteps` that
+        are the caller's to take.
+    """
+    handler = result if type(result) is CoroutineType else _as_coroutine(result)
+    if server.outlives_callers and server.tasks.is_open and not cancel_with_caller:
+        return server.tasks.begin(server, handler)
+    try:
+        waits_for = handler.send(None)
+    except StopIteration as stop:
+        return stop.value
+    return RemainingSteps(handler, waits_for)
 
 
 async def _as_coroutine(result: object) -> object:

@@ -9,13 +9,16 @@ from opcode import opmap
 from types import FunctionType, MethodType
 from typing import Any, Final, TypeAlias, final
 
-__all__ = ["NOT_BEGUN", "Handling", "RemainingSteps", "may_wait"]
+__all__ = ["IS_DUE", "NOT_BEGUN", "Handling", "RemainingSteps", "may_wait"]
 
 Handling: TypeAlias = Coroutine[object, object, object]
 """A handler at work."""
 
 NOT_BEGUN: Final = object()
 """In the place of what a coroutine waits for: its first step is still to be taken."""
+
+IS_DUE: Final = object()
+"""Likewise: what it waited for has come, so that it goes on at once."""
 
 _AWAIT = opmap["SEND"]
 """The instruction that every ``await``, ``async with`` and ``async for`` is compiled to."""
@@ -35,7 +38,7 @@ class RemainingSteps:
 
     Args:
         coroutine: The coroutine.
-        waits_for: What its first step waits for, or NOT_BEGUN.
+        waits_for: What its first step waits for, NOT_BEGUN or IS_DUE.
         run: Calls a function with arguments, in the context that the coroutine's steps run in.
         error: What to throw into it first, instead of waiting.
 
@@ -61,7 +64,7 @@ class RemainingSteps:
         try:
             if self._error is not None:
                 waits_for = run(coroutine.throw, self._error)
-            elif waits_for is NOT_BEGUN:
+            elif waits_for is NOT_BEGUN or waits_for is IS_DUE:
                 waits_for = run(coroutine.send, None)
             while True:
                 try:

@@ -21,7 +21,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast, final
 import anyio
 
 from homebot.errors import ServiceGoneError, ServiceTimeoutError
-from homebot.graph.handler_steps import NOT_BEGUN, Handling, RemainingSteps
+from homebot.graph.handler_steps import IS_DUE, NOT_BEGUN, Handling, RemainingSteps
+from homebot.graph.handler_wait import HandlerWait
 from homebot.isolation import is_cancelled, is_end_of, uncancel
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ class HandlerRun:
         task: The task.
         handler: The handler's coroutine.
         context: The context variables that it sees.
-        waits_for: What it waits for since its first step, or NOT_BEGUN.
+        waits_for: What it waits for since its first step, or NOT_BEGUN; IS_DUE where its task is woken when it is due.
         began: When it began, by the event loop's clock.
         outcome: For the caller: the response or a :class:`homebot.errors.ServiceError`. Done when the caller has left.
         has_ended: Whether the handler has ended.
@@ -84,7 +85,8 @@ class HandlerRun:
 
     async def wait(self, timeout: float) -> object:  # noqa: ASYNC109  # as Client.call
         """Return the handler's outcome; a caller that is cancelled, or *timeout* seconds, leave it at work."""
-        timer = asyncio.get_running_loop().call_later(timeout, self._expire, timeout)
+        loop = self.outcome.get_loop()
+        timer = loop.call_at(loop.time() + timeout, self._expire, timeout)
         try:
             return await self.outcome
         except BaseException:
@@ -130,17 +132,17 @@ class HandlerTask:
         scope: Cancelling it ends the handler, and the task with it.
         run: The call whose handler is at work.
         caller: The task that waits for the handler, or None when none does any more.
-        wake: Done when a handler is at work, or when the handler that took its first step here cancelled its task.
+        wait: What the task awaits while no handler is at work, or what that handler waits for since its first step.
     """
 
-    __slots__ = ("_owner", "caller", "run", "scope", "task", "wake")
+    __slots__ = ("_owner", "caller", "run", "scope", "task", "wait")
 
     def __init__(self, owner: HandlerTasks, caller: asyncio.Task[Any] | None) -> None:
         self.task: asyncio.Task[Any]
         self.scope = anyio.CancelScope()
         self.run: HandlerRun | None = None
         self.caller = caller
-        self.wake: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self.wait = HandlerWait(asyncio.get_running_loop())
         self._owner = owner
 
     async def main(self) -> None:
@@ -164,14 +166,7 @@ class HandlerTask:
                 run.handler.close()
                 run.end_as_gone()
             else:
-                await self._run_to_end(run, error)
-        finally:
-            self.run = self.caller = None
-            run.server.remove_run(run)
-
-    async def _run_to_end(self, run: HandlerRun, error: BaseException | None) -> None:
-        try:
-            outcome = await RemainingSteps(run.handler, run.waits_for, run.context.run, error)
+                run.end(await RemainingSteps(run.handler, run.waits_for, run.context.run, error))
         except BaseException as exc:
             if is_end_of(self.task, exc):
                 run.end_as_gone()
@@ -179,17 +174,21 @@ class HandlerTask:
             if isinstance(exc, asyncio.CancelledError):
                 uncancel()
             run.end(run.server.failed(exc, has_caller=not run.outcome.done()))
-        else:
-            run.end(outcome)
+        finally:
+            self.run = self.caller = None
+            run.server.remove_run(run)
 
     async def _wait(self) -> BaseException | None:
         """Wait for a handler; return what its task was told since its first step, which is to be thrown into it."""
         while True:
-            self.wake = asyncio.get_running_loop().create_future()
             self._owner.add_free(self)
             try:
-                await self.wake
-            except asyncio.CancelledError as exc:
+                await self.wait
+            except GeneratorExit:  # the task is thrown away, and what it has at work as well
+                if self.run is not None:
+                    self.run.handler.close()
+                raise
+            except BaseException as exc:  # what the handler waits for failed, or the task was cancelled
                 self._owner.remove_free(self)
                 if self.run is not None:
                     return exc
@@ -236,7 +235,7 @@ class HandlerTasks:
         if not free or caller is None:
             return self._start(server, handler, caller)
         host = free.pop()
-        if host.wake.done():
+        if host.wait.is_woken:  # it was cancelled
             return self._start(server, handler, caller)
         task, context = host.task, copy_context()
         host.caller = caller
@@ -252,7 +251,14 @@ class HandlerTasks:
             return exc.value if type(exc) is StopIteration else server.failed(exc)
         _leave_task(loop, task)
         _enter_task(loop, caller)
-        return self._hand_over(HandlerRun(server, host, handler, context, waits_for))
+        run = self._hand_over(HandlerRun(server, host, handler, context, waits_for))
+        if host.wait.is_woken:  # its first step cancelled its task
+            return run
+        if host.wait.hand_on(waits_for):
+            run.waits_for = IS_DUE
+        else:  # nothing that a task can wait for: the task tells the handler
+            host.wait.wake()
+        return run
 
     def current(self) -> HandlerTask | None:
         """Return the task that runs now, if it is one that runs handlers."""
@@ -294,6 +300,4 @@ class HandlerTasks:
         host = run.task
         host.run = run
         run.server.add_run(run)
-        if not host.wake.done():  # its first step may have cancelled its task
-            host.wake.set_result(None)
         return run
