@@ -17,7 +17,7 @@ from homebot.devices.command_messages import (
     result_of,
 )
 from homebot.devices.names import COMMAND_DEVICES
-from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome
+from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome, worst
 from homebot.graph import Node
 
 Text = pytest.CaptureFixture[str]
@@ -27,12 +27,14 @@ SILENT = NoAnswer(10.0, command_id="c-2")
 
 
 def answer(*outcomes: Outcome, message: str = "") -> CommandDevicesResponse:
+    """What the command service answers where these outcomes are those of lamps."""
     results = tuple(
         CommandedPart(device=f"lamp{number}", name=f"Lamp {number}", part="", result=result_of(one))
         for number, one in enumerate(outcomes)
     )
     is_done = bool(outcomes) and all(one.succeeded for one in outcomes)
-    return CommandDevicesResponse(success=is_done, message=message, results=results)
+    outcome = result_of(worst(outcomes)).outcome if outcomes else ""
+    return CommandDevicesResponse(success=is_done, message=message, outcome=outcome, results=results)
 
 
 class Service:
@@ -60,7 +62,9 @@ def test_one_device_is_one_line(homebot: Any, capsys: Text) -> None:
 def test_several_devices_end_with_how_many_obeyed(homebot: Any, capsys: Text) -> None:
     assert Service(homebot, answer(CONFIRMED, SILENT)).run("light in hall", "off") == 1
     assert capsys.readouterr().out == (
-        "Lamp 0: confirmed after 0.12 s (reported)\nLamp 1: no answer within 10 s\n1 of 2 are as they were told to be\n"
+        "Lamp 0: confirmed after 0.12 s (reported)\n"
+        "Lamp 1: no answer within 10 s\n"
+        "1 of 2 are as they were told to be; the worst: no answer\n"
     )
 
 

@@ -13,7 +13,18 @@ from tests.cli.golden.test_golden import check
 from homebot.cli import main
 from homebot.devices.command_messages import CommandResult, Setting, result_of
 from homebot.devices.journal_messages import JournalEntry, JournalFact, JournalVerdict
-from homebot.devices.outcomes import AlreadySo, Confirmed, Evidence, NoAnswer, Outcome, Refused, Reverted
+from homebot.devices.outcomes import (
+    AlreadySo,
+    Confirmed,
+    Contradicted,
+    Evidence,
+    Gone,
+    NoAnswer,
+    Outcome,
+    Refused,
+    Reverted,
+    Superseded,
+)
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, Reading, Value
 
@@ -176,6 +187,42 @@ def story(name: str) -> list[JournalEntry]:
                 lease("ended", 7, "robot", issuer="client:owner"),
                 lease("expired", 5, "vacuum", issuer="/cleaner"),
             ]
+    return outcomes(name)
+
+
+def outcomes(name: str) -> list[JournalEntry]:
+    """What it has where commands came to nothing."""
+    match name:
+        case "outcomes":
+            asked = (
+                (NoAnswer(9.0), 3),
+                (Contradicted("on_off: on"), 1),
+                (Superseded("a-9"), 1),
+                (Refused("lease", "held on by robot for 8 s more"), 0),
+                (Refused("rights", "client:tv may not command kitchen-lamp: the client has read"), 0),
+                (Gone(), 0),
+                (NoAnswer(0.0, "the gateway mqtt has no connection"), 1),
+                (CONFIRMED, 1),
+            )
+            commands = [
+                [*command(f"a-{number}", 900 - 60 * number, one, tries=tries, on_off=False)]
+                for number, (one, tries) in enumerate(asked)
+            ]
+            reverted = result_of(Reverted(6.0))
+            back = entry(kind="reverted", at=ago(34), device=LAMP, part="light", command="a-7", results=(reverted,))
+            return [*(one for entries in commands for one in entries), back]
+        case "superseded":
+            return [
+                *command("a-1", 50, Superseded("a-2"), issuer="/lights_out", tries=2, on_off=False),
+                *command("a-2", 40.4, CONFIRMED, issuer="client:tablet", reports=(0.4,), on_off=True),
+            ]
+        case "contradicted":
+            return [*command("a-1", 50, Contradicted("on_off: on"), tries=1, on_off=False), changed(40, on_off=True)]
+        case "silent":
+            return [
+                *command("a-1", 300, CONFIRMED, reports=(0.4,), on_off=True),
+                *command("a-2", 40, NoAnswer(9.0), tries=3, on_off=False),
+            ]
     return []
 
 
@@ -196,6 +243,17 @@ def story(name: str) -> list[JournalEntry]:
         ("why_not_nobody", "app", ["why-not", "Kitchen lamp", "off"]),
         ("why_not_empty", "", ["why-not", "Kitchen lamp", "off"]),
         ("why_not_json", "refused", ["why-not", "Kitchen lamp", "off", "--json"]),
+        ("why_superseded", "superseded", ["why", "Kitchen lamp"]),
+        ("why_contradicted", "contradicted", ["why", "Kitchen lamp"]),
+        ("why_no_answer", "silent", ["why", "Kitchen lamp"]),
+        ("why_refused", "refused", ["why", "Kitchen lamp"]),
+        ("why_hand_json", "hand", ["why", "Kitchen lamp", "--json"]),
+        ("why_unknown_json", "", ["why", "Kitchen lamp", "--json"]),
+        ("why_not_outcomes", "outcomes", ["why-not", "Kitchen lamp", "off"]),
+        ("why_not_superseded", "superseded", ["why-not", "Kitchen lamp", "off"]),
+        ("why_not_nobody_json", "app", ["why-not", "Kitchen lamp", "off", "--json"]),
+        ("why_not_denied_json", "denied", ["why-not", "Kitchen lamp", "unlocked", "--json"]),
+        ("journal_outcomes", "outcomes", ["journal"]),
         ("why_not_denied", "denied", ["why-not", "Kitchen lamp", "unlocked"]),
         ("journal", "refused", ["journal"]),
         ("journal_denied", "denied", ["journal"]),

@@ -25,7 +25,8 @@ _EXAMPLES = """\
   homebot do Heating heating_setpoint 21
   homebot do 'Front door' unlock --ask-code
 
-Exit code 0 means that every device is as it was told to be: it confirmed that, or it was so already.
+Exit code 0 means that every device is as it was told to be: it confirmed that, or it was so already. Of several devices
+the last line has the worst outcome.
 """
 
 _LONGEST: Final = 900.0
@@ -90,7 +91,8 @@ def _print(answer: CommandDevicesRecord) -> None:
     count = len(answer["results"])
     if count > 1:
         done = sum(one["result"]["outcome"] in {"confirmed", "already_so"} for one in answer["results"])
-        print(f"{done} of {count} are as they were told to be")
+        worst = f"; the worst: {answer['outcome'].replace('_', ' ')}" if done < count else ""
+        print(f"{done} of {count} are as they were told to be{worst}")
 
 
 def _seconds(text: str) -> float:
