@@ -22,7 +22,7 @@ from homebot.devices.names import (
     TAG_DEVICE,
 )
 from homebot.devices.part import Part
-from homebot.devices.places import (
+from homebot.devices.places_messages import (
     AliasDevice,
     ExportPlaces,
     GetPlaces,

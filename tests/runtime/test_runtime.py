@@ -19,7 +19,7 @@ from homebot.config import Config, parse_config
 from homebot.devices import DEVICE_CHANGES, DeviceChange, Devices
 from homebot.devices.handles import Light
 from homebot.devices.names import PLACE_DEVICE
-from homebot.devices.places import PlaceDevice
+from homebot.devices.places_messages import PlaceDevice
 from homebot.errors import ConfigError, UsageError
 from homebot.graph import Node
 from homebot.house import thesis_world

@@ -6,8 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import final
 
+from homebot.cli.command_records import SettingRecord
 from homebot.cli.journal_client import JournalClient
-from homebot.cli.journal_records import JournalEntryRecord, SettingRecord, TriggerRecord
+from homebot.cli.journal_records import JournalEntryRecord, TriggerRecord
 from homebot.cli.records import DeviceRecord, StateRecord, TimeRecord
 from homebot.cli.time_format import to_seconds
 from homebot.cli.values import plain_value

@@ -7,7 +7,8 @@ from typing import TypeVar, cast
 
 from homebot.cli.directory import entities
 from homebot.cli.door_client import DoorClient
-from homebot.cli.records import DeviceRecord, QueryResponseRecord, TimeRecord, UnapprovedRecord
+from homebot.cli.places_records import UnapprovedRecord
+from homebot.cli.records import DeviceRecord, QueryResponseRecord, TimeRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import progress
 from homebot.cli.time_format import to_seconds

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import cast, final
 
+from homebot.cli.command_records import CommandResultRecord, SettingRecord
 from homebot.cli.door_client import DoorClient
-from homebot.cli.journal_records import JournalEntryRecord, JournalRecord, OutcomeRecord, SettingRecord, TriggerRecord
+from homebot.cli.journal_records import JournalEntryRecord, JournalRecord, TriggerRecord
 from homebot.cli.time_format import from_seconds, iso
 from homebot.cli.values import plain_value
 from homebot.devices.names import READ_JOURNAL
@@ -108,7 +109,7 @@ def _settings_json(settings: Iterable[SettingRecord]) -> dict[str, object]:
     return {one["capability"]: plain_value(one["value"]) for one in settings}
 
 
-def _outcome_json(result: OutcomeRecord) -> dict[str, object]:
+def _outcome_json(result: CommandResultRecord) -> dict[str, object]:
     found: dict[str, object] = {"outcome": result["outcome"], "text": result["text"]}
     values = cast("dict[str, object]", result)
     return found | {key: values[key] for key in ("latency", "evidence", "saw", "by", "policy", "reason") if values[key]}

@@ -4,23 +4,15 @@ from __future__ import annotations
 
 from typing import TypedDict
 
+from homebot.cli.command_records import CommandResultRecord, SettingRecord
 from homebot.cli.records import KeyValueRecord, TimeRecord, ValueRecord
 
 __all__ = [
     "JournalEntryRecord",
     "JournalRecord",
     "JournalVerdictRecord",
-    "OutcomeRecord",
-    "SettingRecord",
     "TriggerRecord",
 ]
-
-
-class SettingRecord(TypedDict):
-    """:class:`homebot.devices.command_messages.Setting`."""
-
-    capability: str
-    value: ValueRecord
 
 
 class ReadingRecord(TypedDict):
@@ -40,21 +32,6 @@ class TriggerRecord(TypedDict):
     readings: list[ReadingRecord]
     text: str
     at: TimeRecord
-
-
-class OutcomeRecord(TypedDict):
-    """:class:`homebot.devices.command_messages.CommandResult`."""
-
-    command_id: str
-    outcome: str
-    text: str
-    latency: float
-    evidence: int
-    saw: str
-    by: str
-    policy: str
-    reason: str
-    reported: list[SettingRecord]
 
 
 class JournalFactRecord(TypedDict):
@@ -87,7 +64,7 @@ class JournalEntryRecord(TypedDict):
     settings: list[SettingRecord]
     text: str
     verdicts: list[JournalVerdictRecord]
-    results: list[OutcomeRecord]
+    results: list[CommandResultRecord]
 
 
 class JournalRecord(TypedDict):

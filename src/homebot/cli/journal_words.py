@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 
-from homebot.cli.journal_records import JournalEntryRecord, OutcomeRecord, SettingRecord, TriggerRecord
+from homebot.cli.command_records import CommandResultRecord, SettingRecord
+from homebot.cli.journal_records import JournalEntryRecord, TriggerRecord
 from homebot.cli.records import CapabilityRecord, TimeRecord
 from homebot.cli.table import printable
 from homebot.cli.time_format import ago, from_seconds, to_seconds
@@ -88,7 +89,7 @@ def settings_text(settings: Iterable[SettingRecord]) -> str:
     return ", ".join(_setting_text(one) for one in settings) or "nothing"
 
 
-def outcome_text(result: OutcomeRecord) -> str:
+def outcome_text(result: CommandResultRecord) -> str:
     """Return an outcome in words."""
     return printable(result["text"])
 

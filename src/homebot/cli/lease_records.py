@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TypedDict
 
-from homebot.cli.journal_records import SettingRecord
+from homebot.cli.command_records import SettingRecord
 from homebot.cli.records import TimeRecord
 
 __all__ = ["HeldPartRecord", "HolderRecord", "LeasesRecord"]

@@ -1,7 +1,6 @@
 """Records of what homebot answers with: the fields of its messages, as JSON has them.
 
 To import the messages, and to check thousands of devices once more, takes longer than all else that a command does.
-It is longer than 400 lines because it is one table: the fields of each answer, without any code.
 """
 
 from __future__ import annotations
@@ -9,13 +8,7 @@ from __future__ import annotations
 from typing import TypedDict
 
 __all__ = [
-    "AliasResponseRecord",
-    "ApproveResponseRecord",
     "CapabilityRecord",
-    "ChangeRoomRecord",
-    "CommandDevicesRecord",
-    "CommandResultRecord",
-    "CommandedPartRecord",
     "DeviceChangeRecord",
     "DevicePartRecord",
     "DeviceRecord",
@@ -24,21 +17,16 @@ __all__ = [
     "ForgetResponseRecord",
     "GatewayStateRecord",
     "HealthRecord",
+    "KeyValueRecord",
     "MergeResponseRecord",
     "PartFailureRecord",
-    "PlaceResponseRecord",
-    "PlacesExportRecord",
-    "PlacesImportRecord",
-    "PlacesRecord",
     "QuarantineRecord",
     "QueryResponseRecord",
     "ReadTagRecord",
     "RouteRecord",
     "SplitResponseRecord",
     "StateRecord",
-    "TagResponseRecord",
     "TimeRecord",
-    "UnapprovedRecord",
     "ValueRecord",
     "WriteTagRecord",
 ]
@@ -242,83 +230,6 @@ class MergeResponseRecord(TypedDict):
     device: str
 
 
-class PlaceResponseRecord(TypedDict):
-    """:class:`homebot.devices.places.PlaceDeviceResponse`."""
-
-    success: bool
-    message: str
-    room: str
-    absent: str
-
-
-class AliasResponseRecord(TypedDict):
-    """:class:`homebot.devices.places.AliasDeviceResponse`."""
-
-    success: bool
-    message: str
-    aliases: list[str]
-
-
-class ApproveResponseRecord(TypedDict):
-    """:class:`homebot.devices.approval_messages.ApproveDeviceResponse`."""
-
-    success: bool
-    message: str
-
-
-class UnapprovedRecord(TypedDict):
-    """:class:`homebot.devices.approval_messages.UnapprovedResponse`."""
-
-    devices: list[str]
-
-
-class TagResponseRecord(TypedDict):
-    """:class:`homebot.devices.places.TagDeviceResponse`."""
-
-    success: bool
-    message: str
-    tags: list[str]
-
-
-class RoomRecord(TypedDict):
-    """:class:`homebot.devices.places.RoomInfo`."""
-
-    name: str
-    floor: str
-    doors: list[str]
-
-
-class PlacesRecord(TypedDict):
-    """:class:`homebot.devices.places.GetPlacesResponse`."""
-
-    home: str
-    rooms: list[RoomRecord]
-    absent: list[KeyValueRecord]
-
-
-class ChangeRoomRecord(TypedDict):
-    """:class:`homebot.devices.places.ChangeRoomResponse`."""
-
-    success: bool
-    message: str
-    name: str
-
-
-class PlacesExportRecord(TypedDict):
-    """:class:`homebot.devices.places.ExportPlacesResponse`."""
-
-    text: str
-
-
-class PlacesImportRecord(TypedDict):
-    """:class:`homebot.devices.places.ImportPlacesResponse`."""
-
-    success: bool
-    message: str
-    added: list[str]
-    kept: list[str]
-
-
 class EntityRecord(TypedDict):
     """One node, or one end of a topic or service: ``homebot/msg/EndpointDetails``."""
 
@@ -382,38 +293,6 @@ class HealthRecord(TypedDict):
     troubles: list[str]
     failures: list[PartFailureRecord]
     notes: list[str]
-
-
-class CommandResultRecord(TypedDict):
-    """:class:`homebot.devices.command_messages.CommandResult`."""
-
-    command_id: str
-    outcome: str
-    text: str
-    latency: float
-    evidence: int
-    saw: str
-    by: str
-    policy: str
-    reason: str
-
-
-class CommandedPartRecord(TypedDict):
-    """:class:`homebot.devices.command_messages.CommandedPart`."""
-
-    device: str
-    name: str
-    part: str
-    result: CommandResultRecord
-
-
-class CommandDevicesRecord(TypedDict):
-    """:class:`homebot.devices.command_messages.CommandDevicesResponse`."""
-
-    success: bool
-    message: str
-    outcome: str
-    results: list[CommandedPartRecord]
 
 
 class ReadTagRecord(TypedDict):

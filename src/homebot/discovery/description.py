@@ -10,7 +10,8 @@ from homebot.devices import DevicePart, Fact, KeyValue
 from homebot.devices.device_types import wanted_types
 from homebot.devices.names import OWNER, TAG
 from homebot.discovery.endpoints import Addresses, addresses
-from homebot.discovery.merging.parts import MergedParts, PartIds, main_part, merge_parts
+from homebot.discovery.merging.part_ids import PartIds
+from homebot.discovery.merging.parts import MergedParts, main_part, merge_parts
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.source_record import SourceRecord, preference
 from homebot.discovery.topics.ownership import TopicOwnership

@@ -18,7 +18,8 @@ from homebot.devices.value import PlainValue
 from homebot.discovery.description import DeviceDescription, describe_device, with_stated_facts
 from homebot.discovery.endpoints import Addresses, endpoint_reach, endpoints, last_seen, sorted_routes
 from homebot.discovery.liveness import ReportInterval
-from homebot.discovery.merging.parts import NO_IDS, MergedParts, PartIds, lost_ids
+from homebot.discovery.merging.part_ids import NO_IDS, PartIds, lost_ids
+from homebot.discovery.merging.parts import MergedParts
 from homebot.discovery.merging.trust import NOBODY_TRUSTED, EndpointKey
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.reachability import NOT_REPORTED, offline_parts, reachability

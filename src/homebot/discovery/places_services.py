@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from functools import partial
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 from anyio import to_thread
 
@@ -22,7 +22,7 @@ from homebot.devices.names import (
     TAG_DEVICE,
     TEACH_PLACE,
 )
-from homebot.devices.places import (
+from homebot.devices.places_messages import (
     AliasDevice,
     AliasDeviceRequest,
     AliasDeviceResponse,
@@ -108,27 +108,17 @@ class PlacesServices:
         return PlaceDeviceResponse(success=True, room=room, absent=absent)
 
     def _add_alias(self, request: AliasDeviceRequest) -> AliasDeviceResponse:
-        places = self._index.places
         try:
-            if request.remove:
-                aliases = places.take_back(request.device, "name", request.alias)
-            else:
-                aliases = places.add(request.device, "name", request.alias, self._clock.now())
+            aliases = self._change(request.device, "name", request.alias, remove=request.remove)
         except (RefusedError, UsageError) as exc:
             return AliasDeviceResponse(success=False, message=str(exc))
-        self._publish_all()
         return AliasDeviceResponse(success=True, aliases=aliases)
 
     def _add_tag(self, request: TagDeviceRequest) -> TagDeviceResponse:
-        places = self._index.places
         try:
-            if request.remove:
-                tags = places.take_back(request.device, "tag", request.tag)
-            else:
-                tags = places.add(request.device, "tag", request.tag, self._clock.now())
+            tags = self._change(request.device, "tag", request.tag, remove=request.remove)
         except (RefusedError, UsageError) as exc:
             return TagDeviceResponse(success=False, message=str(exc))
-        self._publish_all()
         return TagDeviceResponse(success=True, tags=tags)
 
     def _approve(self, request: ApproveDeviceRequest) -> ApproveDeviceResponse:
@@ -189,6 +179,17 @@ class PlacesServices:
             return ImportPlacesResponse(success=False, message=str(exc))
         self._publish_all()
         return ImportPlacesResponse(success=True, added=imported.added, kept=imported.kept)
+
+    def _change(self, device: str, fact: Literal["name", "tag"], word: str, *, remove: bool) -> tuple[str, ...]:
+        """Add a word to what is stated of a device, or take it back; return all of them.
+
+        Raises:
+            RefusedError, UsageError: It cannot be stated; the message says why.
+        """
+        places, now = self._index.places, self._clock.now()
+        words = places.take_back(device, fact, word) if remove else places.add(device, fact, word, now)
+        self._publish_all()
+        return words
 
     async def _in_turns(self, work: Generator[None, None, T]) -> T:
         """Return the result of *work*, between whose steps others have their turn every few milliseconds."""

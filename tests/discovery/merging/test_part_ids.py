@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from homebot.devices import Sighting
 from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex
-from homebot.discovery.merging.parts import MAX_LOST, NO_IDS, Named, PartPlace, lost_ids, part_ids
+from homebot.discovery.merging.part_ids import MAX_LOST, NO_IDS, Named, PartPlace, lost_ids, part_ids
 from homebot.discovery.record import entry_record, read_entry
 
 Announce = Callable[..., Sighting]

@@ -8,7 +8,7 @@ from typing import cast
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.records import ApproveResponseRecord
+from homebot.cli.places_records import ApproveResponseRecord
 from homebot.cli.table import printable
 from homebot.devices.names import APPROVE_DEVICE
 from homebot.errors import PeerError

@@ -8,9 +8,9 @@ import math
 from typing import Final, cast
 
 from homebot.cli.arguments import set_client_command
+from homebot.cli.command_records import CommandDevicesRecord
 from homebot.cli.device_json import json_text
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.records import CommandDevicesRecord
 from homebot.cli.table import printable
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.names import COMMAND_DEVICES

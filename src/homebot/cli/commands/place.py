@@ -8,7 +8,7 @@ from typing import cast
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import device_or_similar
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.records import PlaceResponseRecord
+from homebot.cli.places_records import PlaceResponseRecord
 from homebot.cli.table import printable
 from homebot.devices.names import PLACE_DEVICE
 from homebot.errors import PeerError, UsageError

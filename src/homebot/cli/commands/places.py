@@ -11,7 +11,7 @@ from typing import cast
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.records import ChangeRoomRecord, PlacesExportRecord, PlacesImportRecord, PlacesRecord
+from homebot.cli.places_records import ChangeRoomRecord, PlacesExportRecord, PlacesImportRecord, PlacesRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_rows, print_table
 from homebot.devices.names import CHANGE_ROOM, EXPORT_PLACES, GET_PLACES, IMPORT_PLACES

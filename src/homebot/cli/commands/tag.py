@@ -11,7 +11,8 @@ from typing import Final, cast
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.records import ReadTagRecord, TagResponseRecord, WriteTagRecord
+from homebot.cli.places_records import TagResponseRecord
+from homebot.cli.records import ReadTagRecord, WriteTagRecord
 from homebot.cli.table import printable
 from homebot.devices.names import TAG_DEVICE, TagNames
 from homebot.errors import PeerError

@@ -12,7 +12,8 @@ from homebot.discovery.ids import Tombstone, new_id
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.decisions import OWNER, MergeDecisions
 from homebot.discovery.merging.identity import IdentityGraph
-from homebot.discovery.merging.parts import CONFIRM, NO_IDS
+from homebot.discovery.merging.part_ids import NO_IDS
+from homebot.discovery.merging.parts import CONFIRM
 from homebot.discovery.merging.regrouping import Regrouped, regroup
 from homebot.discovery.merging.trust import EndpointKey, command_endpoints, endpoint_of, judge
 from homebot.discovery.pending import PendingReports

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final, final
 
 from homebot.devices.names import TEACH_PLACE
-from homebot.devices.places import TeachPlace, TeachPlaceRequest
+from homebot.devices.places_messages import TeachPlace, TeachPlaceRequest
 from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.log import LogLimit

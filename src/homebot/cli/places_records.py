@@ -1,0 +1,96 @@
+"""Records of what the owner states: the fields of its messages, as JSON has them; see :mod:`homebot.cli.records`."""
+
+from __future__ import annotations
+
+from typing import TypedDict
+
+from homebot.cli.records import KeyValueRecord
+
+__all__ = [
+    "AliasResponseRecord",
+    "ApproveResponseRecord",
+    "ChangeRoomRecord",
+    "PlaceResponseRecord",
+    "PlacesExportRecord",
+    "PlacesImportRecord",
+    "PlacesRecord",
+    "TagResponseRecord",
+    "UnapprovedRecord",
+]
+
+
+class PlaceResponseRecord(TypedDict):
+    """:class:`homebot.devices.places_messages.PlaceDeviceResponse`."""
+
+    success: bool
+    message: str
+    room: str
+    absent: str
+
+
+class AliasResponseRecord(TypedDict):
+    """:class:`homebot.devices.places_messages.AliasDeviceResponse`."""
+
+    success: bool
+    message: str
+    aliases: list[str]
+
+
+class TagResponseRecord(TypedDict):
+    """:class:`homebot.devices.places_messages.TagDeviceResponse`."""
+
+    success: bool
+    message: str
+    tags: list[str]
+
+
+class ApproveResponseRecord(TypedDict):
+    """:class:`homebot.devices.approval_messages.ApproveDeviceResponse`."""
+
+    success: bool
+    message: str
+
+
+class UnapprovedRecord(TypedDict):
+    """:class:`homebot.devices.approval_messages.UnapprovedResponse`."""
+
+    devices: list[str]
+
+
+class RoomRecord(TypedDict):
+    """:class:`homebot.devices.places_messages.RoomInfo`."""
+
+    name: str
+    floor: str
+    doors: list[str]
+
+
+class PlacesRecord(TypedDict):
+    """:class:`homebot.devices.places_messages.GetPlacesResponse`."""
+
+    home: str
+    rooms: list[RoomRecord]
+    absent: list[KeyValueRecord]
+
+
+class ChangeRoomRecord(TypedDict):
+    """:class:`homebot.devices.places_messages.ChangeRoomResponse`."""
+
+    success: bool
+    message: str
+    name: str
+
+
+class PlacesExportRecord(TypedDict):
+    """:class:`homebot.devices.places_messages.ExportPlacesResponse`."""
+
+    text: str
+
+
+class PlacesImportRecord(TypedDict):
+    """:class:`homebot.devices.places_messages.ImportPlacesResponse`."""
+
+    success: bool
+    message: str
+    added: list[str]
+    kept: list[str]

@@ -1,0 +1,77 @@
+"""The ids of the parts of a device, which stay the same while announcements come and go. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TypeAlias
+
+__all__ = ["MAX_LOST", "NO_IDS", "Named", "PartIds", "PartPlace", "lost_ids", "part_ids"]
+
+PartPlace: TypeAlias = tuple[str, str, str]
+"""Gateway, key, and what the part is called there."""
+
+PartIds: TypeAlias = Mapping[PartPlace, str]
+"""The id that the part announced at each place had."""
+
+NO_IDS: PartIds = MappingProxyType({})
+
+MAX_LOST = 1000
+"""Places of a device that tell nothing now and whose ids are remembered; the oldest are forgotten."""
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A part that needs an id.
+
+    Attributes:
+        name: What its best announcement calls it.
+        label: What people know that announcement by.
+        places: Where it is announced, each with the age of the announcement: the smaller number is the older one.
+    """
+
+    name: str
+    label: str
+    places: Sequence[tuple[int, PartPlace]]
+
+
+def part_ids(parts: Sequence[Named], known: PartIds) -> tuple[str, ...]:
+    """Return the ids of *parts*, each another one.
+
+    A part has the id that it had, by its oldest announcement; a new one what its best announcement calls it. Of two
+    that were one, the one that is called so has the id.
+    """
+    held = _claimed_ids(parts, known) if known else {}
+    taken = set(held.values())
+    found = []
+    for number, part in enumerate(parts):
+        part_id = held.get(number)
+        if part_id is None:
+            part_id = part.name
+            if part_id in taken:
+                part_id = f"{part.label}/{part_id}"
+            while part_id in taken:
+                part_id += "'"
+            taken.add(part_id)
+        found.append(part_id)
+    return tuple(found)
+
+
+def lost_ids(known: PartIds, places: Iterable[PartPlace]) -> PartIds:
+    """Return what is worth remembering of *known* beside *places*: ids that are not what the part is called there."""
+    there = frozenset(places)
+    lost = [(place, part_id) for place, part_id in known.items() if place not in there and part_id != place[2]]
+    return dict(lost[-MAX_LOST:]) if lost else NO_IDS
+
+
+def _claimed_ids(parts: Sequence[Named], known: PartIds) -> dict[int, str]:
+    claims: dict[str, tuple[bool, int, int]] = {}
+    for number, part in enumerate(parts):
+        had = min(((age, known[place]) for age, place in part.places if place in known), default=None)
+        if had is not None:
+            age, part_id = had
+            has_same_id = any(place[2] == part_id for _, place in part.places)
+            claim = (not has_same_id, age, number)
+            claims[part_id] = min(claim, claims.get(part_id, claim))
+    return {number: part_id for part_id, (_, _, number) in claims.items()}
