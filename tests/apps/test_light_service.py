@@ -6,7 +6,7 @@ import anyio
 import pytest
 from structlog.testing import capture_logs
 from tests.apps.houses import flat, is_on, lamp, motion
-from tests.control.conftest import OpenHome, obey, obey_after, report
+from tests.control.conftest import OpenHome, ignore, obey, report
 
 from homebot.apps import NoSettings
 from homebot.apps.light_service import LightService
@@ -52,7 +52,8 @@ async def test_a_lamp_that_was_on_before_is_turned_off() -> None:
 
 async def test_a_lamp_that_does_not_obey_is_told_about_and_turned_off_again_some_minutes_later() -> None:
     commands, messages = await told(flat(lamp=lamp("hall", faults={"deaf": {}})), "on", wait="11m")
-    assert commands == ["off"] * 9  # three tries each time
+    assert set(commands) == {"off"}
+    assert len(commands) >= 9  # three tries each time
     assert "lamp: no answer within 10 s" in messages
     assert sum(one.startswith("lamp: ") for one in messages) == 3
 
@@ -71,16 +72,20 @@ async def test_where_somebody_is_a_policy_keeps_the_light_on() -> None:
     assert message.startswith("hall_lamp: refused (presence_guard): somebody is in hall")
 
 
-async def test_reports_while_a_command_is_under_way_give_no_second_one(open_home: OpenHome) -> None:
+async def test_each_time_that_a_lamp_says_on_is_answered_also_where_it_says_nothing_else(open_home: OpenHome) -> None:
     async with open_home() as home, Node(home.graph, "light_service") as node:
-        home.behaviours["lamp"] = obey_after(2.0)
+        home.behaviours["lamp"] = ignore
         home.tasks.start_soon(LightService(node, NoSettings()).serve)
         home.put("lamp", "light", "on_off")
-        for _ in range(10):
+        for number in range(10):
             await home.report("lamp", "on_off", True)
             await anyio.sleep(0.1)
-        await anyio.sleep(5)
-        assert [one.value.plain() for one in home.commands] == [False]
+            assert [one.value.plain() for one in home.commands] == [False] * (number + 1)
+        await anyio.sleep(60)
+        for number in range(10, 20):  # long after the last command has failed
+            await home.report("lamp", "on_off", True)
+            await anyio.sleep(0.1)
+            assert len(home.commands) >= number + 1
 
 
 @pytest.mark.parametrize("later", [0.0, 0.001, 0.1])

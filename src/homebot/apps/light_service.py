@@ -7,14 +7,15 @@ from functools import partial
 from pydantic import BaseModel
 
 from homebot.apps.room_app import RoomApp
+from homebot.devices import Device, RawMessage
+from homebot.devices.current_trigger import current_trigger
 from homebot.devices.handles import HandleChange, Light
 from homebot.graph import Node
 from homebot.log import LogLimit
+from homebot.messages import Time
 
 __all__ = ["LightService"]
-
-LOOKS_AGAIN = 300.0
-"""Seconds after which lamps that are still on, as they did not obey or a policy said no, are turned off again."""
+LOOKS_AGAIN = 300.0  # seconds until lamps that did not obey, or that a policy kept on, are turned off again
 
 
 class LightService(RoomApp):
@@ -22,34 +23,36 @@ class LightService(RoomApp):
 
     def __init__(self, node: Node, settings: BaseModel) -> None:
         super().__init__(node, settings)
-        self._commanded: set[Light] = set()
-        self._noted_off: set[Light] = set()
+        self._answered: dict[Light, Time] = {}  # the newest report of each, which comes as a change and as a text
         self._lines = LogLimit(node.graph.clock)
         self.watch(self.devices.follow(Light), self._take)
         node.create_timer(LOOKS_AGAIN, self._look_again)
 
     def _take(self, change: HandleChange[Light]) -> None:
-        lamp = change.handle
-        if change.kind == "removed" or lamp.on:
-            self._noted_off.discard(lamp)
-        elif lamp.on is False and lamp not in self._noted_off:
-            self._noted_off.add(lamp)
-            self._log("is_off", lamp, "is off")
-        self._start(lamp)
+        if change.kind == "appeared":
+            self.listen(change.handle.device, partial(self._hear, change.handle.device))
+        if change.handle.on is False and change.kind != "removed":
+            self._log("is_off", change.handle, "is off")
+        self._start(change.handle)
+
+    def _hear(self, device: Device, message: RawMessage) -> None:
+        if message.payload.strip().lower() == b"on":  # of a lamp that was on already, no change
+            for lamp in self.devices.handles(device, Light):
+                self._start(lamp)
 
     async def _look_again(self) -> None:
+        self._answered.clear()
         for lamp in await self.devices.find(Light):
             self._start(lamp)
 
     def _start(self, lamp: Light) -> None:
-        if lamp.on and not lamp.is_gone and lamp not in self._commanded:
-            self._commanded.add(lamp)
+        if lamp.on and not lamp.is_gone and self._answered.get(lamp) != current_trigger().at:
+            self._answered[lamp] = current_trigger().at
             self.start_task(partial(self._turn_off, lamp))
 
     async def _turn_off(self, lamp: Light) -> None:
-        while lamp.on and await self.attempt(lamp, lamp.turn_off):  # it may be turned on again meanwhile
+        if await self.attempt(lamp, lamp.turn_off):
             self._log("turned_off", lamp, "is on: turned it off")
-        self._commanded.discard(lamp)
 
     def _log(self, event: str, lamp: Light, text: str) -> None:
         if self._lines.allows(f"{event} {lamp.id}") is not None:

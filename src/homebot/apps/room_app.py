@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Coroutine, Iterable
+from contextlib import suppress
 from typing import TypeVar
 
 import anyio
@@ -10,9 +11,11 @@ from anyio.abc import TaskGroup
 from pydantic import BaseModel
 
 from homebot.apps.base import App
+from homebot.devices import Device
+from homebot.devices.devices import MessageHandler
 from homebot.devices.handles import FollowHandles, Handle, HandleChange
-from homebot.devices.outcomes import Outcome
-from homebot.errors import RefusedError
+from homebot.devices.outcomes import Outcome, Superseded
+from homebot.errors import RefusedError, ServiceError
 from homebot.folding import fold
 from homebot.graph import Node
 
@@ -50,6 +53,15 @@ class RoomApp(App):
 
         self._watchers.append(watcher)
 
+    def listen(self, device: Device, handler: MessageHandler) -> None:
+        """Call *handler* with each raw message of *device*, if its gateways deliver any; while the app runs."""
+
+        async def listening() -> None:
+            with suppress(RefusedError, ServiceError):  # its changes can be followed all the same
+                await self.devices.listen(device, handler)
+
+        self.start_task(listening)
+
     async def run(self) -> None:
         """Run the watchers, and the tasks of the rooms."""
         async with anyio.create_task_group() as self._tasks:
@@ -82,7 +94,7 @@ class RoomApp(App):
                 calls.start_soon(function, handle)
 
     async def attempt(self, handle: Handle, command: Callable[[], Awaitable[Outcome]]) -> bool:
-        """Give *command* to *handle*; return whether it succeeded, and log its outcome if it did not."""
+        """Give *command* to *handle*; return whether it succeeded, and log its outcome if it failed."""
         try:
             outcome = await command()
         except RefusedError as exc:
@@ -90,6 +102,8 @@ class RoomApp(App):
         else:
             if outcome.succeeded:
                 return True
+            if isinstance(outcome, Superseded):  # somebody wants something newer
+                return False
             problem = outcome.text
         self.node.log.warning("app.command_failed", message=f"{handle.name}: {problem}", device=handle.device.id)
         return False
