@@ -50,6 +50,7 @@ class Outcome:
     """
 
     succeeded: ClassVar[bool] = False
+    _words: ClassVar[str]  # of `text`, with fields of the outcome
 
     _: KW_ONLY
     command_id: str = ""
@@ -57,7 +58,7 @@ class Outcome:
     @property
     def text(self) -> str:
         """The outcome as a clause for people, without the device."""
-        raise NotImplementedError
+        return self._words.format(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,26 +70,18 @@ class Confirmed(Outcome):
         evidence: How well it is known.
     """
 
+    _words: ClassVar[str] = "confirmed after {0.latency:.2g} s ({0.evidence.text})"
     succeeded: ClassVar[bool] = True
     latency: float
     evidence: Evidence
-
-    @property
-    def text(self) -> str:
-        """As for :class:`Outcome`."""
-        return f"confirmed after {self.latency:.2g} s ({self.evidence.text})"
 
 
 @dataclass(frozen=True, slots=True)
 class AlreadySo(Outcome):
     """The device had reported that it is so, and nothing contradicted it."""
 
+    _words: ClassVar[str] = "it was so already"
     succeeded: ClassVar[bool] = True
-
-    @property
-    def text(self) -> str:
-        """As for :class:`Outcome`."""
-        return "it was so already"
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,12 +92,8 @@ class Contradicted(Outcome):
         saw: What was reported, as text, for example ``on_off: on``.
     """
 
+    _words: ClassVar[str] = "contradicted: {0.saw}"
     saw: str
-
-    @property
-    def text(self) -> str:
-        """As for :class:`Outcome`."""
-        return f"contradicted: {self.saw}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,12 +104,8 @@ class Reverted(Outcome):
         after: Seconds after it had obeyed.
     """
 
+    _words: ClassVar[str] = "it obeyed and went back after {0.after:.2g} s"
     after: float
-
-    @property
-    def text(self) -> str:
-        """As for :class:`Outcome`."""
-        return f"it obeyed and went back after {self.after:.2g} s"
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,12 +134,8 @@ class Superseded(Outcome):
         by: The id of the newer command.
     """
 
+    _words: ClassVar[str] = "superseded by command {0.by}"
     by: str
-
-    @property
-    def text(self) -> str:
-        """As for :class:`Outcome`."""
-        return f"superseded by command {self.by}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,23 +147,16 @@ class Refused(Outcome):
         reason: The reason, as text.
     """
 
+    _words: ClassVar[str] = "refused ({0.policy}): {0.reason}"
     policy: str
     reason: str
-
-    @property
-    def text(self) -> str:
-        """As for :class:`Outcome`."""
-        return f"refused ({self.policy}): {self.reason}"
 
 
 @dataclass(frozen=True, slots=True)
 class Gone(Outcome):
     """The device was removed, or no longer has this part."""
 
-    @property
-    def text(self) -> str:
-        """As for :class:`Outcome`."""
-        return "the device was removed"
+    _words: ClassVar[str] = "the device was removed"
 
 
 _BEST_FIRST: tuple[type[Outcome], ...] = (
