@@ -15,8 +15,18 @@ from homebot.control.leases import MOST_HOLDERS, LeaseHolder, Leases
 from homebot.devices.command_messages import Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Closure, DoorLock, Light
-from homebot.devices.lease_messages import EndLeases, GetLeases, HeldPart, HoldPart, HoldRequest, LeaseResponse
-from homebot.devices.names import END_LEASES, GET_LEASES, HOLD_PART
+from homebot.devices.lease_messages import (
+    EndLeases,
+    GetLeases,
+    HeldPart,
+    HolderRequest,
+    HoldPart,
+    HoldRequest,
+    LeaseResponse,
+    ReleaseLease,
+    RenewLease,
+)
+from homebot.devices.names import END_LEASES, GET_LEASES, HOLD_PART, RELEASE_LEASE, RENEW_LEASE
 from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Refused
 from homebot.devices.value import Value
 from homebot.errors import RefusedError, UsageError
@@ -358,13 +368,51 @@ async def test_who_holds_what_until_when_is_told(open_home: OpenHome) -> None:
             assert await leases(home, "another") == ()
 
 
+async def test_who_may_not_hold_does_not_block_while_somebody_else_is_commanding(open_home: OpenHome) -> None:
+    """Neither alone nor when the one before it, for whose command it would wait, has left."""
+    async with a_door(open_home) as (home, door):
+        home.behaviours["door"] = ignore
+        home.tasks.start_soon(hold, home, request(door, ttl=1))
+        await anyio.sleep(0.1)
+        for wanted in nobodies(door, "2"):
+            assert not (await hold(home, wanted)).held
+        await anyio.sleep(1)
+        assert await leases(home) == ()
+        home.behaviours["door"] = obey_after(0.1)
+        assert not isinstance(await door.close(), Refused)
+
+
+async def test_who_renews_or_releases_what_it_does_not_hold_changes_nothing(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door):
+        stranger = HolderRequest(lease="1", by="robot", issuer="client:tv")
+        renew = home.app.create_client(RenewLease, RENEW_LEASE)
+        assert not (await renew.call(stranger)).held
+        assert (await door.close()).succeeded
+        assert (await hold(home, request(door))).held
+        assert not (await renew.call(stranger)).held
+        await home.app.create_client(ReleaseLease, RELEASE_LEASE).call(stranger)
+        assert isinstance(await door.close(), Refused)
+
+
 STEPS = st.lists(
     st.tuples(
-        st.sampled_from(["first", "second", "leave first", "leave second", "killed", "close", "lower", "hand", "deaf"]),
+        st.sampled_from(
+            ["first", "second", "leave first", "leave second", "killed", "close", "lower", "hand", "deaf", "nobody"]
+        ),
         st.floats(0.0, 12.0),
     ),
     max_size=14,
 )
+
+
+def nobodies(door: Closure, lease: str) -> tuple[HoldRequest, ...]:
+    """Requests of a holder without a name, and of clients without the right."""
+    wanted = request(door, ttl=3600, lease=lease)
+    return (
+        wanted.model_copy(update={"by": "  "}),
+        wanted.model_copy(update={"issuer": "client:tv", "scope": ("read",)}),
+        wanted.model_copy(update={"issuer": "client:lamps", "scope": ("act: light",)}),
+    )
 
 
 class Doorway:
@@ -397,6 +445,9 @@ class Doorway:
                 self._home.tasks.start_soon(self._door.close)
             case ["lower"]:
                 self._home.tasks.start_soon(self._door.set_position, 0.0)
+            case ["nobody"]:
+                for wanted in nobodies(self._door, str(number)):
+                    self._home.tasks.start_soon(self._refuse, wanted)
             case ["hand"]:
                 await self._home.report("door", "movement", "closed")
             case ["deaf"]:
@@ -427,6 +478,9 @@ class Doorway:
         if (await hold(self._home, wanted)).held:
             self._held_until = max(self._held_until, began + wanted.ttl)
 
+    async def _refuse(self, wanted: HoldRequest) -> None:
+        assert not (await hold(self._home, wanted)).held
+
     async def _obey(self, home: Home, command: Command) -> None:
         is_held = self._inside or anyio.current_time() < self._held_until
         if is_held and command.value.plain() in {"closed", 0.0}:
@@ -435,12 +489,12 @@ class Doorway:
             home.later(self._delay, command.key, command.capability, command.value.plain())
 
 
-@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=250, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(STEPS, st.floats(0.0, 3.0))
 async def test_the_door_never_closes_on_a_holder_and_is_free_after_the_last_ttl(
     open_home: OpenHome, steps: list[tuple[str, float]], delay: float
 ) -> None:
-    """Two robots, somebody who wants it closed, a hand, and a holder that is killed."""
+    """Two robots, somebody who wants it closed, a hand, a holder that is killed, and those who may hold nothing."""
     async with a_door(open_home, hand_time=20) as (home, door):
         doorway = Doorway(home, door, delay)
         for number, (step, seconds) in enumerate(steps):

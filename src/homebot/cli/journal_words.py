@@ -25,7 +25,6 @@ __all__ = [
 ]
 
 _CLIENT = "client:"
-_RIGHTS = "rights"
 _REQUESTS: Mapping[str, str] = {
     "advertise": "to announce that it publishes on",
     "advertise_service": "to provide",
@@ -141,7 +140,7 @@ def _lease_text(entry: JournalEntryRecord, name: str) -> str:
 
 def _request_text(entry: JournalEntryRecord) -> str:
     """Return what was denied, in words after "was refused"."""
-    if entry["verdicts"][0]["policy"] != _RIGHTS:
+    if entry["settings"]:
         return f"to hold it {settings_text(entry['settings'])}"
     facts = _facts(entry)
     operation = str(facts.get("operation", ""))

@@ -11,6 +11,8 @@ from typing import Final, final
 import anyio
 from anyio.abc import TaskGroup
 
+from homebot.control.client_commands import POLICY as RIGHTS_POLICY
+from homebot.control.client_commands import client_refusal
 from homebot.control.executor import CommandExecutor
 from homebot.control.held_parts import held_part, held_setting
 from homebot.control.held_values import STOPPED
@@ -90,8 +92,10 @@ class LeaseKeeper:
         except ServiceError as exc:
             return LeaseResponse(held=False, result=result_of(NoAnswer(0.0, str(exc))))
         part = None if device is None else next((one for one in device.parts if one.id == request.part), None)
-        if part is None:
+        if device is None or part is None:
             return LeaseResponse(held=False, result=result_of(Gone()))
+        if problem := client_refusal(_command_of(request), device, part):  # before it holds: it would block meanwhile
+            return self._refused(request, problem, RIGHTS_POLICY)
         lease = self._begin(request)
         if isinstance(lease, str):
             return self._refused(request, lease)
@@ -103,7 +107,7 @@ class LeaseKeeper:
         self._note_step("held", lease, request.issuer, request.by)
         key = _key(request)
         result = await self._command(lease, request.issuer, request.scope)
-        if result is None:  # over, or a hand came, before its turn; its rights were not looked at
+        if result is None:  # over, or a hand came, before its turn
             self._release(key)
             return self._refused(request, "a hand outranks it now, or its time is over")
         if result.outcome in {"refused", "gone"} and key in lease.holders:
@@ -244,14 +248,14 @@ class LeaseKeeper:
         if not lease.holders and (kept := self._kept.pop(lease, None)) is not None:
             kept.stop()
 
-    def _refused(self, request: HoldRequest, reason: str) -> LeaseResponse:
+    def _refused(self, request: HoldRequest, reason: str, policy: str = LEASE_POLICY) -> LeaseResponse:
         self._node.log.info(
             "control.lease_refused",
             message=f"{request.device} is not held for {request.by}: {reason}",
             device=request.device,
         )
-        self._journal.hold_denied(request, LEASE_POLICY, reason)
-        return LeaseResponse(held=False, result=result_of(Refused(LEASE_POLICY, reason)))
+        self._journal.hold_denied(request, policy, reason)
+        return LeaseResponse(held=False, result=result_of(Refused(policy, reason)))
 
     def _note_outranked(self, lease: Lease) -> None:
         self._log("control.hand", lease, f"was changed by hand: {lease.saw}")
@@ -267,6 +271,17 @@ class LeaseKeeper:
     def _log(self, event: str, lease: Lease, text: str) -> None:
         device, part = lease.part
         self._node.log.info(event, message=f"{device}#{part} {text}" if part else f"{device} {text}", device=device)
+
+
+def _command_of(request: HoldRequest) -> CommandRequest:
+    """Return the command that *request* begins with."""
+    return CommandRequest(
+        device=request.device,
+        part=request.part,
+        settings=(request.setting,),
+        issuer=request.issuer,
+        scope=request.scope,
+    )
 
 
 def _key(request: HoldRequest | HolderRequest) -> HolderKey:
