@@ -8,7 +8,6 @@ settle time, says that the lamp obeyed and it did not.
 from __future__ import annotations
 
 import asyncio
-from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -18,7 +17,6 @@ from homebot.devices import Devices
 from homebot.devices.command_messages import CommandEvent
 from homebot.devices.handles import Light
 from homebot.devices.names import COMMAND_EVENTS
-from homebot.devices.outcomes import Outcome
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import load_world
@@ -26,61 +24,27 @@ from homebot.house.devices import SimulatedLamp
 from homebot.house.dialects import DIALECTS
 from homebot.house.faults import unwrap
 from homebot.testing import VirtualTimeLoop, virtual_house_of
+from outcome_counts import FAULTS, HEADINGS, OutcomeCount, row
 from plan import Plan
 from report import Report
 
 __all__ = ["run"]
 
-FAULTS = {
-    "none": "",
-    "lossy, 20 %": "lossy = { share = 0.2 }",
-    "slow, 5 to 7.5 s": "slow = {}",
-    "deaf": "deaf = {}",
-    "liar": "liar = {}",
-    "stuck": "stuck = {}",
-    "reverter, 5 s": "reverter = { after = 5.0 }",
-}
 COMMANDS = 20
 GAP = 40.0  # seconds between two commands to a lamp
-HEADINGS = ("fault", "commands", "silent, forgotten", "silent, homebot", "detected", "false alarms", "told after")
-
-
-@dataclass
-class Count:
-    """What became of the commands to lamps with one fault."""
-
-    commands: int = 0
-    failed: int = 0
-    silent: int = 0
-    false_alarms: int = 0
-    told_after: list[float] = field(default_factory=list)
 
 
 def run(plan: Plan) -> Report:
     rows: list[tuple[str, ...]] = [HEADINGS]
     for fault, settings in FAULTS.items():
-        forgotten, told = Count(), Count()
+        forgotten, told = OutcomeCount(), OutcomeCount()
         for dialect in sorted(DIALECTS):
             for found, forgets in ((forgotten, True), (told, False)):
                 with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
                     runner.run(_measure(_world(dialect, settings), plan.count(COMMANDS), found, forgets=forgets))
-        rows.append(_row(fault, forgotten, told))
+        rows.append(row(fault, forgotten, told))
     lamps = f"A lamp of each dialect: {', '.join(sorted(DIALECTS))}. No second device sees them, so a liar is believed."
     return Report("Commands to devices with faults", (), (lamps,), rows)
-
-
-def _row(fault: str, forgotten: Count, told: Count) -> tuple[str, ...]:
-    detected = f"{1 - told.silent / told.failed:.0%}" if told.failed else "-"
-    times = sorted(told.told_after)
-    return (
-        fault,
-        str(told.commands),
-        f"{forgotten.silent / forgotten.commands:.1%}",
-        f"{told.silent / told.commands:.1%}",
-        detected,
-        str(told.false_alarms),
-        f"{times[len(times) // 2]:.1f} s" if times else "-",
-    )
 
 
 def _world(dialect: str, fault: str) -> World:
@@ -91,7 +55,7 @@ def _world(dialect: str, fault: str) -> World:
         return load_world(file)
 
 
-async def _measure(world: World, count: int, found: Count, *, forgets: bool) -> None:
+async def _measure(world: World, count: int, found: OutcomeCount, *, forgets: bool) -> None:
     real = unwrap(world.devices["lamp"].device)
     assert isinstance(real, SimulatedLamp)
     reverted: dict[str, float] = {}
@@ -112,17 +76,5 @@ async def _measure(world: World, count: int, found: Count, *, forgets: bool) -> 
                 await devices.tell(lamp.device, "on" if wanted else "off")
             ended = anyio.current_time()
             await anyio.sleep(began + GAP - ended)
-            _note(found, outcome, reverted, began, ended, obeyed=real.is_on is wanted)
-
-
-def _note(
-    found: Count, outcome: Outcome | None, reverted: dict[str, float], began: float, ended: float, *, obeyed: bool
-) -> None:
-    found.commands += 1
-    found.failed += not obeyed
-    reverted_at = None if outcome is None else reverted.get(outcome.command_id)
-    told = outcome is not None and (not outcome.succeeded or reverted_at is not None)
-    found.silent += not obeyed and not told
-    found.false_alarms += obeyed and told
-    if told and not obeyed:
-        found.told_after.append((reverted_at or ended) - began)
+            reverted_at = None if outcome is None else reverted.get(outcome.command_id)
+            found.note(outcome, began, ended, reverted_at, obeyed=real.is_on is wanted)

@@ -33,9 +33,14 @@ BENCHMARKS = (
     "walks",
     "command_cost",
     "outcomes",
+    "outcomes_networks",
     "discovery",
 )
-FILES = {"discovery": "discovery_criteria", "outcomes": "command_outcomes"}
+FILES = {
+    "discovery": "discovery_criteria",
+    "outcomes": "command_outcomes",
+    "outcomes_networks": "command_outcomes_networks",
+}
 """The files of benchmarks that are called otherwise."""
 
 HOME_ASSISTANT_PYTHON = Path(__file__).parent.parent / ".venv-bench-ha/bin/python"
