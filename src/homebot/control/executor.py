@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from functools import partial
 from typing import Final, TypeAlias, final
 
+from homebot.control.answer_watch import AnswerWatch
 from homebot.control.client_commands import POLICY, client_refusal
 from homebot.control.command import IssuedCommand
 from homebot.control.echoes import NO_ECHOES, EchoHistory, ExpectedEchoes
@@ -72,6 +73,7 @@ class CommandExecutor:
         self.leases = leases
         self._sender = CommandSender(node)
         self._watch = ReportWatch(node)
+        self._answers = AnswerWatch(node)
         self._times = ResponseTimes(self._settings.timeout)
         self._echoes = EchoHistory()
         self._pending: dict[_Place, PendingCommand] = {}
@@ -151,6 +153,7 @@ class CommandExecutor:
         changed = _Signal()
         pending = PendingCommand(command, known, _readable(command), self._clock.monotonic(), changed.set, echoes)
         stop = self._watch.watch(command.part.routes, partial(self._take, pending))
+        self._answers.expect(pending)
         places = command.places
         is_at_rest = not any(one in self._pending for one in places)  # else the device may be about to change
         self._take_over(pending, places)
@@ -167,6 +170,7 @@ class CommandExecutor:
                 if self._pending.get(place) is pending:
                     del self._pending[place]
             stop()
+            self._answers.forget(pending)
         return result_of(outcome, pending.reported)
 
     def _note_confirmed(self, pending: PendingCommand) -> None:
@@ -208,7 +212,14 @@ class CommandExecutor:
                 if (refused := self._held(command)) is not None:
                     return refused  # since it was judged, or the setting before was sent
                 await self._sender.send(
-                    command.device, command.part, capability, value, command.transition, command.code, seconds
+                    command.device,
+                    command.part,
+                    capability,
+                    value,
+                    command.transition,
+                    command.code,
+                    seconds,
+                    command.id,
                 )
         except LinkError as exc:
             return NoAnswer(self._clock.monotonic() - began, str(exc), command_id=command.id)

@@ -50,6 +50,7 @@ class PendingCommand:
         echoed: The capabilities of which an echo came, each with the time of the last one.
         fast: The capabilities of which a report came so fast that it may turn out to be an echo.
         moved_at: When the device was last seen on its way; None where it was not.
+        must_answer: Whether the device answers commands, so that one of which it reports nothing waits for the answer.
         superseded_by: The id of the newer command that took its place; empty where there is none.
     """
 
@@ -67,7 +68,10 @@ class PendingCommand:
         self.echoed: dict[str, float] = {}
         self.fast: set[str] = set()
         self.moved_at: float | None = None
+        self.must_answer = False
         self.superseded_by = ""
+        self._answers: dict[str, float] = {}
+        self._refusal = ""
         self._before = before
         told = frozenset(readable)
         self._wanted = {name: value for name, value in command.settings.items() if name in told}
@@ -83,11 +87,13 @@ class PendingCommand:
     @property
     def is_over(self) -> bool:
         """True if nothing can come any more that would change the outcome for the better."""
-        return bool(self.superseded_by) or self.is_met
+        return bool(self.superseded_by or self._refusal) or self.is_met
 
     @property
     def is_met(self) -> bool:
         """True if the device reported all that can be reported; at once where it reports nothing of it."""
+        if self.must_answer and not self._wanted:
+            return self._is_accepted
         return len(self._fitting) == len(self._wanted)
 
     @property
@@ -152,6 +158,20 @@ class PendingCommand:
         self._noted += 1
         return True
 
+    def take_answer(self, capability: str, problem: str, now: float) -> None:
+        """Take in the device's answer to a setting at *now*: the reason why it refuses, or empty where it accepts."""
+        if capability not in self.command.settings:
+            return
+        if problem:
+            self._refusal = self._refusal or problem
+        else:
+            self._answers.setdefault(capability, now)
+        self._wake()
+
+    @property
+    def _is_accepted(self) -> bool:
+        return len(self._answers) == len(self.command.settings)
+
     def _is_echo(self, capability: str, now: float) -> bool:
         """Return whether a report of what is wanted is the bridge's; each sending has one."""
         echoed_at = self._echoed_since_sent.get(capability)
@@ -208,6 +228,8 @@ class PendingCommand:
         name = self.command.id
         if self.superseded_by:
             return Superseded(self.superseded_by, command_id=name)
+        if self._refusal:
+            return Contradicted(self._refusal, command_id=name)
         if self.is_met:
             if not self._wanted:
                 return Confirmed(now - self._began, Evidence.ACKNOWLEDGED, command_id=name)
@@ -216,6 +238,8 @@ class PendingCommand:
         if others:
             saw = ", ".join(f"{capability} is {_text(value)}" for capability, value in others)
             return Contradicted(saw, command_id=name)
+        if self._is_accepted:
+            return Confirmed(max(self._answers.values()) - self._began, Evidence.ACKNOWLEDGED, command_id=name)
         weak_at = math.inf if self.echoes is NO_ECHOES else self._weakly_met_at()
         if weak_at < math.inf:
             return Confirmed(weak_at - self._began, Evidence.ACKNOWLEDGED, command_id=name)

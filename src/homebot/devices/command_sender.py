@@ -38,6 +38,7 @@ class CommandSender:
         transition: float,
         code: str = "",
         expires_after: float = 0.0,
+        command_id: str = "",
     ) -> None:
         """Set *capability* to *value* within *transition* seconds; return when the network has accepted the command.
 
@@ -70,6 +71,7 @@ class CommandSender:
                     transition=transition,
                     code=code,
                     expires_after=expires_after,
+                    id=command_id,
                 ),
             )
             if response is None:

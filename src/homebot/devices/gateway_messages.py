@@ -19,6 +19,7 @@ __all__ = [
     "ONLY_OBSERVES",
     "REACHABLE",
     "Command",
+    "CommandAnswer",
     "GatewayState",
     "RawCommand",
     "RawMessage",
@@ -142,6 +143,7 @@ class Command(Message):
         transition: Seconds that the change takes, where the device supports that.
         code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
         expires_after: Seconds after which the network is not to deliver it any more, where it can tell; 0 for never.
+        id: The id of the command; empty where nobody waits for what the device answers.
     """
 
     model_config = ConfigDict(hide_input_in_errors=True)
@@ -153,6 +155,29 @@ class Command(Message):
     transition: float = 0.0
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
     expires_after: Annotated[float, Field(ge=0.0)] = 0.0
+    id: str = ""
+
+
+class CommandAnswer(Message):
+    """The answer of a device to a command, in a protocol in which devices answer commands some time later.
+
+    Attributes:
+        gateway: The name of the gateway.
+        key: The gateway's key of the device.
+        part: The id of the part.
+        capability: The capability that was to be set.
+        command_id: The id of the command.
+        success: Whether the device accepted the command; that is no proof that it obeyed.
+        message: The reason if not, as text.
+    """
+
+    gateway: str
+    key: str
+    part: str
+    capability: str
+    command_id: str
+    success: bool
+    message: str = ""
 
 
 class SendCommandResponse(Message):

@@ -113,6 +113,8 @@ class GatewayNames:
         received_topics: Topic of its sightings.
         out: Topic of the raw commands for its devices.
         readings: Topic of the reports of its devices, as :class:`homebot.devices.gateway_messages.Report`.
+        answers: Topic of what devices answer to commands, as
+            :class:`homebot.devices.gateway_messages.CommandAnswer`.
         state: Topic of its own state.
         quarantine: Topic of the peers in quarantine, as :class:`homebot.devices.health.Quarantine`.
         health: Service that returns its counters and the peers in quarantine.
@@ -130,6 +132,7 @@ class GatewayNames:
         self.received_topics = f"{base}/received_topics"
         self.out = f"{base}/out"
         self.readings = f"{base}/readings"
+        self.answers = f"{base}/answers"
         self.state = f"{base}/state"
         self.quarantine = f"{base}/quarantine"
         self.health = f"{base}/health"

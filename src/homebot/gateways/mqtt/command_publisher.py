@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from homebot.conventions.description import Publication, TakesCode
 from homebot.devices.gateway_messages import Command
@@ -16,6 +16,9 @@ from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.topics import validate_topic
+
+if TYPE_CHECKING:
+    from homebot.gateways.mqtt.responses import Responses
 
 __all__ = ["CommandPublisher"]
 
@@ -31,6 +34,7 @@ class CommandPublisher:
         connection: Where it is published.
         quarantine: Judges conventions that fail.
         secrets: Knows what was sent with a code.
+        responses: Asks the devices for responses; None where they are not to be asked.
     """
 
     def __init__(
@@ -39,11 +43,13 @@ class CommandPublisher:
         connection: MqttConnection,
         quarantine: PeerQuarantine[MqttMessage],
         secrets: SentSecrets,
+        responses: Responses | None = None,
     ) -> None:
         self._find_part = find_part
         self._connection = connection
         self._quarantine = quarantine
         self._secrets = secrets
+        self._responses = responses
 
     async def perform(self, command: Command) -> None:
         """Publish *command*; return when the broker has it. A broker that speaks MQTT 5 forgets it when it expires.
@@ -63,10 +69,12 @@ class CommandPublisher:
             raise UnableError(str(exc)) from exc
         if command.code:
             publications = tuple(self._secrets.keep(one) for one in publications)
-        expiry = _expiry(command)
+        properties = _expiring(command)
+        if self._responses is not None:
+            properties = self._responses.request(command, properties)
         for one in publications:
             qos = max(one.qos, _LEAST_QOS)
-            await self._connection.publish(one.topic, one.payload, qos=qos, retain=one.retain, properties=expiry)
+            await self._connection.publish(one.topic, one.payload, qos=qos, retain=one.retain, properties=properties)
 
     def _written(
         self, announced_part: AnnouncedPart, capability: str, value: PlainValue, transition: float, code: str = ""
@@ -99,7 +107,7 @@ class CommandPublisher:
             )
 
 
-def _expiry(command: Command) -> MessageProperties:
+def _expiring(command: Command) -> MessageProperties:
     """Return the properties of a message that expires with *command*: no command is obeyed minutes later."""
     if not command.expires_after:
         return NO_PROPERTIES

@@ -7,9 +7,10 @@ do what takes time or must wait: subscribing, asking, and ending what ends by it
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Iterator, Sequence
+from collections.abc import Awaitable, Iterable, Iterator, Sequence
+from dataclasses import asdict
 from functools import partial
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import anyio
 import anyio.lowlevel
@@ -46,6 +47,9 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.topics import validate_topic
 
+if TYPE_CHECKING:
+    from homebot.gateways.mqtt.responses import Responses
+
 __all__ = ["AnnouncedDevices"]
 
 T = TypeVar("T")
@@ -62,6 +66,7 @@ class AnnouncedDevices:
         inboxes: Whether nodes get raw messages in their inboxes, rather than on a topic for each device.
         lease: Lets the gateway act while no other homebot does.
         max_memory: Bytes that what is announced may take, about.
+        responses: Asks devices for responses to commands; None where they are not to be asked.
 
     Attributes:
         codecs: How parts say text, by the topics on which they are told.
@@ -86,7 +91,9 @@ class AnnouncedDevices:
         stale_after: float,
         inboxes: bool,
         max_memory: int,
+        responses: Responses | None = None,
     ) -> None:
+        self._responses = responses
         self.lease = lease
         self.conventions = conventions
         self._owner = gateway.node.full_name
@@ -128,7 +135,7 @@ class AnnouncedDevices:
         )
         self.secrets = SentSecrets()
         self.offers = Offers(gateway, _publishers(conventions, gateway.node.name, connection), self.quarantine)
-        publisher = CommandPublisher(engine.find_part, connection, self.quarantine, self.secrets)
+        publisher = CommandPublisher(engine.find_part, connection, self.quarantine, self.secrets, responses)
         self.texts = engine.serve(publisher.perform, self, self._health, keeps_states=False)
 
     def filters(self) -> tuple[str, ...]:
@@ -365,6 +372,9 @@ class AnnouncedDevices:
             received_at=self._reporter.stamp,
         )
 
+    def _response_counts(self) -> Iterable[tuple[str, int]]:
+        return () if self._responses is None else asdict(self._responses.counters).items()
+
     def _health(self) -> HealthResponse:
         lost = self._connection.counters
         troubled = (one for one in self.conventions if isinstance(one, ProblemReportingConvention))
@@ -377,6 +387,7 @@ class AnnouncedDevices:
                 Count(name="dropped_oversize", count=lost.dropped_oversize),
                 Count(name="dropped_overflow", count=lost.dropped_overflow),
                 Count(name="dropped_malformed", count=lost.dropped_malformed),
+                *(Count(name=name, count=count) for name, count in self._response_counts()),
             ),
             troubles=(*rivals, *troubles),
             notes=self._connection.limits,

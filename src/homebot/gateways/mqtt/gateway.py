@@ -9,7 +9,7 @@ from __future__ import annotations
 import platform
 import re
 from collections.abc import Iterable
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import anyio
 import anyio.lowlevel
@@ -28,7 +28,7 @@ from homebot.gateways.mqtt.link_report import LinkReport
 from homebot.gateways.mqtt.loaded_conventions import find_conventions
 from homebot.gateways.mqtt.registry import TopicReaders
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
-from homebot.graph import Node
+from homebot.graph import Node, QoSProfile
 from homebot.isolation import isolated, run_as
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.client.choice import client_maker
@@ -36,6 +36,9 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
+
+if TYPE_CHECKING:
+    from homebot.gateways.mqtt.responses import Responses
 
 __all__ = ["MqttGateway"]
 
@@ -48,6 +51,10 @@ QoS 0 does not overrun an inbox whose reader keeps up."""
 _ANNOUNCEMENT = 25
 """Messages that an announcement counts for in that: it is as much work, and those of a whole house come at once, which
 the broker must be able to get rid of."""
+
+
+_ANSWERS = QoSProfile(depth=1000)
+"""Answers to commands of a whole house at once; the oldest is lost first, and its command has no answer."""
 
 
 class MqttGateway(Gateway):
@@ -93,6 +100,7 @@ class MqttGateway(Gateway):
             is_paced=hosted is None or settings.url != hosted.url,
         )
         self._lease = ActingLease(self, self._connection, settings.root, f"{node.name} on {computer}", random)
+        self._responses = self._asked_responses() if settings.responses else None
         self._described = AnnouncedDevices(
             self,
             find_conventions(settings.conventions, settings.tables, settings.root),
@@ -101,6 +109,7 @@ class MqttGateway(Gateway):
             stale_after=settings.stale_after,
             inboxes=settings.delivery == "inbox",
             max_memory=settings.max_memory,
+            responses=self._responses,
         )
         self.counters = self._described.counters
         if node.name == "mqtt":
@@ -162,6 +171,8 @@ class MqttGateway(Gateway):
             await connection.subscribe(
                 *(MqttSubscription(one, no_local=True) for one in announcements), every_link=True
             )
+            if self._responses is not None:
+                await connection.subscribe(MqttSubscription(self._responses.topic, qos=1, no_local=True))
             report = LinkReport(self, connection, self._listening_to(), (*texts, *announcements))
             tasks.start_soon(self._receive, connection)
             for work in (report.watch, self._described.serve, self._lease.serve):
@@ -179,11 +190,20 @@ class MqttGateway(Gateway):
                 await self._handle(batch)
                 connection.ack(batch)
 
+    def _asked_responses(self) -> Responses:
+        from homebot.devices.gateway_messages import CommandAnswer  # noqa: PLC0415 - few homes ask for responses
+        from homebot.gateways.mqtt.responses import Responses  # noqa: PLC0415 - likewise
+
+        answers = self.node.create_publisher(CommandAnswer, self.names.answers, _ANSWERS)
+        topic = f"homebot/responses/{_topic_level(self._settings.client_id)}"
+        return Responses(self.node.name, topic, self.node.graph.clock, answers.publish)
+
     def _listening_to(self) -> str:
         return self._settings.root or "every home"
 
     async def _handle(self, batch: Iterable[MqttMessage]) -> None:
         described, lease, sent = self._described, self._lease, self._described.secrets.sent
+        responses = self._responses
         described.tick()
         work = 0
         for message in batch:
@@ -194,6 +214,9 @@ class MqttGateway(Gateway):
             topic = message.topic
             if topic in lease.topics:
                 lease.take(message)
+                continue
+            if responses is not None and topic == responses.topic:
+                responses.take(message)
                 continue
             if topic in sent and described.secrets.is_one(topic, message.payload):
                 continue  # it has a code, which nobody who listens here is to see

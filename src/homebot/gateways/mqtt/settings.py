@@ -66,6 +66,7 @@ class MqttGatewaySettings(BaseModel):
             is refused, and counted.
         session_expiry: Seconds for which the broker keeps messages for this gateway while it is away.
         stale_after: Seconds of silence after which a device counts as stale.
+        responses: Whether commands ask the devices for a response, where the broker speaks MQTT 5.
         conventions: Which uses of topics to understand, by entry-point name or ``module:Class``; by default all that
             homebot brings along.
 
@@ -92,6 +93,7 @@ class MqttGatewaySettings(BaseModel):
     max_memory: Annotated[int, Field(ge=1024 * 1024, lt=2**40)] = MAX_MEMORY
     session_expiry: Annotated[int, Field(ge=0, lt=2**32)] = 3600
     stale_after: Seconds = 3600.0
+    responses: bool = False
     conventions: tuple[str, ...] = Field(default_factory=default_conventions)
 
     @property

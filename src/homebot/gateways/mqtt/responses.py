@@ -1,0 +1,123 @@
+"""Responses of devices to commands, by the request and response of MQTT 5.
+
+A command carries a topic for the response, and data by which the response is matched with it. What a response means is
+not laid down: one with an error, as Zigbee2MQTT and Shelly write it, is a refusal; any other accepts the command.
+
+Source: MQTT Version 5.0, section 4.10.
+"""
+
+from __future__ import annotations
+
+import math
+import secrets
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Final, final
+
+from homebot.clock import Clock
+from homebot.conventions.payload import clean_text, parse_object
+from homebot.devices.gateway_messages import Command, CommandAnswer
+from homebot.errors import WireError
+from homebot.mqtt.message import MessageProperties, MqttMessage
+
+__all__ = ["ResponseCounters", "Responses", "problem_of"]
+
+MOST_AWAITED: Final = 1000
+"""Commands whose responses are awaited at once; the oldest is forgotten, and its response is then unknown."""
+
+_LONGEST: Final = 4096  # bytes of a response that are looked at
+_LONGEST_REASON: Final = 200
+_TOKEN: Final = 12  # bytes: nobody guesses what would answer a command
+
+
+@dataclass(slots=True)
+class ResponseCounters:
+    """Counters of responses.
+
+    Attributes:
+        responses: Responses to a command in its time.
+        responses_late: Those that came after the command had expired.
+        responses_unknown: Those to no known command.
+    """
+
+    responses: int = 0
+    responses_late: int = 0
+    responses_unknown: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class _Awaited:
+    command: Command
+    until: float
+
+
+@final
+class Responses:
+    """Asks devices for responses, and publishes what they answer.
+
+    Args:
+        gateway: The name of the gateway.
+        topic: The topic of all responses, which is its own.
+        clock: Its clock.
+        publish: Publishes an answer on the graph.
+
+    Attributes:
+        counters: The counters.
+        topic: The same.
+    """
+
+    def __init__(self, gateway: str, topic: str, clock: Clock, publish: Callable[[CommandAnswer], object]) -> None:
+        self.counters = ResponseCounters()
+        self.topic = topic
+        self._gateway = gateway
+        self._clock = clock
+        self._publish = publish
+        self._awaited: OrderedDict[bytes, _Awaited] = OrderedDict()
+
+    def request(self, command: Command, properties: MessageProperties) -> MessageProperties:
+        """Return *properties* of a message with *command*, which ask for a response where anybody waits for it."""
+        if not command.id:
+            return properties
+        token = secrets.token_bytes(_TOKEN)
+        until = self._clock.monotonic() + (command.expires_after or math.inf)
+        self._awaited[token] = _Awaited(command, until)
+        if len(self._awaited) > MOST_AWAITED:
+            self._awaited.popitem(last=False)
+        return replace(properties, response_topic=self.topic, correlation_data=token)
+
+    def take(self, message: MqttMessage) -> None:
+        """Take a message on :attr:`topic`."""
+        awaited = self._awaited.pop(message.properties.correlation_data or b"", None)
+        if awaited is None or message.retain:
+            self.counters.responses_unknown += 1
+            return
+        if self._clock.monotonic() > awaited.until:
+            self.counters.responses_late += 1
+            return
+        self.counters.responses += 1
+        command, problem = awaited.command, problem_of(message.payload)
+        self._publish(
+            CommandAnswer(
+                gateway=self._gateway,
+                key=command.key,
+                part=command.part,
+                capability=command.capability,
+                command_id=command.id,
+                success=not problem,
+                message=problem,
+            )
+        )
+
+
+def problem_of(response: bytes) -> str:
+    """Return the reason of a response that refuses; empty for one that accepts, which is any other."""
+    try:
+        fields = parse_object(response[:_LONGEST])
+    except WireError:
+        return ""
+    error = fields.get("error")
+    if not (error or fields.get("status") == "error" or fields.get("success") is False):
+        return ""
+    text = error.get("message") if isinstance(error, Mapping) else error or fields.get("message")
+    return clean_text(text, _LONGEST_REASON) if isinstance(text, str) and text.strip() else "the device refuses"

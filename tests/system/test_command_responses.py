@@ -1,0 +1,160 @@
+"""Responses of MQTT 5 to commands: a device that answers them, over the embedded broker and over Mosquitto."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+
+import anyio
+import pytest
+from tests.mqtt.client.mosquitto_broker import MOSQUITTO, MosquittoBroker
+from tests.patience import PATIENCE
+
+from homebot.config import parse_config
+from homebot.devices import Devices
+from homebot.devices.handles import Handle
+from homebot.devices.health import GetHealth, HealthRequest
+from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer
+from homebot.graph import Node
+from homebot.mqtt.broker import Broker
+from homebot.mqtt.client import MqttSubscription
+from homebot.mqtt.client.native import NativeClient
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.message import MessageProperties, MqttMessage
+from homebot.mqtt.options import MqttOptions
+from homebot.runtime import Runtime
+
+CREDENTIALS = {"anna": "right"}
+SWITCH = {"unique_id": "switch", "name": "Switch", "command_topic": "switch/set", "device": {"identifiers": ["switch"]}}
+REPORTING = {"state_topic": "switch/state"}
+ACCEPTS = b'{"status": "ok"}'
+REFUSES = b'{"status": "error", "error": "the fuse is out"}'
+
+AnyBroker = Broker | MosquittoBroker
+
+
+@dataclass
+class Responder:
+    """A device that answers each command with :attr:`response`; None for not at all."""
+
+    connection: MqttConnection
+    response: bytes | None = ACCEPTS
+    commands: list[MqttMessage] = field(default_factory=list)
+
+    async def live(self) -> None:
+        await self.connection.subscribe(MqttSubscription("switch/set", qos=1))
+        while True:
+            for message in await self.connection.receive():
+                self.commands.append(message)
+                if self.response is not None:
+                    await self.answer(self.response, message)
+
+    async def answer(self, response: bytes, message: MqttMessage) -> None:
+        assert message.properties.response_topic is not None
+        same = MessageProperties(correlation_data=message.properties.correlation_data)
+        await self.connection.publish(message.properties.response_topic, response, qos=1, properties=same)
+
+
+@dataclass
+class Home:
+    """A homebot with the device on its broker."""
+
+    responder: Responder
+    switch: Handle
+    node: Node
+
+    async def count(self, name: str) -> int:
+        health = await self.node.create_client(GetHealth, "/gateway/mqtt/health").call(HealthRequest())
+        return {one.name: one.count for one in health.counts}[name]
+
+
+@asynccontextmanager
+async def home_on(broker: AnyBroker, *, client: str = "native", reports: bool = False) -> AsyncIterator[Home]:
+    async with broker, anyio.create_task_group() as tasks:
+        url = f"mqtt://anna:right@127.0.0.1:{broker.port}"
+        gateway = {"url": url, "act": True, "responses": True, "client": client, "client_id": f"homebot {client}"}
+        tables = {"gateways": {"mqtt": gateway}, "discovery": {"persist": False}, "control": {"timeout": 2.0}}
+        options = MqttOptions.from_url(url, client_id="device", protocol="5")
+        async with (
+            MqttConnection(options, NativeClient, status_topic=None) as connection,
+            Runtime(parse_config(tables, "test"), with_door=False) as runtime,
+            Node(runtime.graph, "app") as node,
+        ):
+            responder = Responder(connection)
+            tasks.start_soon(responder.live)
+            config = json.dumps(SWITCH | (REPORTING if reports else {})).encode()
+            await connection.wait_connected()
+            await connection.publish("homeassistant/switch/switch/config", config, retain=True)
+            yield Home(responder, await _handle(Devices(node)), node)
+            tasks.cancel_scope.cancel()
+
+
+async def _handle(devices: Devices) -> Handle:
+    with anyio.fail_after(PATIENCE):
+        while True:
+            for found in await devices.find(Handle):
+                return found
+            await anyio.sleep(0.05)
+
+
+@pytest.fixture(
+    params=[
+        "embedded",
+        pytest.param(
+            "mosquitto", marks=[pytest.mark.system, pytest.mark.skipif(MOSQUITTO is None, reason="no Mosquitto")]
+        ),
+    ]
+)
+def broker(request: pytest.FixtureRequest) -> AnyBroker:
+    if request.param == "embedded":
+        return Broker(credentials=CREDENTIALS)
+    return MosquittoBroker(credentials=CREDENTIALS, policy=None)
+
+
+@pytest.mark.parametrize("client", ["native", "aiomqtt"])
+async def test_a_device_that_accepts_and_reports_nothing_is_acknowledged(broker: AnyBroker, client: str) -> None:
+    async with home_on(broker, client=client, reports=True) as home:
+        outcome = await home.switch.command("on_off", value=True)
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.ACKNOWLEDGED
+        properties = home.responder.commands[0].properties
+        assert properties.response_topic == f"homebot/responses/homebot {client}"
+        assert properties.expiry is not None
+        assert len({one.properties.correlation_data for one in home.responder.commands}) == len(home.responder.commands)
+        assert await home.count("responses") == len(home.responder.commands)
+
+
+@pytest.mark.parametrize("client", ["native", "aiomqtt"])
+async def test_an_error_contradicts_at_once_with_its_text(broker: AnyBroker, client: str) -> None:
+    async with home_on(broker, client=client, reports=True) as home:
+        home.responder.response = REFUSES
+        outcome = await home.switch.command("on_off", value=True)
+        assert outcome == Contradicted("the fuse is out", command_id=outcome.command_id)
+        assert len(home.responder.commands) == 1
+
+
+async def test_a_switch_without_a_state_that_answered_once_has_to_answer(broker: AnyBroker) -> None:
+    async with home_on(broker) as home:
+        assert isinstance(await home.switch.command("on_off", value=True), Confirmed)
+        with anyio.fail_after(PATIENCE):
+            while not await home.count("responses"):  # noqa: ASYNC110 - it counts, and tells nobody
+                await anyio.sleep(0.01)
+        home.responder.response = REFUSES
+        assert isinstance(await home.switch.command("on_off", value=True), Contradicted)
+        home.responder.response = None
+        assert isinstance(await home.switch.command("on_off", value=True), NoAnswer)
+
+
+async def test_late_and_strange_responses_are_counted_and_change_nothing(broker: AnyBroker) -> None:
+    async with home_on(broker, reports=True) as home:
+        home.responder.response = None
+        assert isinstance(await home.switch.command("on_off", value=True), NoAnswer)
+        first = home.responder.commands[0]
+        await home.responder.answer(ACCEPTS, first)
+        await home.responder.answer(ACCEPTS, first)
+        with anyio.fail_after(PATIENCE):
+            while not await home.count("responses_unknown"):  # noqa: ASYNC110 - likewise
+                await anyio.sleep(0.01)
+        assert (await home.count("responses_late"), await home.count("responses")) == (1, 0)
