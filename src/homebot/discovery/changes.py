@@ -17,7 +17,7 @@ from homebot.discovery.merging.parts import MergedParts
 from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
 
-__all__ = ["MAX_SIZE", "REMEMBERED", "ChangeLog", "ChangeQueue", "NewStates"]
+__all__ = ["MAX_SIZE", "REMEMBERED", "ChangeLog", "ChangeQueue", "NewStates", "stream_of"]
 
 
 _MAX_STATES = 10_000
@@ -38,9 +38,13 @@ _PART = 1024
 """Bytes of a part without its lists, about."""
 
 
-NewStates: TypeAlias = tuple[Entry, MergedParts, tuple[Reading, ...], Time, bool]
-"""New values that a report of a device brought, or one event: the device, its parts as they were then, the values, when
-they were told, and whether the device told them itself."""
+NewStates: TypeAlias = tuple[Entry, MergedParts, tuple[Reading, ...], str, Time, bool]
+"""New values that a report of a device brought, or one event: the device, its parts as they were then, the values, the
+stream of their change, when they were told, and whether the device told them itself."""
+
+
+stream_of = "\0".join
+"""Returns the stream of a change of a device: its id, and part and capability of each value in it."""
 
 
 @dataclass(slots=True, eq=False)
@@ -96,6 +100,11 @@ class ChangeQueue:
                     one.device = device
         self.pending.append(_PendingChange("removed", entry, why, other, device))
 
+    def event_number(self) -> str:
+        """Return what tells an event from the last ones: of a state the newest counts, of events each."""
+        self._events = (self._events + 1) % _EVENTS
+        return str(self._events)
+
     def note_states(self, states: NewStates) -> None:
         """Note new values, or one event; while 10,000 wait, they are dropped and counted."""
         if len(self.states) >= _MAX_STATES:
@@ -125,10 +134,25 @@ class ChangeQueue:
         taken = self.states if at_most is None else self.states[:at_most]
         self.states = [] if at_most is None else self.states[at_most:]
         found: list[StateChange] = []
-        for entry, parts, readings, told_at, live in taken:
+        for entry, parts, readings, whole, told_at, live in taken:
             current = self._current(entry, parts, readings)
-            if current:
-                found.append(self._state_change(entry, current, told_at, live=live))
+            if not current:
+                continue
+            stream = whole
+            if len(current) < len(readings):
+                names = [name for one in current for name in (one.part, one.capability)]
+                stream = stream_of((entry.id, *names))
+            self.sequence += 1
+            found.append(
+                StateChange.of_checked(
+                    stream=stream,
+                    device=entry.id,
+                    readings=current,
+                    told_at=told_at,
+                    live=live,
+                    sequence=self.sequence,
+                )
+            )
         return tuple(found)
 
     def _current(self, entry: Entry, parts: MergedParts, readings: tuple[Reading, ...]) -> tuple[Reading, ...]:
@@ -163,23 +187,6 @@ class ChangeQueue:
     def _change(self, kind: ChangeKind, device: Device, why: str, other: str = "") -> DeviceChange:
         self.sequence += 1
         return DeviceChange.of_checked(kind=kind, device=device, sequence=self.sequence, why=why, other=other)
-
-    def _state_change(self, entry: Entry, readings: tuple[Reading, ...], told_at: Time, *, live: bool) -> StateChange:
-        self.sequence += 1
-        names = [entry.id]
-        for reading in readings:
-            names += (reading.part, reading.capability)
-        if names[2] in EVENTS:  # of a state the newest counts, of events each
-            self._events = (self._events + 1) % _EVENTS
-            names.append(str(self._events))
-        return StateChange.of_checked(
-            stream="\0".join(names),
-            device=entry.id,
-            readings=readings,
-            told_at=told_at,
-            live=live,
-            sequence=self.sequence,
-        )
 
 
 class ChangeLog:

@@ -99,12 +99,23 @@ class Liveness:
         is_due_before: Returns whether it has one before a time of that clock.
     """
 
-    __slots__ = ("_deadlines", "_forget_after", "_table", "is_due_before", "next_deadline", "now")
+    __slots__ = (
+        "_deadlines",
+        "_forget_after",
+        "_seconds",
+        "_stamp",
+        "_table",
+        "is_due_before",
+        "next_deadline",
+        "now",
+    )
 
     def __init__(self, table: DeviceTable, forget_after: float) -> None:
         self.now = -math.inf
         self._table = table
         self._forget_after = forget_after
+        self._stamp: Time | None = None
+        self._seconds = 0.0
         self._deadlines: TimerQueue[str, None] = TimerQueue()
         self.next_deadline = self._deadlines.next
         self.is_due_before = self._deadlines.is_due_before
@@ -131,7 +142,9 @@ class Liveness:
         if silence < _ONLINE_FOR and source.is_online:
             silence = _ONLINE_FOR
         before, entry.freshness = entry.freshness, "fresh"
-        entry.deadline, entry.expires = now + silence, stamp.sec + stamp.nanosec / 1e9 + silence
+        if stamp is not self._stamp:  # all that is heard at once has one
+            self._stamp, self._seconds = stamp, stamp.to_seconds()
+        entry.deadline, entry.expires = now + silence, self._seconds + silence
         if entry.is_shared:
             self._mark_gateway_seen(entry, source.key[0], was_stale=before == "stale")
         else:

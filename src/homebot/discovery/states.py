@@ -10,6 +10,7 @@ from homebot.devices import DevicePart
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.value import Reading
+from homebot.discovery.changes import stream_of
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
@@ -22,6 +23,9 @@ __all__ = ["StateRecorder", "has_capability", "is_denied", "store_reachability"]
 
 
 _NAME = attrgetter("name")
+
+_NewValue: TypeAlias = tuple[tuple[str, str], Reading, StoredValue]
+"""A part and its capability, the new value, and where it is kept."""
 
 Trust: TypeAlias = Callable[[Entry, frozenset[EndpointKey]], None]
 
@@ -50,11 +54,13 @@ class StateRecorder:
         live, now, stamp = not report.retained, self._liveness.now, report.received_at
         shows_life = live and report.address != ""
         before = self._reach(entry) if entry.is_denied else None
-        new: list[tuple[Reading, StoredValue]] = []
-        for reading in report.readings:
-            place = part, capability = reading.part, reading.capability
-            stored = source.values.get(place)
+        new: list[_NewValue] = []
+        values = source.values
+        for reading in report.readings:  # each attribute of a message is asked for once: it takes as long as a call
+            place = reading.part, reading.capability
+            stored = values.get(place)
             if stored is None:
+                part, capability = place
                 if capability == REACHABLE:
                     before = before or self._reach(entry)
                     shows_life = shows_life and reading.value.flag
@@ -63,29 +69,29 @@ class StateRecorder:
                     if live:
                         self._record_event(entry, source, reading, stamp)
                 elif has_capability(source, part, capability):
-                    stored = source.values[place] = StoredValue(
-                        reading.value, reading.value.plain(), stamp, stamp, live, now
-                    )
-                    self._post(entry, source, reading, stored)
-                    new.append((reading, stored))
+                    value = reading.value
+                    stored = values[place] = StoredValue(value, value.plain(), stamp, stamp, live, now)
+                    self._post(entry, source, place, stored)
+                    new.append((place, reading, stored))
                 else:
                     self._table.counters.unknown_parts += 1
             elif live or not stored.live:  # what the broker had kept never overwrites what came live
                 stored.told_at, stored.live, stored.heard_at = stamp, live, now
-                if reading.value is stored.reported:
+                value = reading.value
+                if value is stored.reported:
                     continue
-                value, known = reading.value.plain(), stored.value
-                if known != value or type(known) is not type(value):
+                plain, known = value.plain(), stored.value
+                if known != plain or type(known) is not type(plain):
                     if entry.claimed and live:
                         self._compare(entry, source, reading)
-                    stored.reported, stored.value, stored.since = reading.value, value, stamp
+                    stored.reported, stored.value, stored.since = value, plain, stamp
                     if stored.column is not None:
-                        stored.column.values[stored.row] = value
-                    new.append((reading, stored))
+                        stored.column.values[stored.row] = plain
+                    new.append((place, reading, stored))
         if new:
-            self._publish(entry, source, new, report)
+            self._publish(entry, source, new, stamp, live=live)
         if shows_life:
-            self._liveness.mark_seen(entry, source, report.received_at, "it sent a message")
+            self._liveness.mark_seen(entry, source, stamp, "it sent a message")
         else:
             entry.invalidate_device()
         if before is not None and self._reach(entry) != before:
@@ -119,38 +125,39 @@ class StateRecorder:
         offline = entry.offline_parts(entry.parts(self._table.topics))
         return entry.reachability().state, offline, entry.endpoint_reach()
 
-    def _post(self, entry: Entry, source: SourceRecord, reading: Reading, stored: StoredValue) -> None:
+    def _post(self, entry: Entry, source: SourceRecord, place: tuple[str, str], stored: StoredValue) -> None:
         """Make a value findable; that it changes later is seen in *stored* itself, where no other route reports it."""
         table = self._table
         if entry.id in table.outdated:
             return
-        part = _part_of(entry.parts(table.topics), source, reading.part)
+        part = _part_of(entry.parts(table.topics), source, place[0])
         if part is not None and len(part.routes) > 1:
             table.outdated[entry.id] = None
         elif part is not None:
-            table.postings.put_value(entry.id, part.id, part.part.service_type, reading.capability, stored)
+            table.postings.put_value(entry.id, part.id, part.part.service_type, place[1], stored)
 
-    def _publish(
-        self, entry: Entry, source: SourceRecord, new: list[tuple[Reading, StoredValue]], report: Report
-    ) -> None:
-        """Publish new values out of *report*."""
+    def _publish(self, entry: Entry, source: SourceRecord, new: list[_NewValue], stamp: Time, *, live: bool) -> None:
+        """Publish new values out of one report."""
         table = self._table
         if len(entry.sources) > 1:
-            for reading, stored in new:
-                self._post(entry, source, reading, stored)
+            for place, _, stored in new:
+                self._post(entry, source, place, stored)
         if not table.collects_states:
             return
         merged = entry.parts(table.topics)
         readings: list[Reading] = []
-        name, part = None, None
-        for reading, _ in new:
-            if reading.part != name:
-                name = reading.part
+        names = [entry.id]
+        name, part_id = None, None
+        for place, reading, _ in new:
+            if place[0] != name:
+                name = place[0]
                 part = _part_of(merged, source, name)
-            if part is not None:
-                readings.append(reading if part.id == name else _of_part(part.id, reading))
+                part_id = None if part is None else part.id
+            if part_id is not None:
+                readings.append(reading if part_id == name else _of_part(part_id, reading))
+                names += (part_id, place[1])
         if readings:
-            table.changes.note_states((entry, merged, tuple(readings), report.received_at, not report.retained))
+            table.changes.note_states((entry, merged, tuple(readings), stream_of(names), stamp, live))
 
     def _record_event(self, entry: Entry, source: SourceRecord, reading: Reading, stamp: Time) -> None:
         """Publish an event once, by however many routes it comes; it is no state, so nothing is found by it."""
@@ -169,7 +176,8 @@ class StateRecorder:
         source.events = {**source.events, (reading.part, reading.capability): stored}
         if table.collects_states:
             event = _of_part(merged.parts[number].id, reading)
-            table.changes.note_states((entry, merged, (event,), stamp, True))
+            stream = stream_of((entry.id, event.part, event.capability, table.changes.event_number()))
+            table.changes.note_states((entry, merged, (event,), stream, stamp, True))
 
 
 def has_capability(source: SourceRecord, part_id: str, capability: str) -> bool:

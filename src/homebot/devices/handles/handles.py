@@ -22,7 +22,7 @@ __all__ = ["Handles", "Watcher"]
 
 HandleT = TypeVar("HandleT", bound="Handle")
 Watcher: TypeAlias = Callable[[StateChange], None]
-"""Called with the new values of each message, and with each event."""
+"""Called with the new values of each message, or with each event."""
 
 
 class Handles:
@@ -37,7 +37,7 @@ class Handles:
         self._commander: Commander | None = None
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._tracked: WeakValueDictionary[str, TrackedDevice] = WeakValueDictionary()
-        self._watchers: list[Watcher] = []
+        self._watchers: list[tuple[Watcher, Watcher]] = []
         node.create_subscription(DeviceChange, DEVICE_CHANGES, self._on_change, 1, from_node=DIRECTORY_NODE)
         node.create_subscription(StateChange, DEVICE_STATES, self._on_state, 1, from_node=DIRECTORY_NODE)
 
@@ -76,8 +76,13 @@ class Handles:
             tracked.update(device, sequence, is_gone=is_gone)
         return tracked
 
-    def watch(self, watcher: Watcher) -> Callable[[], None]:
-        """Call *watcher* with each new value and event of a device that has a handle; return the function to stop."""
+    def watch(self, on_state: Watcher, on_event: Watcher) -> Callable[[], None]:
+        """Call *on_state* with the new values of each device that has a handle, and *on_event* with every event.
+
+        Returns:
+            The function to stop.
+        """
+        watcher = on_state, on_event
         self._watchers.append(watcher)
         return lambda: self._watchers.remove(watcher)
 
@@ -86,10 +91,10 @@ class Handles:
             tracked.update(change.device, change.sequence, is_gone=change.kind == "removed")
 
     def _on_state(self, change: StateChange) -> None:
-        if not change.is_event:
-            tracked = self._tracked.get(change.device)
-            if tracked is None:
-                return
+        if change.is_event:
+            for _, on_event in self._watchers:
+                on_event(change)
+        elif (tracked := self._tracked.get(change.device)) is not None:
             tracked.take(change)
-        for watcher in self._watchers:
-            watcher(change)
+            for on_state, _ in self._watchers:
+                on_state(change)
