@@ -10,6 +10,7 @@ import anyio
 import pytest
 from anyio.abc import TaskGroup
 
+from homebot.clock import Clock
 from homebot.control import Control, ControlSettings
 from homebot.devices import Devices
 from homebot.devices.command_messages import CommandEvent
@@ -137,17 +138,19 @@ class RecordingGateway(MemoryGateway):
 
 class OpenHome(Protocol):
     def __call__(
-        self, grants: Mapping[str, tuple[str, ...]] = NO_GRANTS, **settings: object
+        self, grants: Mapping[str, tuple[str, ...]] = NO_GRANTS, clock: Clock | None = None, **settings: object
     ) -> AbstractAsyncContextManager[Home]: ...
 
 
 @pytest.fixture
 def open_home() -> OpenHome:
-    """Give what opens a home; its arguments are those of `ControlSettings`, without approvals, and ``grants``."""
+    """Give what opens a home without approvals; it takes ``grants``, ``clock`` and what `ControlSettings` takes."""
 
     @asynccontextmanager
-    async def opened(grants: Mapping[str, tuple[str, ...]] = NO_GRANTS, **settings: object) -> AsyncIterator[Home]:
-        graph = Graph()
+    async def opened(
+        grants: Mapping[str, tuple[str, ...]] = NO_GRANTS, clock: Clock | None = None, **settings: object
+    ) -> AsyncIterator[Home]:
+        graph = Graph(clock)
         async with (
             Node(graph, "memory", namespace="/gateway") as gateway_node,
             Node(graph, "discovery") as directory_node,

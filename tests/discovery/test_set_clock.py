@@ -10,6 +10,7 @@ import anyio
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from tests.set_clock import SetClock
 
 from homebot.apps import App
 from homebot.apps.base import NoSettings
@@ -39,20 +40,6 @@ steps = st.lists(
     min_size=1,
     max_size=25,
 )
-
-
-class SetClock:
-    """The loop's time, and a wall clock that somebody sets."""
-
-    def __init__(self, wall: float) -> None:
-        self._time = asyncio.get_running_loop().time
-        self.wall = wall
-
-    def monotonic(self) -> float:
-        return 1000.0 + self._time()
-
-    def now(self) -> float:
-        return self.wall + self._time()
 
 
 async def life(moves: list[Step], wall: float, *, is_set: bool) -> list[tuple[float, str, str]]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from datetime import tzinfo
 from functools import lru_cache
-from typing import final
+from typing import Final, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.journal import CommandJournal
@@ -24,6 +25,9 @@ from homebot.errors import ServiceError
 from homebot.graph import Node
 
 __all__ = ["Judge"]
+
+_SET: Final = 5.0
+"""Seconds by which the clock of the computer and the monotonic one come apart where it was set, or has slept."""
 
 
 @final
@@ -59,12 +63,18 @@ class Judge:
         self._house = House()
         self._recent = RecentCommands()
         self._zone = _zone(settings.time_zone)
+        self._ahead = self._clock.now() - self._clock.monotonic()
+        self._clock_set_at = -math.inf
         if settings.needs_house:
             node.create_task(self._follow)
 
     def refusal(self, command: IssuedCommand) -> Refused | None:
         """Return the refusal of *command*; None if it may be sent now."""
-        facts = Facts(self._clock.now(), self._clock.monotonic(), self._zone, self._house, self._recent)
+        now, monotonic = self._clock.now(), self._clock.monotonic()
+        if abs(now - monotonic - self._ahead) > _SET:
+            self._clock_set_at = monotonic
+        self._ahead = now - monotonic
+        facts = Facts(now, monotonic, self._zone, self._house, self._recent, self._clock_set_at)
         verdicts = self._policies.judge(command, facts)
         for verdict in verdicts:
             if verdict.reason or not verdict.allowed:

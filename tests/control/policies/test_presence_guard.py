@@ -5,6 +5,7 @@ from __future__ import annotations
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, ignore
+from tests.set_clock import SetClock
 
 from homebot.config import parse_settings
 from homebot.control import ControlSettings
@@ -70,6 +71,23 @@ async def test_somebody_who_sits_still_is_there_for_a_while(open_home: OpenHome)
         assert isinstance(outcome, Refused)
         assert "somebody was in Hall 299 s ago" in outcome.reason
         await anyio.sleep(2)
+        assert (await lamp.turn_off()).succeeded
+
+
+@pytest.mark.parametrize("by", [-1e9, -400.0, 400.0, 1e9])
+async def test_a_computer_whose_clock_is_set_forgets_nobody(open_home: OpenHome, by: float) -> None:
+    clock = SetClock(1.8e9)
+    async with open_home(clock=clock, presence_guard=True) as home:
+        put_hall(home)
+        lamp = await home.handle(Light, "lamp")
+        await home.report("motion", "occupancy", True)
+        await home.report("motion", "occupancy", False)
+        await anyio.sleep(100)
+        clock.wall += by
+        assert isinstance(await lamp.turn_off(), Refused)
+        await anyio.sleep(299)
+        assert isinstance(await lamp.turn_off(), Refused)
+        await anyio.sleep(302)
         assert (await lamp.turn_off()).succeeded
 
 

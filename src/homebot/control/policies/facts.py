@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from datetime import datetime, tzinfo
 
@@ -21,6 +22,7 @@ class Facts:
         zone: The time zone of the home; None for that of the computer.
         house: The devices that some policy needs.
         recent: The commands that were sent lately.
+        clock_set_at: When the computer's clock was last set, or its sleep ended, by the monotonic clock.
     """
 
     now: float
@@ -28,6 +30,14 @@ class Facts:
     zone: tzinfo | None
     house: House
     recent: RecentCommands
+    clock_set_at: float = -math.inf
+
+    def age(self, stamp: float) -> float:
+        """Return the seconds since *stamp*; since the clock was set, for what was stamped before by another time."""
+        since_set = self.monotonic - self.clock_set_at
+        if stamp > self.now:
+            return since_set if since_set < math.inf else 0.0
+        return min(self.now - stamp, since_set)
 
     @property
     def local_time(self) -> datetime:

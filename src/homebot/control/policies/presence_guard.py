@@ -31,11 +31,10 @@ def judge_presence(settings: PresenceGuardSettings, command: IssuedCommand, fact
             NAME, allowed=False, reason="the room of the device is unknown, and so is whether somebody is there"
         )
     if (hand := _hand(command, facts, settings.absent_after)) is not None:
-        ago = max(0.0, facts.now - hand.since)
-        reason = f"somebody is in {room}: {command.target} was changed by hand {ago:.0f} s ago"
+        reason = f"somebody is in {room}: {command.target} was changed by hand {facts.age(hand.since):.0f} s ago"
         return Verdict(NAME, allowed=False, reason=reason, facts=(hand,))
     presence, used = presence_in(room, facts, settings.absent_after)
-    return Verdict(NAME, presence == "absent", _reason(presence, room, used, facts.now), used)
+    return Verdict(NAME, presence == "absent", _reason(presence, room, used, facts), used)
 
 
 def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence, tuple[FactUsed, ...]]:
@@ -48,7 +47,7 @@ def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence,
     silent: list[FactUsed] = []
     for one in facts.house.readings(room, OCCUPANCY):
         used = FactUsed(f"{OCCUPANCY} of {one.sensor}", one.value, one.since)
-        if one.value is True or (one.value is False and facts.now - one.since < absent_after):
+        if one.value is True or (one.value is False and facts.age(one.since) < absent_after):
             return "present", (used,)
         (found if one.value is False else silent).append(used)
     if silent or not found:
@@ -66,15 +65,15 @@ def _hand(command: IssuedCommand, facts: Facts, within: float) -> FactUsed | Non
         if state.part != command.part.id or not state.live or state.capability not in settable:
             continue
         since, value = state.since.to_seconds(), state.value.plain()
-        changed_at = facts.monotonic - (facts.now - since)
-        if facts.now - since < within and not facts.recent.explain(
-            command.place, settable, state.capability, value, changed_at
+        age = facts.age(since)
+        if age < within and not facts.recent.explain(
+            command.place, settable, state.capability, value, facts.monotonic - age
         ):
             return FactUsed(f"{state.capability} of {command.target}", value, since)
     return None
 
 
-def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], now: float) -> str:
+def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], facts: Facts) -> str:
     match presence:
         case "absent":
             return f"nobody is in {room}"
@@ -85,4 +84,4 @@ def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], now: floa
     (one,) = used
     if one.value is True:
         return f"somebody is in {room}: {one.name} is on"
-    return f"somebody was in {room} {max(0.0, now - one.since):.0f} s ago: {one.name}"
+    return f"somebody was in {room} {facts.age(one.since):.0f} s ago: {one.name}"
