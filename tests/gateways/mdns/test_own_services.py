@@ -12,13 +12,16 @@ from pathlib import Path
 import anyio
 from tests.gateways.mdns.lamp import LOOPBACK
 from tests.patience import PATIENCE
-from zeroconf import IPVersion
-from zeroconf.asyncio import AsyncServiceInfo, AsyncZeroconf
+from zeroconf import IPVersion, ServiceStateChange
+from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf
 
 import homebot
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
+from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
+from homebot.gateways.mdns.network import OwnService, ServiceNews
+from homebot.gateways.mdns.zeroconf_network import MdnsNetwork
 from homebot.graph import Graph, Node, Publisher
 from homebot.installation import INSTALLATION_FILE, Installation
 
@@ -81,6 +84,42 @@ async def test_what_others_can_reach_is_announced_until_it_is_withdrawn() -> Non
         services.publish(DOOR.model_copy(update={"is_withdrawn": True}))
         await look(other, "_rosbridge._tcp", is_there=False)
         await look(other, "_homebot._tcp", port=0)
+
+
+async def test_who_knows_homebot_keeps_it_while_its_records_change() -> None:
+    """A goodbye before each change would let it leave and return in other homebots' lists."""
+    changes: list[ServiceStateChange] = []
+
+    def note(name: str, state_change: ServiceStateChange, **_: object) -> None:
+        if name.startswith(NAME):
+            changes.append(state_change)
+
+    async with announcing() as (services, other):
+        await look(other, "_homebot._tcp")
+        browser = AsyncServiceBrowser(other.zeroconf, "_homebot._tcp.local.", handlers=[note])
+        services.publish(DOOR)
+        await look(other, "_homebot._tcp", port=9090)
+        services.publish(DOOR.model_copy(update={"port": 9091}))
+        await look(other, "_homebot._tcp", port=9091)
+        assert ServiceStateChange.Removed not in changes
+        await browser.async_cancel()
+    assert changes[0] is ServiceStateChange.Added
+
+
+async def test_another_address_of_this_computer_is_announced() -> None:
+    news: list[ServiceNews] = []
+    other = AsyncZeroconf(interfaces=[LOOPBACK], ip_version=IPVersion.V4Only)
+    try:
+        async with MdnsNetwork.opened((LOOPBACK,), news.append, GatewayCounters()) as network:
+            await network.announce(OwnService("_homebot._tcp", NAME, f"robot-{os.getpid()}", 0))
+            assert (await look(other, "_homebot._tcp")).parsed_addresses() == [LOOPBACK]
+            await network.change_interfaces((LOOPBACK, "127.0.0.2"))
+            with anyio.fail_after(PATIENCE):
+                while "127.0.0.2" not in (await look(other, "_homebot._tcp")).parsed_addresses():  # noqa: ASYNC110
+                    await anyio.sleep(0.05)  # another program tells nobody
+    finally:
+        await other.async_close()
+    assert not [one for one in news if one.name.startswith(NAME)]
 
 
 async def test_what_is_for_this_computer_alone_is_not_announced() -> None:

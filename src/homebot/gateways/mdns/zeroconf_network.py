@@ -12,6 +12,7 @@ from __future__ import annotations
 import ipaddress
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from typing import Literal
 
 import anyio
@@ -46,6 +47,14 @@ _SRV = 33  # RFC 2782
 _ADDRESS_TYPES = frozenset({1, 28})  # A (RFC 1035) and AAAA (RFC 3596)
 
 
+@dataclass(frozen=True, slots=True)
+class _Announced:
+    """A service of homebot as it is announced."""
+
+    service: OwnService
+    info: ServiceInfo
+
+
 class MdnsNetwork(ServiceNetwork):
     """The network behind some interfaces, used as ``async with MdnsNetwork.opened(…) as network``."""
 
@@ -61,7 +70,7 @@ class MdnsNetwork(ServiceNetwork):
         self._hear = hear
         self._counters = counters
         self._browsers: dict[str, AsyncServiceBrowser] = {}
-        self._own: dict[str, ServiceInfo] = {}
+        self._own: dict[str, _Announced] = {}
         self._with_loopback = any(_is_loopback(one) for one in interfaces)
 
     @classmethod
@@ -104,6 +113,8 @@ class MdnsNetwork(ServiceNetwork):
         self._with_loopback = any(_is_loopback(one) for one in interfaces)
         try:
             await self._zeroconf.async_update_interfaces(list(interfaces), _version(interfaces))
+            for announced in tuple(self._own.values()):
+                await self._update(announced.service, announced.info.name)
         except (OSError, RuntimeError, Error) as exc:
             raise LinkError(f"mDNS cannot be used on {', '.join(map(str, interfaces))}: {exc}") from exc
 
@@ -172,39 +183,55 @@ class MdnsNetwork(ServiceNetwork):
     async def announce(self, service: OwnService) -> str:
         """Announce a service of homebot in place of one of the same type; return the name that it got.
 
-        Where another computer has a service of that name, a number is added to it (RFC 6762, section 9).
+        Where another computer has a service of that name, a number is added to it (RFC 6762, section 9). A service that
+        keeps its name is not withdrawn first: it stays with those who know it.
         """
+        full, known = full_type(service.service_type), self._own.get(service.service_type)
+        if known is not None and known.service.host == service.host and _label(known.info) == service.name:
+            await self._update(service, known.info.name)
+            return service.name
         await self.withdraw(service.service_type)
-        full = full_type(service.service_type)
+        info = self._info(service, f"{service.name}.{base_type(full)}")
+        try:
+            sent = await self._zeroconf.async_register_service(info, allow_name_change=True)
+            # Not before: until then the name may be somebody else's.
+            self._own[service.service_type] = _Announced(service, info)
+            await sent
+        except Error as exc:
+            self._own.pop(service.service_type, None)
+            raise LinkError(f"{service.name} cannot be announced as {service.service_type}: {exc}") from exc
+        return _label(info)
+
+    async def withdraw(self, service_type: str) -> None:
+        """Withdraw a service of homebot with a goodbye; does nothing if there is none of that type."""
+        announced = self._own.pop(service_type, None)
+        if announced is not None:
+            await (await self._zeroconf.async_unregister_service(announced.info))
+
+    async def _update(self, service: OwnService, name: str) -> None:
+        """Announce other records of a service under the name that it has; does nothing where they are the same."""
+        info = self._info(service, name)
+        before = self._own[service.service_type].info
+        self._own[service.service_type] = _Announced(service, info)
+        if (info.port, info.text, info.addresses) != (before.port, before.text, before.addresses):
+            await (await self._zeroconf.async_update_service(info))
+
+    def _info(self, service: OwnService, name: str) -> ServiceInfo:
         addresses = [one for one in service.addresses if not ipaddress.ip_address(one).is_unspecified]
-        info = ServiceInfo(
-            full,
-            f"{service.name}.{base_type(full)}",
+        return ServiceInfo(
+            full_type(service.service_type),
+            name,
             port=service.port,
             properties=dict(service.properties),
             server=f"{service.host}.local.",
             parsed_addresses=addresses or self._own_addresses(),
         )
-        try:
-            sent = await self._zeroconf.async_register_service(info, allow_name_change=True)
-            self._own[service.service_type] = info  # not before: until then the name may be somebody else's
-            await sent
-        except Error as exc:
-            self._own.pop(service.service_type, None)
-            raise LinkError(f"{service.name} cannot be announced as {service.service_type}: {exc}") from exc
-        return instance_label(info.name, full)
-
-    async def withdraw(self, service_type: str) -> None:
-        """Withdraw a service of homebot with a goodbye; does nothing if there is none of that type."""
-        info = self._own.pop(service_type, None)
-        if info is not None:
-            await (await self._zeroconf.async_unregister_service(info))
 
     def _own_addresses(self) -> list[str]:
         return [one for one in self._interfaces if isinstance(one, str)]
 
     def _take(self, *, service_type: str, name: str, state_change: ServiceStateChange, **_: object) -> None:
-        if any(one.name.lower() == name.lower() for one in self._own.values()):
+        if any(one.info.name.lower() == name.lower() for one in self._own.values()):
             return
         kind: Literal["seen", "gone"] = "gone" if state_change is ServiceStateChange.Removed else "seen"
         self._hear(ServiceNews(kind, service_type, name))
@@ -256,6 +283,10 @@ class MdnsNetwork(ServiceNetwork):
             await browser.async_cancel()
         self._browsers.clear()
         await self._zeroconf.async_close()
+
+
+def _label(info: ServiceInfo) -> str:
+    return instance_label(info.name, info.type)
 
 
 def _version(interfaces: Interfaces) -> IPVersion:
