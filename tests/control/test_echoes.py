@@ -6,6 +6,7 @@ import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, ignore, report
 
+from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
 
@@ -117,6 +118,26 @@ async def test_fast_reports_that_are_taken_back_are_learnt_to_be_echoes(open_hom
         assert isinstance(outcome, Confirmed)  # as before, and a bridge need not repeat what it reported
         assert outcome.evidence is Evidence.ACKNOWLEDGED
         assert isinstance(await lamp.turn_off(), NoAnswer)
+
+
+async def test_one_value_that_is_taken_back_says_nothing_of_the_others(open_home: OpenHome) -> None:
+    async def behaviour(home: Home, command: Command) -> None:
+        home.later(ECHO, "lamp", command.capability, command.value.plain())
+        if command.capability == "color_temperature":
+            home.later(1.5, "lamp", command.capability, 6500.0)
+
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level", "color_temperature", echoed=("color_temperature",))
+        home.behaviours["lamp"] = behaviour
+        lamp = await home.handle(Light)
+        for level in (10, 20, 30):
+            outcome = await lamp.turn_on(level=level, kelvin=2700)
+            assert isinstance(outcome, Contradicted)
+            assert outcome.saw == "color_temperature is 6500"
+            await anyio.sleep(20)
+        began = anyio.current_time()
+        assert isinstance(await lamp.set_level(40), Confirmed)
+        assert anyio.current_time() - began == pytest.approx(ECHO)
 
 
 async def test_echoes_that_are_true_for_long_are_believed_again(open_home: OpenHome) -> None:

@@ -264,9 +264,8 @@ class CommandExecutor:
             return
         for capability, answered in pending.echo_answers():
             self._echoes.note_echo(target, capability, answered=answered)
-        if isinstance(outcome, Contradicted):
-            for capability in pending.fast:
-                self._echoes.note_fast(target, capability, taken_back=True)
+        for capability in pending.taken_back:
+            self._echoes.note_fast(target, capability, taken_back=True)
 
     def _known(self, command: IssuedCommand, echoes: ExpectedEchoes) -> tuple[dict[str, PlainValue], bool]:
         """Return the values that the part reported live, and whether all that are wanted were reported lately.

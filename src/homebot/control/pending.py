@@ -187,7 +187,7 @@ class PendingCommand:
 
     def _weakly_met_at(self) -> float:
         """Return when all was reported or echoed, or sent where an echo is declared; infinity where it was not."""
-        latest = -math.inf
+        latest = -math.inf if self._wanted else math.inf
         for name in self._wanted:
             at = self._fitting.get(name)
             if at is None and name not in self._seen:
@@ -216,6 +216,11 @@ class PendingCommand:
         """Yield the capabilities that were reported as wanted, each with the seconds that it took."""
         for capability, at in self._fitting.items():
             yield capability, at - self._began
+
+    @property
+    def taken_back(self) -> set[str]:
+        """The capabilities of which a fast report was followed by another value."""
+        return self.fast & (self._seen.keys() - self._fitting.keys())
 
     def echo_answers(self) -> Iterable[tuple[str, bool]]:
         """Yield the capabilities with an expected echo, each with whether the device reported by itself, too."""
