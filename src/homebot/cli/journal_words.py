@@ -39,6 +39,8 @@ def entry_text(entry: JournalEntryRecord, names: Mapping[str, str]) -> str:
     match entry["kind"]:
         case "requested":
             return f"{issuer_text(entry['issuer'])} asked {name} for {settings_text(entry['settings'])}"
+        case "would":
+            return "not sent: this is a dry run"
         case "published":
             return f"{issuer_text(entry['issuer'])} published {printable(entry['text'])!r} for {name}"
         case "judged":

@@ -46,6 +46,8 @@ COMMANDS: Final = {
     "why": "tell why a device is as it is",
     "why-not": "tell why a device is not as it should be",
     "journal": "show what was commanded, why, and what became of it",
+    "record": "record what happens in the house, for a replay",
+    "replay": "replay a recorded day, and tell which commands would be others",
     "tag": "tag devices with words; read and write NFC tags",
     "topic": "list, inspect, read and publish topics",
     "service": "list and call services",
@@ -67,7 +69,7 @@ examples:
   homebot service call /rosapi/get_time          call a service
   homebot broker                                 an MQTT broker and nothing else
 
-All commands but `run`, `broker` and `config` connect to a running homebot, by default on 127.0.0.1:9090. See
+All commands but `run`, `replay`, `broker` and `config` connect to a running homebot, by default on 127.0.0.1:9090. See
 `homebot COMMAND --help` for the options of each.
 """
 

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from homebot.control.executor import CommandExecutor
     from homebot.control.judge import Judge
     from homebot.control.lease_keeper import LeaseKeeper
+    from homebot.control.rehearsal import Rehearsal
     from homebot.control.text_commands import TextCommands
     from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
     from homebot.devices.command_messages import (
@@ -77,6 +78,7 @@ class Control:
         grants: The scope of each node that may not command everything, by its full name; see `CommandRequest`.
         trusts_apps: Whether nodes without a scope may command what always asks, as in a simulated house.
         journal_file: Where the journal is kept over a restart; None for nowhere.
+        rehearsal: Answers commands in place of the devices; None where they are sent.
     """
 
     def __init__(
@@ -87,10 +89,12 @@ class Control:
         *,
         trusts_apps: bool = False,
         journal_file: Path | None = None,
+        rehearsal: Rehearsal | None = None,
     ) -> None:
         self._node = node
         self._settings = settings or ControlSettings()
         self._journal = CommandJournal(node, self._store(journal_file), self._settings.settle)
+        self._rehearsal = rehearsal
         self._house_watch = HouseWatch(node, self._journal)
         self._denied = DeniedRequests(node, self._journal, self._house_watch.addresses)
         self._grants = grants
@@ -208,7 +212,9 @@ class Control:
 
             leases = Leases(self._settings.hand_time)
             self._journal.add_counter("leases_refused", lambda: leases.refused)
-            self._executor = CommandExecutor(self._node, self._settings, self._judge, self._journal, leases)
+            self._executor = CommandExecutor(
+                self._node, self._settings, self._judge, self._journal, leases, self._rehearsal
+            )
             self._begun.set()
         return self._executor
 

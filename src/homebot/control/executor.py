@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Iterable
 from functools import partial
-from typing import Final, TypeAlias, final
+from typing import TYPE_CHECKING, Final, TypeAlias, final
 
 from homebot.control.answer_watch import AnswerWatch
 from homebot.control.client_commands import POLICY, client_refusal
@@ -14,7 +14,7 @@ from homebot.control.echoes import NO_ECHOES, EchoHistory, ExpectedEchoes
 from homebot.control.journal import CommandJournal
 from homebot.control.judge import Judge
 from homebot.control.leases import LEASE_POLICY, Leases
-from homebot.control.pending import PendingCommand
+from homebot.control.pending import PendingCommand, value_text
 from homebot.control.report_watch import ReportWatch
 from homebot.control.response_times import ResponseTimes
 from homebot.control.settings import ControlSettings
@@ -29,7 +29,12 @@ from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError
 from homebot.graph import Node
 
+if TYPE_CHECKING:
+    from homebot.control.rehearsal import Rehearsal
+
 __all__ = ["CommandExecutor"]
+
+WOULD_SEND = "control.would_send"
 
 MOST_PENDING: Final = 10_000
 """Commands whose outcome is awaited at once; further ones are refused."""
@@ -42,6 +47,9 @@ _MOVES_FOR: Final = 60.0
 
 _LONGEST: Final = 300.0
 """Seconds from sending after which no sign of moving helps any more."""
+
+_REHEARSED: Final = 0.1
+"""Seconds that a device is taken to need in a rehearsal: what is asked again at once is not asked without end."""
 
 _Place: TypeAlias = tuple[str, str, str]
 
@@ -56,13 +64,20 @@ class CommandExecutor:
         judge: Asks the policies.
         journal: Notes what becomes of each.
         leases: The values that somebody holds.
+        rehearsal: Answers commands in place of the devices; None where they are sent.
 
     Attributes:
         leases: The same.
     """
 
     def __init__(
-        self, node: Node, settings: ControlSettings, judge: Judge, journal: CommandJournal, leases: Leases
+        self,
+        node: Node,
+        settings: ControlSettings,
+        judge: Judge,
+        journal: CommandJournal,
+        leases: Leases,
+        rehearsal: Rehearsal | None = None,
     ) -> None:
         self._node = node
         self._settings = settings
@@ -71,6 +86,7 @@ class CommandExecutor:
         self._judge = judge
         self._journal = journal
         self.leases = leases
+        self._rehearsal = rehearsal
         self._sender = CommandSender(node)
         self._watch = ReportWatch(node)
         self._answers = AnswerWatch(node)
@@ -160,6 +176,9 @@ class CommandExecutor:
         try:
             if pending.was_so and recent and is_at_rest and not _is_momentary(command):
                 return result_of(AlreadySo(command_id=command.id))
+            if (assumed := self.rehearsed(command)) is not None:
+                await asyncio.sleep(_REHEARSED)
+                return result_of(assumed, pending.wanted if assumed.succeeded else ())
             outcome = await self._send_and_wait(pending, changed)
             if echoes is not NO_ECHOES:
                 self._note_echoes(pending, outcome)
@@ -172,6 +191,21 @@ class CommandExecutor:
             stop()
             self._answers.forget(pending)
         return result_of(outcome, pending.reported)
+
+    def rehearsed(self, command: IssuedCommand) -> Outcome | None:
+        """Return the outcome that a rehearsal assumes of *command*, and note it; None where it is to be sent."""
+        outcome = None if self._rehearsal is None else self._rehearsal.outcome(command)
+        if outcome is not None:
+            self.leases.note_stop(command.place, command.settings, self._clock.monotonic())
+            self._judge.note_sent(command)
+            self._journal.would(command)
+            self._node.log.info(
+                WOULD_SEND,
+                message=f"{command.issuer.removeprefix('/')} would set {command.target}: {_settings_text(command)}",
+                device=command.device.id,
+                command=command.id,
+            )
+        return outcome
 
     def _note_confirmed(self, pending: PendingCommand) -> None:
         for capability, seconds in pending.response_times():
@@ -313,6 +347,10 @@ def _readable(command: IssuedCommand) -> Iterable[str]:
 
 def _is_momentary(command: IssuedCommand) -> bool:
     return not MOMENTARY.isdisjoint(command.settings)
+
+
+def _settings_text(command: IssuedCommand) -> str:
+    return ", ".join(f"{name} {value_text(value)}" for name, value in command.settings.items())
 
 
 def _until(until: float, pending: PendingCommand, began: float) -> float:

@@ -21,7 +21,7 @@ from homebot.devices.outcomes import (
 )
 from homebot.devices.value import PlainValue, Value
 
-__all__ = ["PendingCommand"]
+__all__ = ["PendingCommand", "value_text"]
 
 _MOST_NOTED: Final = 20
 """Reports of one command that are worth a note, should a device report one value after the other."""
@@ -212,6 +212,11 @@ class PendingCommand:
         """The values that the device reported and that fit."""
         return tuple([Setting.of_checked(capability=one, value=Value.of(self._seen[one])) for one in self._fitting])
 
+    @property
+    def wanted(self) -> tuple[Setting, ...]:
+        """The values that the device is to report."""
+        return tuple(Setting(capability=name, value=Value.of(value)) for name, value in self._wanted.items())
+
     def response_times(self) -> Iterable[tuple[str, float]]:
         """Yield the capabilities that were reported as wanted, each with the seconds that it took."""
         for capability, at in self._fitting.items():
@@ -241,7 +246,7 @@ class PendingCommand:
             return Confirmed(max(self._fitting.values()) - self._began, Evidence.REPORTED, command_id=name)
         others = [(one, seen) for one, seen in self._seen.items() if one not in self._fitting]
         if others:
-            saw = ", ".join(f"{capability} is {_text(value)}" for capability, value in others)
+            saw = ", ".join(f"{capability} is {value_text(value)}" for capability, value in others)
             return Contradicted(saw, command_id=name)
         if self._is_accepted:
             return Confirmed(max(self._answers.values()) - self._began, Evidence.ACKNOWLEDGED, command_id=name)
@@ -258,7 +263,8 @@ class PendingCommand:
         return self._wanted.items() if self._wanted else self.command.settings.items()
 
 
-def _text(value: PlainValue) -> str:
+def value_text(value: PlainValue) -> str:
+    """Return *value* in words, shortened."""
     match value:
         case bool():
             return "on" if value else "off"

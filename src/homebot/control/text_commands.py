@@ -88,6 +88,11 @@ class TextCommands:
         if refused is not None:
             self._journal.decided(name, noted, result_of(refused))
             return _response(refused)
+        if (assumed := self._executor.rehearsed(command)) is not None:
+            self._journal.decided(name, noted, result_of(assumed))
+            return (
+                _response(assumed) if isinstance(assumed, Refused) else SendTextResponse(success=True, command_id=name)
+            )
         self._executor.note_text(command)
         try:
             sent = await self._sender.send(

@@ -18,6 +18,7 @@ from homebot.messages.message import Message, ServiceType, UInt8
 __all__ = [
     "ONLY_OBSERVES",
     "REACHABLE",
+    "SENDS_NOTHING",
     "Command",
     "CommandAnswer",
     "GatewayState",
@@ -32,6 +33,8 @@ __all__ = [
 
 REACHABLE = "reachable"
 """Capability of a whole device (part ``""``): whether it can be reached, by its convention."""
+
+SENDS_NOTHING = "homebot runs with --dry-run, so nothing is sent"
 
 ONLY_OBSERVES = "the gateway only observes; start with --act, or set act = true"
 

@@ -41,6 +41,7 @@ EntryKind: TypeAlias = Literal[
     "expired",
     "outranked",
     "handed_back",
+    "would",
 ]
 
 MOST_ENTRIES = 1000
@@ -90,7 +91,8 @@ class JournalEntry(Message):
             `Devices.tell` or by another program, which nobody verifies; ``denied``: a client of the door, or who wanted
             to hold a part, was refused before there was a command; ``held``: a holder began to hold a part;
             ``released``: it let go; ``ended``: somebody else, the issuer, ended its lease; ``expired``: its time was
-            over; ``outranked``: a hand or a stop command outranks the lease; ``handed_back``: the lease counts again.
+            over; ``outranked``: a hand or a stop command outranks the lease; ``handed_back``: the lease counts again;
+            ``would``: in place of ``sent``, in a dry run or a replay, which send nothing.
         at: When.
         device: The id of the device; empty for ``denied`` where none is known.
         part: The id of the part.

@@ -33,11 +33,13 @@ __all__ = [
     "PLACE_DEVICE",
     "QUERY_DEVICES",
     "READ_JOURNAL",
+    "READ_RECORDING",
     "RELEASE_LEASE",
     "RENEW_LEASE",
     "RUNTIME_NODE",
     "SEND_TEXT",
     "SPLIT_DEVICE",
+    "START_RECORDER",
     "TAG",
     "TAG_DEVICE",
     "TEACH_PLACE",
@@ -83,6 +85,8 @@ COMMAND_EVENTS = "/control/events"
 READ_JOURNAL = "/control/journal"
 GET_UNAPPROVED = "/control/unapproved"
 JOURNAL_ENTRIES = "/control/journal_entries"
+START_RECORDER = "/homebot/start_recorder"
+READ_RECORDING = "/homebot/recorder/read"
 ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
 
 DIRECTORY_NODE = "/discovery"

@@ -53,7 +53,7 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel, ConfigDict
 
 from homebot.devices import GatewayNames, GatewayState, Sighting
-from homebot.devices.gateway_messages import ONLY_OBSERVES, Report
+from homebot.devices.gateway_messages import ONLY_OBSERVES, SENDS_NOTHING, Report
 from homebot.gateways.context import GatewayContext, HostService
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, qos_profile_latched
 from homebot.units import Seconds
@@ -115,6 +115,8 @@ class Gateway(ABC):
         if isinstance(settings, GatewaySettings):
             self.acts = settings.act
         self.context = context or GatewayContext()
+        if self.context.is_dry_run:
+            self.observes_because = SENDS_NOTHING
         self.names = GatewayNames(node.name)
         self._sightings = node.create_publisher(Sighting, self.names.received_topics, _NEWEST_OF_EACH)
         self.reports = node.create_publisher(Report, self.names.readings, _NEWEST_OF_EACH)
@@ -171,7 +173,8 @@ class Gateway(ABC):
         """
         if not reason and not self.acts and self.observes_because != ONLY_OBSERVES:
             reason = self.observes_because
-        news = GatewayState(state=state, reason=reason, acts=self.acts)
+        # Apps send a raw text only where that says that commands are taken; the journal shall have it.
+        news = GatewayState(state=state, reason=reason, acts=self.acts or self.context.is_dry_run)
         if news != self._state:
             self._state = news
             self._states.publish(news)

@@ -37,15 +37,17 @@ class GatewayContext:
     Attributes:
         random: The source of random numbers; None for one of the gateway's own. A seeded one makes every run the same.
         services: The running host services by their class.
+        is_dry_run: Whether nothing may be sent; gateways then only observe, and yet take commands, which are not sent.
     """
 
     random: Random | None = None
     services: Mapping[type[object], object] = field(default_factory=dict)
+    is_dry_run: bool = False
 
     @classmethod
-    def of(cls, *services: object, random: Random | None = None) -> Self:
+    def of(cls, *services: object, random: Random | None = None, is_dry_run: bool = False) -> Self:
         """Return a context with these running *services*."""
-        return cls(random, {type(service): service for service in services})
+        return cls(random, {type(service): service for service in services}, is_dry_run)
 
     def service(self, kind: type[ServiceT]) -> ServiceT | None:
         """Return the running host service of the class *kind*; None where there is none."""

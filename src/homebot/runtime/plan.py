@@ -27,7 +27,7 @@ from homebot.plugins import load_plugin
 if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
 
-__all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_plan", "plan_errors"]
+__all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_plan", "observing", "plan_errors"]
 
 
 class DoorTable(DoorSettings):
@@ -78,7 +78,8 @@ class PlannedComponent(Generic[ComponentT]):
 
 
 ACT = "act"
-"""The key in a table of an app, or of the directory of things, that says which devices it may command."""
+"""The key that says which devices an app, or a client of the directory of things, may command, and whether a gateway
+sends commands at all."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +128,12 @@ def make_plan(config: Config) -> Plan:
         places=_places(config),
         grants=dict(_grants(config)),
     )
+
+
+def observing(config: Config) -> Config:
+    """Return *config* with gateways that only observe."""
+    gateways = {name: {**table, ACT: False} for name, table in config.gateways.items()}
+    return config.model_copy(update={"gateways": gateways})
 
 
 def plan_errors(config: Config) -> tuple[ConfigError, ...]:

@@ -5,10 +5,10 @@ The order is: broker (where it is ours), gateways, directory, apps, door, direct
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Awaitable, Callable, Iterable, Iterator
 from contextlib import AsyncExitStack
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from random import Random
 from types import TracebackType
@@ -22,7 +22,7 @@ from homebot.apps import App
 from homebot.bridges.rosbridge import Door
 from homebot.clock import Clock, LoopClock
 from homebot.config import UNNAMED, Config
-from homebot.control import Control
+from homebot.control import Control, ControlSettings
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.health import GetHealth
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
@@ -37,13 +37,16 @@ from homebot.plugins import plugin_names
 from homebot.production_loop import LoopWatch
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
-from homebot.runtime.plan import Plan, PlannedComponent, make_plan
+from homebot.runtime.plan import Plan, PlannedComponent, make_plan, observing
+from homebot.runtime.recorder_starter import RecorderStarter
 from homebot.runtime.supervisor import Supervisor, Work
 
 if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
+    from homebot.control.rehearsal import Rehearsal
     from homebot.house import World
     from homebot.house.network import HouseNetwork
+    from homebot.recording.line_sink import LineSink
 
 __all__ = ["Runtime"]
 
@@ -79,6 +82,11 @@ class Runtime:
         trusts_apps: Whether apps may command what always asks without a grant, since no device is real; always so with
             a *house*. No device needs an approval then, but where a *house* has gateways that may find real ones.
         index_file: The file in which the directory keeps devices over a restart; None for none.
+        record_into: Takes the lines of a recording of the whole run; None for no recording.
+        is_dry_run: Whether nothing is sent to any device: the gateways only observe, and commands are noted as what
+            would have been sent.
+        rehearsal: Answers commands in place of the devices, as in a replay; by default that of a dry run, if it is one.
+        prepare: Work to be done before the first app starts, such as to tell the directory what the owner stated.
 
     Attributes:
         graph: The graph on which everything meets.
@@ -102,11 +110,17 @@ class Runtime:
         index_file: Path | None = None,
         loop_watch: LoopWatch | None = None,
         lost_lines: Callable[[], int] = lambda: 0,
+        record_into: LineSink | None = None,
+        is_dry_run: bool = False,
+        rehearsal: Rehearsal | None = None,
+        prepare: Callable[[Graph], Awaitable[None]] | None = None,
     ) -> None:
         self._network = None if house is None else _network_of(house)
         own_gateways = frozenset(config.gateways)
         if self._network is not None:
             config = config.model_copy(update={"gateways": {**self._network.gateways(), **config.gateways}})
+        if is_dry_run:
+            config = observing(config)
         self._plan = make_plan(config)
         self._needed = tuple(
             one for gateway in self._plan.gateways for one in gateway.kind.host_services(gateway.settings)
@@ -123,10 +137,14 @@ class Runtime:
         self._trusts_apps = trusts_apps or house is not None
         kept_at = index_file.with_name(INSTALLATION_FILE) if index_file and self._plan.discovery.persist else None
         self._installation = Installation(kept_at, random)
-        self._context = GatewayContext.of(self._installation, *services, random=random)
+        self._context = GatewayContext.of(self._installation, *services, random=random, is_dry_run=is_dry_run)
+        self._is_dry_run = is_dry_run
+        self._rehearsal = rehearsal
+        self._prepare = prepare
         self._index_file = index_file
         self._loop_watch = loop_watch
         self._lost_lines = lost_lines
+        self._record_into = record_into
         self._clock = clock or LoopClock()
         self._stack = AsyncExitStack()
         self.graph = Graph(self._clock)
@@ -178,6 +196,7 @@ class Runtime:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         RuntimeHealth(main, self.supervisor, self._loop_watch, self._lost_lines)
+        RecorderStarter(main, self._plan, self._control_settings, trusts_apps=self._trusts_apps)
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(self._resolved(gateway) for gateway in self._plan.gateways)
@@ -196,6 +215,10 @@ class Runtime:
         yield from (("gateway", gateway.name, self._gateway(gateway)) for gateway in gateways)
         yield "", "discovery", self._directory
         yield "", "control", self._control
+        if self._prepare is not None:
+            yield "", "preparation", self._prepared_by(self._prepare)
+        if self._record_into is not None:
+            yield "", "recorder", self._record(self._record_into)
         yield from (("app", app.name, self._app(app)) for app in self._plan.apps)
         if self._with_door:
             yield "", "door", self._open_door
@@ -211,7 +234,8 @@ class Runtime:
             return f"{home} is running"
         host = self._plan.door.host
         where = f"[{host}]" if ":" in host else host
-        return f"{home} is running; listening for rosbridge clients on ws://{where}:{self.door.port}"
+        note = " (a dry run: nothing is sent to any device)" if self._is_dry_run else ""
+        return f"{home} is running{note}; listening for rosbridge clients on ws://{where}:{self.door.port}"
 
     def _apps_text(self) -> str:
         names = [app.name for app in self._plan.apps]
@@ -265,15 +289,52 @@ class Runtime:
             directory = Directory(node, self._plan.discovery, self._index_file, owner)
             await run_as(node.full_name, partial(directory.serve, task_status=task_status))
 
+    @cached_property
+    def _rehearses(self) -> Rehearsal | None:
+        if self._rehearsal is None and self._is_dry_run:
+            from homebot.control.rehearsal import DryRun  # noqa: PLC0415 - for a dry run
+
+            return DryRun()
+        return self._rehearsal
+
     async def _control(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "control") as node:
             index, is_kept = self._index_file, self._plan.discovery.persist
             journal = index.with_name(JOURNAL_FILE) if index is not None and is_kept else None
-            settings = self._plan.control
-            if self._approves_all:
-                settings = settings.model_copy(update={"approvals": False})
-            control = Control(node, settings, self._plan.grants, trusts_apps=self._trusts_apps, journal_file=journal)
+            settings, grants = self._control_settings, self._plan.grants
+            control = Control(
+                node,
+                settings,
+                grants,
+                trusts_apps=self._trusts_apps,
+                journal_file=journal,
+                rehearsal=self._rehearses,
+            )
             await run_as(node.full_name, partial(control.serve, task_status=task_status))
+
+    @property
+    def _control_settings(self) -> ControlSettings:
+        settings = self._plan.control
+        return settings.model_copy(update={"approvals": False}) if self._approves_all else settings
+
+    def _prepared_by(self, prepare: Callable[[Graph], Awaitable[None]]) -> Work:
+        async def work(*, task_status: TaskStatus[None]) -> None:
+            await prepare(self.graph)
+            task_status.started()
+            await anyio.sleep_forever()
+
+        return work
+
+    def _record(self, sink: LineSink) -> Work:
+        async def work(*, task_status: TaskStatus[None]) -> None:
+            from homebot.recording.session import record_into  # noqa: PLC0415 - for those who record
+            from homebot.runtime.run_facts import run_facts  # noqa: PLC0415 - likewise
+
+            facts = run_facts(self._plan, self._control_settings, trusts_apps=self._trusts_apps)
+            async with Node(self.graph, "file_recorder", namespace="/homebot") as node:
+                await run_as(node.full_name, partial(record_into, node, facts, sink, task_status=task_status))
+
+        return work
 
     async def _rosapi(self, *, task_status: TaskStatus[None]) -> None:
         from homebot.bridges.rosapi import RosApi  # noqa: PLC0415 - see where it is started

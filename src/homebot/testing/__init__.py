@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from homebot.testing.gateway import FakeGateway, FakeGatewaySettings
     from homebot.testing.house import TestHouse, house_of
     from homebot.testing.virtual_house import VirtualHouse, virtual_house_of
-    from homebot.testing.virtual_time import VirtualTimeLoop
+    from homebot.virtual_time import VirtualTimeLoop
 
 __all__ = [
     "Day",
@@ -38,7 +38,7 @@ _NAMES = {
     "homebot.testing.gateway": "FakeGateway FakeGatewaySettings",
     "homebot.testing.house": "TestHouse house_of",
     "homebot.testing.virtual_house": "VirtualHouse virtual_house_of",
-    "homebot.testing.virtual_time": "VirtualTimeLoop",
+    "homebot.virtual_time": "VirtualTimeLoop",
 }
 if not TYPE_CHECKING:  # else a name that does not exist would pass for one
 

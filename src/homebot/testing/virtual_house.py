@@ -23,11 +23,12 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
+from homebot.recording.line_sink import LineSink
 from homebot.runtime import Runtime
 from homebot.testing.contexts import in_background, plain_logs
 from homebot.testing.house import EVERYTHING, TestHouse, house_config
-from homebot.testing.virtual_time import VirtualTimeLoop
 from homebot.units import parse_duration
+from homebot.virtual_time import VirtualTimeLoop
 
 __all__ = ["START", "VirtualHouse", "next_moment", "parse_time", "virtual_house_of"]
 
@@ -173,6 +174,8 @@ async def virtual_house_of(
     seed: int = 0,
     heartbeat: str | float = HEARTBEAT,
     config: Mapping[str, object] | None = None,
+    record_into: LineSink | None = None,
+    is_dry_run: bool = False,
 ) -> AsyncIterator[VirtualHouse]:
     """Run *apps* in a homebot as :func:`homebot.testing.house_of` does, on a :class:`VirtualTimeLoop`.
 
@@ -184,6 +187,8 @@ async def virtual_house_of(
         seed: The seed of all random numbers: the same test with the same seed is the same run.
         heartbeat: The time after which a simulated device repeats its last report.
         config: Tables as in ``homebot.toml``, for example the settings of apps; those of *apps* come last.
+        record_into: Takes the lines of a recording of the whole run; None for no recording.
+        is_dry_run: Whether nothing is sent to any device.
 
     Raises:
         UsageError: The running event loop is none of virtual time, or an argument or the configuration cannot be used.
@@ -203,6 +208,8 @@ async def virtual_house_of(
             services=[HostedBroker.in_memory(broker)],
             random=random,
             trusts_apps=True,
+            record_into=record_into,
+            is_dry_run=is_dry_run,
         )
         await stack.enter_async_context(runtime)
         options = MqttOptions.from_url(broker.url, client_id="test", keep_alive=_KEEP_ALIVE)

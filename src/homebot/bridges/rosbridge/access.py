@@ -33,9 +33,11 @@ from homebot.devices.names import (
     PERFORM_COMMAND,
     QUERY_DEVICES,
     READ_JOURNAL,
+    READ_RECORDING,
     RELEASE_LEASE,
     RENEW_LEASE,
     SEND_TEXT,
+    START_RECORDER,
 )
 from homebot.errors import PeerError
 from homebot.messages.definition import fields_of
@@ -74,6 +76,8 @@ _READING: Final = frozenset(
         GET_UNAPPROVED,
         QUERY_DEVICES,
         READ_JOURNAL,
+        READ_RECORDING,
+        START_RECORDER,
         "/subscribe_to_mqtt_topic",
     }
 )

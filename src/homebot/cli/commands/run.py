@@ -8,8 +8,9 @@ import atexit
 import gc
 import os
 import re
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,7 @@ from homebot.runtime import Runtime
 
 if TYPE_CHECKING:
     from homebot.house import World
+    from homebot.recording.line_sink import LineSink
 
 __all__ = ["add_arguments", "configuration", "run", "with_tokens"]
 
@@ -50,6 +52,7 @@ _EXAMPLES = """\
   homebot run --mqtt mqtt://192.168.1.10 --root home425      your own broker, observe only
   homebot run --mqtt mqtt://192.168.1.10 --root home425 --act --app light_service    act, with an app that you name
   homebot run --app my_app:MyApp                  an app of your own instead of the light service
+  homebot run --config homebot.toml --dry-run     what apps would command, with nothing sent to any device
   homebot run --config homebot.toml               all settings in a file
 
 Without --config, homebot.toml in the working directory is used if it exists. Ctrl-C shuts down cleanly.
@@ -100,6 +103,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="console",
         help="log lines for people (console) or programs (json)",
     )
+    parser.add_argument(
+        "--dry-run",
+        action="store_true",
+        help="send nothing to any device: show in the log and the journal what apps would command",
+    )
+    parser.add_argument("--record", metavar="FILE", help="record the whole run into a new file, for `homebot replay`")
     parser.add_argument("--ephemeral", action="store_true", help="do not remember devices across restarts")
     parser.add_argument("--for", dest="seconds", metavar="SECONDS", type=positive, help="stop after this many seconds")
 
@@ -109,11 +118,30 @@ def run(options: argparse.Namespace) -> int:
     gc.set_threshold(*COLLECT_AFTER)
     with gc_paused():
         config, house = configuration(options)
-    with queued_output() as lost_lines:
-        return _run_apart(options, config, house, lost_lines)
+    with queued_output() as lost_lines, _recording(options.record) as record_into:
+        return _run_apart(options, config, house, lost_lines, record_into)
 
 
-def _run_apart(options: argparse.Namespace, config: Config, house: World | None, lost_lines: Callable[[], int]) -> int:
+@contextmanager
+def _recording(path: str | None) -> Iterator[LineSink | None]:
+    """Yield what takes the lines of a recording; None where *path* is none."""
+    if path is None:
+        yield None
+        return
+    from homebot.recording.line_sink import FileSink  # noqa: PLC0415 - few runs are recorded
+    from homebot.recording.recording_file import RecordingFile  # noqa: PLC0415 - as above
+
+    with RecordingFile(Path(path)) as file:
+        yield FileSink(file)
+
+
+def _run_apart(
+    options: argparse.Namespace,
+    config: Config,
+    house: World | None,
+    lost_lines: Callable[[], int],
+    record_into: LineSink | None,
+) -> int:
     """Run where nothing waits for whoever reads the log."""
     if options.log_format is not None:
         configure_logging(options.log_format)
@@ -121,7 +149,16 @@ def _run_apart(options: argparse.Namespace, config: Config, house: World | None,
     # A simulated house begins each time as it is described, so there is nothing to remember.
     is_kept = house is None and not options.ephemeral
     index_file = _index_file(config) if is_kept else None
-    return on_an_event_loop(_run(config, house, seconds=options.seconds, index_file=index_file, lost_lines=lost_lines))
+    make_runtime = partial(
+        Runtime,
+        config,
+        house=house,
+        index_file=index_file,
+        lost_lines=lost_lines,
+        record_into=record_into,
+        is_dry_run=options.dry_run,
+    )
+    return on_an_event_loop(_run(make_runtime, options.seconds))
 
 
 def _index_file(config: Config) -> Path:
@@ -206,18 +243,11 @@ def _add_app(apps: dict[str, dict[str, object]], wanted: str) -> None:
     apps[name] = {"class": wanted}
 
 
-async def _run(
-    config: Config,
-    house: World | None,
-    *,
-    seconds: float | None,
-    index_file: Path | None,
-    lost_lines: Callable[[], int],
-) -> int:
+async def _run(make_runtime: Callable[..., Runtime], seconds: float | None) -> int:
     loop = asyncio.get_running_loop()
     watch = loop.watch if isinstance(loop, ProductionLoop) else None
     with gc_paused():  # what the plan names is loaded
-        runtime = Runtime(config, house=house, index_file=index_file, loop_watch=watch, lost_lines=lost_lines)
+        runtime = make_runtime(loop_watch=watch)
     await serve(_settled(runtime), seconds, runtime.cut_start_short)
     return 1 if runtime.supervisor.given_up else 0
 

@@ -139,6 +139,10 @@ class CommandJournal:
             self._changes.begin(command.device.id, command.part.id, command.id, self._clock.now())
         self._note_step("sent", command, text="again" if attempt else "")
 
+    def would(self, command: IssuedCommand) -> None:
+        """Note that a command would have been sent, but for a rehearsal."""
+        self._note_step("would", command)
+
     def acknowledged(self, command: IssuedCommand) -> None:
         """Note that the network accepted a command."""
         self._note_step("acknowledged", command)

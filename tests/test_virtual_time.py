@@ -11,8 +11,9 @@ import anyio
 import anyio.lowlevel
 import pytest
 
+from homebot import virtual_time
 from homebot.errors import UsageError
-from homebot.testing import VirtualTimeLoop, virtual_time
+from homebot.testing import VirtualTimeLoop
 
 
 @pytest.mark.virtual_time

@@ -1,0 +1,96 @@
+"""``homebot record``."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Final, cast
+
+from homebot.cli.arguments import positive, set_client_command
+from homebot.cli.door_client import DoorClient, with_client
+from homebot.devices.names import READ_RECORDING, START_RECORDER
+from homebot.errors import LinkError, RefusedError, UsageError
+from homebot.recording.recording_file import DEFAULT_MEGABYTES, RecordingFile
+
+__all__ = ["add_arguments"]
+
+_EXAMPLES = """\
+  homebot record day.jsonl.gz
+  homebot record day.jsonl.gz --for 86400
+  homebot replay day.jsonl.gz --diff
+
+It records until Ctrl-C: what devices report, and what is commanded. Passwords and codes are left out. The file tells
+who was at home when, so only you can read it. To record a run from its beginning: homebot run --record FILE.
+"""
+
+_LONGEST: Final = 30.0
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot record``."""
+    set_client_command(parser, _record, _EXAMPLES)
+    parser.add_argument("file", metavar="FILE", help="file to write; compressed where its name ends in .gz")
+    parser.add_argument("--for", dest="seconds", metavar="SECONDS", type=positive, help="stop after this many seconds")
+    parser.add_argument(
+        "--max-mb",
+        metavar="MB",
+        type=positive,
+        default=DEFAULT_MEGABYTES,
+        help=f"stop after so much text, before compression (default: {DEFAULT_MEGABYTES:g})",
+    )
+    parser.add_argument("--force", action="store_true", help="replace a file that is there")
+
+
+def _record(options: argparse.Namespace) -> int:
+    """Write what happens in the house into a file."""
+
+    def run(door: DoorClient) -> int:
+        answer = door.call(START_RECORDER, timeout=_LONGEST)
+        if not answer["success"]:
+            raise RefusedError("to record", str(answer["message"]))
+        with RecordingFile(Path(options.file), options.max_mb, force=options.force) as file:
+            problem = _fetch(door, file, options.seconds)
+        print(f"{file.path}: {file.lines:,} lines{f', {file.dropped:,} did not fit' if file.dropped else ''}")
+        if problem is not None:
+            raise problem
+        return 0
+
+    path = Path(options.file)
+    if path.exists() and not options.force:
+        raise UsageError(f"{path} is there already; --force replaces it")
+    return with_client(options, run)
+
+
+def _fetch(door: DoorClient, file: RecordingFile, seconds: float | None) -> LinkError | OSError | None:
+    """Write lines until somebody stops it, the time is over or the file is full; return what ended it before that."""
+    ends = None if seconds is None else time.monotonic() + seconds
+    is_over = False
+    with _stop_signals() as stopped:
+        while not is_over:
+            is_last = bool(stopped) or file.is_full or (ends is not None and time.monotonic() >= ends)
+            try:
+                answer = door.call(READ_RECORDING, {"is_last": is_last}, _LONGEST)
+                file.write(cast("list[str]", answer["lines"]))
+            except (LinkError, OSError) as exc:
+                return exc
+            is_over = bool(answer["is_over"])
+    return None
+
+
+@contextmanager
+def _stop_signals() -> Iterator[list[int]]:
+    """Yield the list of the signals to stop that came: an answer that is under way is written first."""
+    received: list[int] = []
+    before = {
+        number: signal.signal(number, lambda number, _: received.append(number))
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        yield received
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

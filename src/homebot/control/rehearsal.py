@@ -1,0 +1,36 @@
+"""Rehearsals: commands are judged and noted, and reach no device. Pure."""
+
+from __future__ import annotations
+
+from typing import Final, Protocol, final
+
+from homebot.control.command import IssuedCommand
+from homebot.devices.outcomes import Confirmed, Evidence, Outcome, Refused
+
+__all__ = ["DRY_RUN", "DryRun", "Rehearsal"]
+
+DRY_RUN: Final = "dry_run"
+"""The policy that refuses the commands of people in a dry run."""
+
+
+class Rehearsal(Protocol):
+    """Answers commands that are not to be sent."""
+
+    def outcome(self, command: IssuedCommand) -> Outcome | None:
+        """Return the outcome that is assumed of *command*; None where it is to be sent, to a gateway that is muted."""
+        ...
+
+
+@final
+class DryRun:
+    """A dry run: nothing is sent.
+
+    An app goes on as if the device had obeyed, until it reports next. People are told the truth.
+    """
+
+    def outcome(self, command: IssuedCommand) -> Outcome:
+        """Return the outcome; see :class:`Rehearsal`."""
+        if command.is_wish:
+            problem = "homebot runs with --dry-run and sends nothing; otherwise it would have sent this"
+            return Refused(DRY_RUN, problem, command_id=command.id)
+        return Confirmed(0.0, Evidence.SENT, command_id=command.id)

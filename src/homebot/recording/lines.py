@@ -1,0 +1,204 @@
+"""Lines of a recording, each a JSON object ``{"at": …, "kind": …, "message": {…}}``. Pure.
+
+*at* is in seconds since the start of the recording, below 0 for what was reported before. *kind* says which message it
+is, in the JSON of rosbridge. Lines are in the order in which they were noted; readers sort them by time, those of one
+moment stay as they are.
+
+==============  ================================  ==============================================================
+kind            message                           meaning
+==============  ================================  ==============================================================
+``recording``   :class:`RecordingHeader`          the first line, and only that
+``device``      :class:`homebot.devices.Device`   a device as the directory knew it at the start
+``gateway``     :class:`GatewayNews`              a gateway went online or offline
+``sighting``    :class:`Sighting`                 a gateway sighted a device
+``report``      :class:`Report`                   a device reported values, or an event such as a press
+``raw``         :class:`RawMessage`               a raw message of a device
+``command``     :class:`RecordedCommand`          somebody gave a command
+``outcome``     :class:`CommandResult`            what became of a command
+``lost``        :class:`LostLines`                lines that are missing here
+``end``         :class:`RecordingEnd`             the last line; missing where the recorder was killed
+==============  ================================  ==============================================================
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from homebot.devices import Device, RawMessage, Sighting
+from homebot.devices.command_messages import CommandResult, Setting
+from homebot.devices.gateway_messages import GatewayState, Report
+from homebot.devices.trigger import NO_TRIGGER, Trigger
+from homebot.errors import TypeMismatchError, UsageError
+from homebot.messages import Time
+from homebot.messages.json import message_from_json, message_to_text
+from homebot.messages.message import Message, UInt32
+from homebot.strict_json import parse_strict
+
+__all__ = [
+    "FORMAT",
+    "GatewayNews",
+    "LostLines",
+    "RecordedApp",
+    "RecordedCommand",
+    "RecordingEnd",
+    "RecordingHeader",
+    "RecordingLine",
+    "line_text",
+    "read_line",
+]
+
+FORMAT: Final = 1
+"""The version of the format; a reader refuses any other."""
+
+_LONGEST: Final = 100 * 366 * 86_400.0
+_SHOWN: Final = 60
+
+
+class RecordedApp(Message):
+    """An app that ran.
+
+    Attributes:
+        name: The name of its node.
+        kind: Its class, as ``module:Class``.
+        settings: Its table, as the text of a JSON object, without secrets.
+    """
+
+    name: str
+    kind: str
+    settings: str = "{}"
+
+
+class RecordingHeader(Message):
+    """The run that a recording is of.
+
+    Attributes:
+        format: The version of the format.
+        version: The version of homebot.
+        home: What the home is called.
+        started_at: When the recording began.
+        trusts_apps: Whether apps may command what always asks without a grant, as in a simulated house.
+        control: The table ``[control]``, as the text of a JSON object.
+        places: Rooms, and what the owner states of devices, as the text of a places file.
+        apps: The apps.
+    """
+
+    format: UInt32
+    version: str
+    home: str
+    started_at: Time
+    trusts_apps: bool = False
+    control: str = "{}"
+    places: str = ""
+    apps: tuple[RecordedApp, ...] = ()
+
+
+class GatewayNews(Message):
+    """The state of a gateway.
+
+    Attributes:
+        gateway: Its name.
+        state: Its state from then on.
+    """
+
+    gateway: str
+    state: GatewayState
+
+
+class RecordedCommand(Message):
+    """A command that somebody gave.
+
+    Attributes:
+        id: The id of the command.
+        issuer: Who gave it: the name of a node, or ``client:NAME`` for a client of the door.
+        device: The id of the device.
+        part: The id of the part; empty for such a text.
+        settings: The wanted values; empty for a raw text that another program published.
+        text: That text, which no policy judges and nobody verifies; empty for any other command.
+        trigger: What led to it.
+    """
+
+    id: str
+    issuer: str
+    device: str
+    part: str = ""
+    settings: tuple[Setting, ...] = ()
+    text: str = ""
+    trigger: Trigger = NO_TRIGGER
+
+
+class LostLines(Message):
+    """Lines that came too fast, or were too many, to be written.
+
+    Attributes:
+        count: How many.
+    """
+
+    count: UInt32
+
+
+class RecordingEnd(Message):
+    """The end of a recording.
+
+    Attributes:
+        reason: Why it ended, as text; empty where it was told to.
+    """
+
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingLine:
+    """One line.
+
+    Attributes:
+        at: Seconds since the start of the recording.
+        message: Its message, whose class says which kind it is.
+    """
+
+    at: float
+    message: Message
+
+
+_KINDS: Final[dict[str, type[Message]]] = {
+    "recording": RecordingHeader,
+    "device": Device,
+    "gateway": GatewayNews,
+    "sighting": Sighting,
+    "report": Report,
+    "raw": RawMessage,
+    "command": RecordedCommand,
+    "outcome": CommandResult,
+    "lost": LostLines,
+    "end": RecordingEnd,
+}
+_NAMES: Final = {message_type: kind for kind, message_type in _KINDS.items()}
+
+
+def line_text(line: RecordingLine) -> str:
+    """Return *line* as text in ASCII, without the end of the line."""
+    return f'{{"at":{line.at:.6f},"kind":"{_NAMES[type(line.message)]}","message":{message_to_text(line.message)}}}'
+
+
+def read_line(text: str | bytes) -> RecordingLine:
+    """Return the line that *text* is.
+
+    Raises:
+        UsageError: It is none; the message names the field.
+    """
+    try:
+        found = parse_strict(text)
+    except (ValueError, RecursionError) as exc:
+        raise UsageError(f"is no JSON: {str(exc)[:_SHOWN]}") from exc
+    if not isinstance(found, dict) or found.keys() != {"at", "kind", "message"}:
+        raise UsageError("must be a JSON object with the fields 'at', 'kind' and 'message', and no others")
+    at, kind, message = found["at"], found["kind"], found["message"]
+    if isinstance(at, bool) or not isinstance(at, int | float) or not abs(at) <= _LONGEST:
+        raise UsageError(f"field 'at': must be a number of seconds, got {str(at)[:_SHOWN]!r}")
+    message_type = _KINDS.get(kind) if isinstance(kind, str) else None
+    if message_type is None:
+        raise UsageError(f"field 'kind': must be one of {', '.join(_KINDS)}, got {str(kind)[:_SHOWN]!r}")
+    try:
+        return RecordingLine(float(at), message_from_json(message_type, message))
+    except TypeMismatchError as exc:
+        raise UsageError(f"field 'message': {exc}") from exc

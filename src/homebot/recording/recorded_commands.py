@@ -1,0 +1,54 @@
+"""Commands for a recording, from the entries of the journal. Pure."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import Final, final
+
+from homebot.devices.command_messages import CommandResult
+from homebot.devices.journal_messages import JournalEntry
+from homebot.recording.lines import RecordedCommand
+from homebot.recording.secrets import without_secrets
+
+__all__ = ["CommandNews"]
+
+
+_MOST: Final = 1_000
+"""Commands that are known at once: the entries about one text follow each other."""
+
+
+@final
+class CommandNews:
+    """Finds in the journal which commands are given, and their outcomes.
+
+    A text of an app is in the journal as the command that it is, and then as what was published.
+    """
+
+    def __init__(self) -> None:
+        self._requested: OrderedDict[str, None] = OrderedDict()
+
+    def of(self, entry: JournalEntry) -> RecordedCommand | CommandResult | None:
+        """Return the command that *entry* begins, or the outcome that it has; None where it is another step."""
+        match entry.kind:
+            case "requested":
+                self._requested[entry.command] = None
+                if len(self._requested) > _MOST:
+                    self._requested.popitem(last=False)
+                return _command(entry)
+            case "published" if entry.command not in self._requested:
+                return _command(entry)
+            case "outcome":
+                return entry.results[0]
+        return None
+
+
+def _command(entry: JournalEntry) -> RecordedCommand:
+    return RecordedCommand(
+        id=entry.command,
+        issuer=entry.issuer,
+        device=entry.device,
+        part=entry.part,
+        settings=entry.settings,
+        text=without_secrets(entry.text.encode()).decode(errors="replace"),
+        trigger=entry.trigger,
+    )

@@ -1,0 +1,185 @@
+"""Recorder: notes what gateways publish, and what is commanded, as lines of a recording.
+
+Each kind of message is noted in its own order. The time of a line is that of its message, so that it does not matter
+when it is noted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Final, final
+
+import anyio
+from anyio.abc import TaskStatus
+
+import homebot
+from homebot.devices import FIND_DEVICES, Devices, FindDevices, GatewayNames, RawMessage, Sighting, gateway_of
+from homebot.devices.gateway_messages import GatewayState, Report
+from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.names import EXPORT_PLACES, JOURNAL_ENTRIES
+from homebot.devices.places_messages import ExportPlaces, ExportPlacesRequest
+from homebot.devices.services import FindDevicesRequest
+from homebot.errors import InvalidNameError, RefusedError, ServiceError
+from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile, Subscription
+from homebot.messages import Time
+from homebot.messages.message import Message
+from homebot.recording.line_buffer import LineBuffer
+from homebot.recording.lines import (
+    FORMAT,
+    GatewayNews,
+    LostLines,
+    RecordedApp,
+    RecordingEnd,
+    RecordingHeader,
+    RecordingLine,
+)
+from homebot.recording.recorded_commands import CommandNews
+from homebot.recording.secrets import without_secrets
+
+__all__ = ["Recorder", "RunFacts"]
+
+NOT_RECORDED = "recording.raw_messages_missing"
+
+_ALL_KEPT: Final = QoSProfile(depth=10_000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+"""The oldest is dropped where they come too fast, and counted; see :meth:`Recorder.note_lost`."""
+
+_ENTRIES: Final = QoSProfile(depth=10_000)
+
+
+@dataclass(frozen=True, slots=True)
+class RunFacts:
+    """The run that is recorded; see :class:`RecordingHeader`."""
+
+    home: str
+    apps: tuple[RecordedApp, ...] = ()
+    control: str = "{}"
+    trusts_apps: bool = False
+
+
+@final
+class Recorder:
+    """Notes what happens from when it runs.
+
+    Args:
+        node: The node that listens.
+        facts: The run.
+
+    Attributes:
+        lines: The lines that wait to be written.
+    """
+
+    def __init__(self, node: Node, facts: RunFacts) -> None:
+        self._node = node
+        self._clock = node.graph.clock
+        self._facts = facts
+        self._devices = Devices(node)
+        self._commands = CommandNews()
+        self._gateways: set[str] = set()
+        self._subscriptions: list[Subscription[JournalEntry] | Subscription[Sighting] | Subscription[Report]] = []
+        self._lost = 0
+        self._started_at = self._clock.now()
+        self._find = node.create_client(FindDevices, FIND_DEVICES)
+        self._export = node.create_client(ExportPlaces, EXPORT_PLACES)
+        self.lines = LineBuffer()
+
+    async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Note until cancelled."""
+        await self._begin()
+        with self._node.graph.watch() as changes:
+            self._subscriptions.append(
+                self._node.create_subscription(JournalEntry, JOURNAL_ENTRIES, self._take_entry, _ENTRIES)
+            )
+            self._follow_gateways()
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(self._follow_devices)
+                task_status.started()
+                async for change in changes:
+                    if change.change == "added" and change.entity.kind is EntityKind.NODE:
+                        self._follow_gateways()
+
+    def note_lost(self) -> None:
+        """Note how many messages came too fast to be noted, where there are any since the last time."""
+        lost = sum(one.lost for one in self._subscriptions)
+        if lost > self._lost:
+            self._note(self._clock.now(), LostLines(count=lost - self._lost))
+            self._lost = lost
+
+    def finish(self, reason: str = "") -> None:
+        """Note the end."""
+        self.note_lost()
+        self._note(self._clock.now(), RecordingEnd(reason=reason))
+
+    async def _begin(self) -> None:
+        """Note the run, and the devices as the directory knows them.
+
+        Raises:
+            ServiceError: The directory does not answer.
+        """
+        devices = (await self._find.call(FindDevicesRequest())).devices
+        places = (await self._export.call(ExportPlacesRequest())).text
+        self._started_at = self._clock.now()
+        facts = self._facts
+        header = RecordingHeader(
+            format=FORMAT,
+            version=homebot.__version__,
+            home=facts.home,
+            started_at=Time.from_seconds(self._started_at),
+            trusts_apps=facts.trusts_apps,
+            control=facts.control,
+            places=places,
+            apps=facts.apps,
+        )
+        self._note(self._started_at, header)
+        for device in devices:
+            self._note(self._started_at, device)
+
+    def _follow_gateways(self) -> None:
+        for node in self._node.graph.get_node_names():
+            gateway = gateway_of(node)
+            if gateway and gateway not in self._gateways:
+                self._gateways.add(gateway)
+                self._follow(gateway)
+
+    def _follow(self, gateway: str) -> None:
+        try:
+            names = GatewayNames(gateway)
+            listen = partial(self._node.create_subscription, qos_profile=_ALL_KEPT, from_node=names.node)
+            listen(GatewayState, names.state, partial(self._take_state, gateway))
+            sightings = listen(Sighting, names.received_topics, self._take_sighting)
+            self._subscriptions += (sightings, listen(Report, names.readings, self._take_report))
+        except InvalidNameError:
+            return  # nobody publishes under such a name
+
+    async def _follow_devices(self) -> None:
+        async for change in self._devices.follow():
+            if change.kind == "removed":
+                continue
+            try:
+                await self._devices.listen(change.device, self._take_raw)
+            except (RefusedError, ServiceError) as exc:
+                self._node.log.warning(
+                    NOT_RECORDED, message=f"the raw messages of {change.device.id} are not recorded: {exc}"
+                )
+
+    def _take_state(self, gateway: str, state: GatewayState) -> None:
+        self._note(self._clock.now(), GatewayNews(gateway=gateway, state=state))
+
+    def _take_sighting(self, sighting: Sighting) -> None:
+        self._note(sighting.seen_at.to_seconds(), sighting)
+
+    def _take_report(self, report: Report) -> None:
+        self._note(report.received_at.to_seconds(), report)
+
+    def _take_raw(self, message: RawMessage) -> None:
+        payload = without_secrets(message.payload)
+        if payload != message.payload:
+            message = message.model_copy(update={"payload": payload})
+        self._note(message.received_at.to_seconds(), message)
+
+    def _take_entry(self, entry: JournalEntry) -> None:
+        if (news := self._commands.of(entry)) is not None:
+            self._note(entry.at.to_seconds(), news)
+
+    def _note(self, at: float, message: Message) -> None:
+        self.lines.add(RecordingLine(at - self._started_at, message))

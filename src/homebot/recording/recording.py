@@ -1,0 +1,198 @@
+"""A recording that was read: the run, the house at its start, and what happened then."""
+
+from __future__ import annotations
+
+import gzip
+import zlib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from itertools import chain
+from pathlib import Path
+from typing import IO, Final, cast
+
+from homebot.devices import Device, RawMessage, Sighting
+from homebot.devices.command_messages import CommandResult
+from homebot.devices.gateway_messages import Report
+from homebot.errors import UsageError
+from homebot.messages.message import Message
+from homebot.recording.lines import (
+    FORMAT,
+    GatewayNews,
+    LostLines,
+    RecordedCommand,
+    RecordingEnd,
+    RecordingHeader,
+    RecordingLine,
+    read_line,
+)
+
+__all__ = ["GatewayEvent", "Recording", "TimedCommand", "load_recording", "read_recording"]
+
+_LONGEST_LINE: Final = 16 * 1024 * 1024
+_MOST_BYTES: Final = 4 * 1024**3
+_RANKS: Final[dict[type[Message], int]] = {GatewayNews: 0, Sighting: 1, Report: 2, RawMessage: 3}
+"""What a gateway tells of one message, in the order of telling it."""
+
+
+@dataclass(frozen=True, slots=True)
+class TimedCommand:
+    """A command, and when it was given.
+
+    Attributes:
+        at: Seconds since the start of the recording.
+        command: The command.
+        result: Its outcome; None for a raw text, and where the recording ended first.
+        line: The number of its line; 0 where it is in no recording.
+    """
+
+    at: float
+    command: RecordedCommand
+    result: CommandResult | None = None
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class GatewayEvent:
+    """Something that a gateway told.
+
+    Attributes:
+        at: Seconds since the start of the recording.
+        message: The message.
+        line: The number of its line.
+    """
+
+    at: float
+    message: Message
+    line: int
+
+
+@dataclass(slots=True)
+class Recording:
+    """The content of a recording.
+
+    Attributes:
+        header: The run.
+        devices: The devices at the start, by id.
+        before: What gateways had told before the start: their states, then sightings, reports and raw messages.
+        events: What they told then, in the order of time.
+        commands: The commands that were given, in the order of time.
+        lost: Lines that are missing.
+        ends_at: Seconds since the start at which it ends.
+        end: Why it ended, as text; empty where it was told to.
+    """
+
+    header: RecordingHeader
+    devices: dict[str, Device] = field(default_factory=dict)
+    before: list[Message] = field(default_factory=list)
+    events: list[GatewayEvent] = field(default_factory=list)
+    commands: list[TimedCommand] = field(default_factory=list)
+    lost: int = 0
+    ends_at: float = 0.0
+    end: str = ""
+
+    @property
+    def gateways(self) -> tuple[str, ...]:
+        """The names of all gateways, sorted."""
+        told = chain(self.before, (one.message for one in self.events))
+        names = {str(getattr(one, "gateway", "")) for one in told} - {""}
+        names |= {endpoint.gateway for device in self.devices.values() for endpoint in device.endpoints}
+        return tuple(sorted(names))
+
+
+def load_recording(path: Path) -> Recording:
+    """Read the file *path*; one whose name ends in ``.gz`` is compressed.
+
+    Raises:
+        UsageError: It cannot be read, or a line is wrong; the message names the line and the field.
+    """
+    try:
+        with _opened(path) as file:
+            return read_recording(_lines(file, str(path)), str(path))
+    except (OSError, EOFError, zlib.error) as exc:
+        reason = getattr(exc, "strerror", None) or exc
+        raise UsageError(f"{path} cannot be read: {reason}") from exc
+
+
+def read_recording(lines: Iterable[bytes], source: str) -> Recording:
+    """Return the recording that *lines* are.
+
+    Args:
+        lines: Its lines, with or without their ends.
+        source: The file, for error messages.
+
+    Raises:
+        UsageError: A line is wrong; the message names *source*, the line and the field.
+    """
+    recording: Recording | None = None
+    results: dict[str, CommandResult] = {}
+    is_over = False
+    for number, text in enumerate(lines, 1):
+        where = f"{source}, line {number}"
+        try:
+            line = read_line(text)
+        except UsageError as exc:
+            raise UsageError(f"{where}: {exc}") from exc
+        if recording is None:
+            recording = _begun(line, where)
+            continue
+        if is_over:
+            raise UsageError(f"{where}: comes after the end of the recording")
+        if isinstance(line.message, RecordingHeader):
+            raise UsageError(f"{where}: field 'kind': a recording has one header, in its first line")
+        is_over = isinstance(line.message, RecordingEnd)
+        if isinstance(line.message, CommandResult):
+            results[line.message.command_id] = line.message
+        else:
+            _take(recording, line, number)
+    if recording is None:
+        raise UsageError(f"{source} is empty, and no recording")
+    recording.commands = [replace(one, result=results.get(one.command.id)) for one in recording.commands]
+    recording.before.sort(key=_rank)
+    recording.events.sort(key=lambda one: one.at)  # of one moment in the order of the file: effects follow their causes
+    recording.commands.sort(key=lambda one: one.at)
+    return recording
+
+
+def _begun(line: RecordingLine, where: str) -> Recording:
+    header = line.message
+    if not isinstance(header, RecordingHeader):
+        raise UsageError(f"{where}: field 'kind': the first line of a recording is its header, 'recording'")
+    if header.format != FORMAT:
+        problem = f"is {header.format}; this homebot reads {FORMAT}, version {header.version} wrote it"
+        raise UsageError(f"{where}: field 'message.format': {problem}")
+    return Recording(header)
+
+
+def _take(recording: Recording, line: RecordingLine, number: int) -> None:
+    recording.ends_at = max(recording.ends_at, line.at)
+    match line.message:
+        case Device() as device:
+            recording.devices[device.id] = device
+        case RecordedCommand() as command:
+            recording.commands.append(TimedCommand(line.at, command, line=number))
+        case LostLines(count=count):
+            recording.lost += count
+        case RecordingEnd(reason=reason):
+            recording.end = reason
+        case message if line.at <= 0:
+            recording.before.append(message)
+        case _:
+            recording.events.append(GatewayEvent(line.at, line.message, number))
+
+
+def _rank(message: Message) -> int:
+    return _RANKS.get(type(message), len(_RANKS))
+
+
+def _opened(path: Path) -> IO[bytes]:
+    return cast("IO[bytes]", gzip.open(path)) if path.suffix == ".gz" else path.open("rb")
+
+
+def _lines(file: IO[bytes], source: str) -> Iterator[bytes]:
+    """Yield lines of a bounded length, from a bounded amount of text: a small file may unpack to a huge one."""
+    size = 0
+    while line := file.readline(_LONGEST_LINE + 1):
+        size += len(line)
+        if len(line) > _LONGEST_LINE or size > _MOST_BYTES:
+            raise UsageError(f"{source} is too large: a line has at most 16 MiB, all of them have 4 GiB")
+        yield line

@@ -1,0 +1,120 @@
+"""The file that a recording is written to."""
+
+from __future__ import annotations
+
+import gzip
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import IO, Final, Self, cast, final
+
+from homebot.errors import UsageError
+from homebot.recording.lines import LostLines, RecordingEnd, RecordingLine, line_text
+
+__all__ = ["DEFAULT_MEGABYTES", "RecordingFile"]
+
+DEFAULT_MEGABYTES: Final = 500.0
+
+_FOR_ITS_OWNER: Final = 0o600
+_END_BYTES: Final = 1024
+"""Room for the lines that say that the file is full."""
+
+_MEGABYTE: Final = 1_000_000
+
+
+@final
+class RecordingFile:
+    """A new file, which only its owner can read: it tells who was at home when.
+
+    What does not fit any more is dropped; the last lines then say how much, and that the file is full. It is bounded by
+    the size of its text, before any compression.
+
+    Args:
+        path: Where; compressed where the name ends in ``.gz``.
+        megabytes: How much text at most.
+        force: Whether to replace a file that is there.
+
+    Attributes:
+        path: The same.
+        lines: The lines written.
+        dropped: The lines that did not fit.
+
+    Raises:
+        UsageError: It cannot be written, or is there already.
+    """
+
+    def __init__(self, path: Path, megabytes: float = DEFAULT_MEGABYTES, *, force: bool = False) -> None:
+        self.path = path
+        self.lines = 0
+        self.dropped = 0
+        self._left = max(0, round(megabytes * _MEGABYTE) - _END_BYTES)
+        self._is_full = False
+        self._file = _created(path, force=force)
+
+    @property
+    def is_full(self) -> bool:
+        """True once a line did not fit; it takes no more."""
+        return self._is_full
+
+    def write(self, lines: Sequence[str]) -> None:
+        """Write *lines*, and hand them to the operating system.
+
+        Raises:
+            OSError: The disk is full, or away.
+        """
+        fitting = list(lines) if not self._is_full else []
+        size = sum(len(one) + 1 for one in fitting)
+        while fitting and size > self._left:
+            size -= len(fitting.pop()) + 1
+            self._is_full = True
+        self.dropped += len(lines) - len(fitting)
+        self._left -= size
+        self.lines += len(fitting)
+        self._file.write("".join(f"{one}\n" for one in fitting).encode())
+        self._file.flush()
+
+    def close(self) -> None:
+        """Write the end where the file is full, and close it.
+
+        Raises:
+            OSError: The disk is full, or away.
+        """
+        with self._file:
+            if self._is_full:
+                ends = (LostLines(count=self.dropped), RecordingEnd(reason="the file is full"))
+                self._file.write("".join(f"{line_text(RecordingLine(0.0, one))}\n" for one in ends).encode())
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def _created(path: Path, *, force: bool) -> IO[bytes]:
+    try:
+        if force:
+            path.unlink(missing_ok=True)  # a file of its own: the old one may be read by others, or be a link
+        descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, _FOR_ITS_OWNER)
+    except FileExistsError:
+        raise UsageError(f"{path} is there already; --force replaces it") from None
+    except OSError as exc:
+        raise UsageError(f"{path} cannot be written: {exc.strerror}") from exc
+    file = os.fdopen(descriptor, "wb")
+    if path.suffix != ".gz":
+        return file
+    return cast("IO[bytes]", _OwningGzip(file))
+
+
+class _OwningGzip(gzip.GzipFile):
+    """A compressed file that closes the one below it."""
+
+    def __init__(self, file: IO[bytes]) -> None:
+        super().__init__(fileobj=file, mode="wb")
+        self._below = file
+
+    def close(self) -> None:
+        try:
+            super().close()
+        finally:
+            self._below.close()

@@ -1,0 +1,62 @@
+"""Removal of secrets from what is recorded. Pure."""
+
+from __future__ import annotations
+
+import json
+from typing import Final
+
+from pydantic import BaseModel, SecretBytes, SecretStr
+
+__all__ = ["HIDDEN", "is_secret_name", "public_settings", "without_secrets"]
+
+HIDDEN: Final = "***"
+"""Stands for a secret."""
+
+_WORDS: Final = frozenset(
+    {
+        *("code", "pin", "password", "passwd", "passphrase", "passcode", "psk", "token", "secret", "credential"),
+        *("credentials", "key", "apikey", "authorization"),
+    }
+)
+_MOST_BYTES: Final = 256 * 1024
+
+
+def is_secret_name(name: str) -> bool:
+    """Return whether the field *name* holds a secret by its name, such as ``pin`` or ``wifi_password``."""
+    plain = "".join(one if one.isalnum() else "_" for one in name.casefold())
+    return any(part in _WORDS for part in plain.split("_"))
+
+
+def public_settings(settings: BaseModel) -> dict[str, object]:
+    """Return what was set in *settings*, as JSON values, without secrets."""
+    found: dict[str, object] = settings.model_dump(mode="json", by_alias=True, exclude_unset=True)
+    hidden = {
+        name for name in settings.model_fields_set if isinstance(getattr(settings, name, None), SecretStr | SecretBytes)
+    }
+    return {name: _cleaned(value) for name, value in found.items() if name not in hidden and not is_secret_name(name)}
+
+
+def without_secrets(payload: bytes) -> bytes:
+    """Return a raw *payload*; in one that is JSON, the values of fields with the name of a secret are hidden.
+
+    A payload of more than 256 kB is not read, and so is left out.
+    """
+    if len(payload) > _MOST_BYTES:
+        return b""
+    if payload.lstrip()[:1] not in {b"{", b"["}:
+        return payload
+    try:
+        found = json.loads(payload)
+    except (ValueError, RecursionError):
+        return payload
+    cleaned = _cleaned(found)
+    return payload if cleaned == found else json.dumps(cleaned, separators=(",", ":")).encode()
+
+
+def _cleaned(value: object) -> object:
+    match value:
+        case dict():
+            return {name: HIDDEN if is_secret_name(str(name)) else _cleaned(one) for name, one in value.items()}
+        case list():
+            return [_cleaned(one) for one in value]
+    return value

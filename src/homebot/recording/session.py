@@ -1,0 +1,119 @@
+"""Work of a recorder in a running homebot: into a file, or for a client that fetches the lines."""
+
+from __future__ import annotations
+
+from typing import Final, final
+
+import anyio
+from anyio.abc import TaskStatus
+
+from homebot.devices.names import READ_RECORDING
+from homebot.graph import Node
+from homebot.recording.line_sink import LineSink
+from homebot.recording.messages import ReadRecording, ReadRecordingRequest, ReadRecordingResponse
+from homebot.recording.recorder import Recorder, RunFacts
+
+__all__ = ["record_for_client", "record_into"]
+
+FAILED = "recording.failed"
+FULL = "recording.file_full"
+
+_EVERY: Final = 1.0
+_UNREAD: Final = 30.0
+"""Seconds after which a client that fetched nothing is taken for gone."""
+
+_MOST_LINES: Final = 2_000
+_MOST_BYTES: Final = 2 * 1024 * 1024
+
+
+async def record_into(
+    node: Node, facts: RunFacts, sink: LineSink, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED
+) -> None:
+    """Record into *sink*, once a second, until cancelled or the sink takes no more."""
+    recorder = Recorder(node, facts)
+    try:
+        async with anyio.create_task_group() as tasks:
+            await tasks.start(_run, recorder)
+            task_status.started()
+            await _write_all(node, recorder, sink)
+            tasks.cancel_scope.cancel()
+    finally:
+        recorder.finish()
+        with anyio.CancelScope(shield=True):
+            await _write(node, recorder, sink)
+
+
+async def record_for_client(node: Node, facts: RunFacts, ready: anyio.Event) -> None:
+    """Record for the client that fetches the lines, until it says that it is done, or fetches nothing for 30 s.
+
+    Args:
+        node: The node that records, and answers the client.
+        facts: The run.
+        ready: Set when the lines can be fetched.
+    """
+    recorder = Recorder(node, facts)
+    async with anyio.create_task_group() as tasks:
+        await tasks.start(_run, recorder)
+        reader = _LineReader(node, recorder)
+        node.create_service(ReadRecording, READ_RECORDING, reader.read)
+        ready.set()
+        await reader.run()
+        tasks.cancel_scope.cancel()
+
+
+@final
+class _LineReader:
+    """Answers the client."""
+
+    def __init__(self, node: Node, recorder: Recorder) -> None:
+        self._clock = node.graph.clock
+        self._recorder = recorder
+        self._read_at = self._clock.monotonic()
+        self._is_finished = False
+        self._is_over = anyio.Event()
+
+    async def run(self) -> None:
+        """Return when the client is done, or gone."""
+        while (left := self._read_at + _UNREAD - self._clock.monotonic()) > 0 and not self._is_over.is_set():
+            with anyio.move_on_after(left):
+                await self._is_over.wait()
+
+    async def read(self, request: ReadRecordingRequest) -> ReadRecordingResponse:
+        """Answer the service."""
+        recorder = self._recorder
+        self._read_at = self._clock.monotonic()
+        recorder.note_lost()
+        if request.is_last and not self._is_finished:
+            self._is_finished = True
+            recorder.finish()
+        elif recorder.lines.is_empty:
+            await anyio.sleep(_EVERY)
+        lines = tuple(recorder.lines.take(_MOST_LINES, _MOST_BYTES))
+        is_over = self._is_finished and recorder.lines.is_empty
+        if is_over:
+            self._is_over.set()
+        return ReadRecordingResponse(lines=lines, is_over=is_over)
+
+
+async def _run(recorder: Recorder, *, task_status: TaskStatus[None]) -> None:
+    await recorder.run(task_status=task_status)
+
+
+async def _write_all(node: Node, recorder: Recorder, sink: LineSink) -> None:
+    """Write once a second, until the sink takes no more."""
+    while await _write(node, recorder, sink):
+        if sink.is_full:
+            node.log.warning(FULL, message="the recording ended: its file is full")
+            return
+        await anyio.sleep(_EVERY)
+
+
+async def _write(node: Node, recorder: Recorder, sink: LineSink) -> bool:
+    """Write what waits; return whether that worked."""
+    recorder.note_lost()
+    try:
+        await sink.write(recorder.lines.take())
+    except OSError as exc:
+        node.log.error(FAILED, message=f"the recording ended: its file cannot be written: {exc.strerror}")
+        return False
+    return True

@@ -1,0 +1,115 @@
+"""The muted gateway of a replay: it tells what a gateway told in the recording, and sends nothing.
+
+It keeps the duties of :mod:`homebot.gateways.base`. Commands are accepted as the recorded gateway did: while it was
+away they are unreachable, and where it only observed they are refused. What a device does then is in the recording.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, final
+
+import anyio
+from anyio.abc import TaskStatus
+from pydantic import BaseModel
+
+from homebot.devices import GatewayState, RawCommand, RawMessage, Sighting, SubscribeToTopic
+from homebot.devices.capabilities import EVENTS
+from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
+from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
+from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
+from homebot.errors import HomebotError
+from homebot.gateways import Gateway, GatewayContext
+from homebot.gateways.base import GatewaySettings
+from homebot.gateways.raw_delivery import PartTexts, RawDelivery, begin_of, missed
+from homebot.graph import Node
+from homebot.messages.message import Message
+from homebot.recording.lines import GatewayNews
+from homebot.replay.replay_feed import ReplayFeed
+
+__all__ = ["ReplayGateway"]
+
+_ACTIVE = GatewayState(state="active", reason="", acts=True)
+
+
+@final
+class ReplayGateway(Gateway):
+    """A gateway of a recording.
+
+    Args:
+        node: Its node, of the name that it had in the recording.
+        settings: Its table.
+        context: It has the :class:`ReplayFeed` of the recording.
+    """
+
+    Settings: ClassVar[type[BaseModel]] = GatewaySettings
+
+    def __init__(self, node: Node, settings: BaseModel, context: GatewayContext | None = None) -> None:
+        super().__init__(node, settings, context)
+        self._clock = node.graph.clock
+        self._texts: dict[str, PartTexts] = {}
+        self._told_state = _ACTIVE
+        self._commands = 0
+        self._listeners = RawDelivery(node, self.names, inboxes=True)
+        node.create_subscription(RawCommand, self.names.out, self._take_raw, 1000)
+        node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)
+        node.create_service(SendCommand, self.names.send_command, self._take)
+        node.create_service(GetHealth, self.names.health, self._health)
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Publish what the gateway had told before the recording began, and then what it is fed, until cancelled."""
+        feed = self.context.service(ReplayFeed)
+        self._publish_told_state(_ACTIVE)
+        if feed is not None:
+            await feed.open(self.node.name, self.tell)
+        task_status.started()
+        await self._listeners.watch_nodes()
+
+    async def tell(self, message: Message) -> None:
+        """Publish a message of the recording, as the gateway did."""
+        match message:
+            case GatewayNews(state=state):
+                self._publish_told_state(state)
+            case Sighting():
+                self.publish_sighting(message.with_checked(heard_at=self._heard_at(message.seen_at.to_seconds())))
+            case Report():
+                self.reports.publish(message.with_checked(heard_at=self._heard_at(message.received_at.to_seconds())))
+                if any(one.capability in EVENTS for one in message.readings):
+                    self.reports.dispose(message.stream)  # it happened once
+            case RawMessage():
+                texts = self._texts.setdefault(message.address, PartTexts())
+                texts.keep(message, self._heard_at(message.received_at.to_seconds()), is_event=False)
+                await self._listeners.deliver(message, wait_if_full=True)
+
+    def _heard_at(self, stamp: float) -> float:
+        """Return the reading of the monotonic clock at the time *stamp*."""
+        return self._clock.monotonic() - (self._clock.now() - stamp)
+
+    def _publish_told_state(self, state: GatewayState) -> None:
+        self._told_state = state
+        self.acts = state.acts
+        self.publish_state(state.state, state.reason)
+
+    def _take(self, _: Command) -> SendCommandResponse:
+        state = self._told_state
+        if not state.acts:
+            return SendCommandResponse(success=False, message=state.reason, problem="refused")
+        if state.state == "unavailable":
+            return SendCommandResponse(success=False, message=state.reason, problem="unreachable")
+        self._commands += 1
+        return SendCommandResponse(success=True)
+
+    def _take_raw(self, _: RawCommand) -> None:
+        self._commands += 1
+
+    def _subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
+        address, is_new = request.topic, not self._listeners.has(request.topic, request.listener)
+        try:
+            publisher = self._listeners.add(address, address, address, request.listener)
+        except HomebotError as exc:
+            return SubscribeToTopicResponse(success=False, message=str(exc), data_topic="")
+        since, kept = begin_of(request.since, self._clock), self._texts.get(address, PartTexts()).kept
+        late = missed(kept, since) if is_new else ()
+        return SubscribeToTopicResponse(success=True, message="", data_topic=publisher.topic_name, missed=late)
+
+    def _health(self, _: HealthRequest) -> HealthResponse:
+        return HealthResponse(counts=(Count(name="commands_muted", count=self._commands),))

@@ -1,0 +1,60 @@
+"""``/homebot/start_recorder``: starts a recorder for a client, which then fetches the lines of the recording."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import anyio
+
+from homebot.control import ControlSettings
+from homebot.devices.names import START_RECORDER
+from homebot.graph import Node
+from homebot.isolation import run_as
+from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
+from homebot.runtime.plan import Plan
+
+__all__ = ["RecorderStarter"]
+
+BUSY = "somebody else records; homebot makes one recording at a time for a client"
+
+_READY_WITHIN = 10.0
+
+
+class RecorderStarter:
+    """Starts one recorder at a time; what it does is loaded with the first one.
+
+    Args:
+        node: The node of the runtime, in whose tasks the recorder works.
+        plan: The run.
+        control: The settings that the control layer has in truth.
+        trusts_apps: Whether apps may command what always asks.
+    """
+
+    def __init__(self, node: Node, plan: Plan, control: ControlSettings, *, trusts_apps: bool) -> None:
+        self._node = node
+        self._plan = plan
+        self._control = control
+        self._trusts_apps = trusts_apps
+        self._is_busy = False
+        node.create_service(Trigger, START_RECORDER, self._start)
+
+    async def _start(self, _: TriggerRequest) -> SuccessResponse:
+        if self._is_busy:
+            return SuccessResponse(success=False, message=BUSY)
+        self._is_busy = True
+        ready = anyio.Event()
+        self._node.create_task(partial(self._record, ready))
+        with anyio.move_on_after(_READY_WITHIN):
+            await ready.wait()
+        return SuccessResponse(success=ready.is_set(), message="" if ready.is_set() else "the recorder did not start")
+
+    async def _record(self, ready: anyio.Event) -> None:
+        from homebot.recording.session import record_for_client  # noqa: PLC0415 - for those who record
+        from homebot.runtime.run_facts import run_facts  # noqa: PLC0415 - likewise
+
+        try:
+            facts = run_facts(self._plan, self._control, trusts_apps=self._trusts_apps)
+            async with Node(self._node.graph, "recorder", namespace=self._node.full_name) as node:
+                await run_as(node.full_name, partial(record_for_client, node, facts, ready))
+        finally:
+            self._is_busy = False

@@ -1,0 +1,27 @@
+"""The facts of a run that its recording needs for a replay."""
+
+from __future__ import annotations
+
+import json
+
+from homebot.control import ControlSettings
+from homebot.recording.lines import RecordedApp
+from homebot.recording.recorder import RunFacts
+from homebot.recording.secrets import public_settings
+from homebot.runtime.plan import ACT, Plan
+
+__all__ = ["run_facts"]
+
+_SCOPE = "act: "
+
+
+def run_facts(plan: Plan, control: ControlSettings, *, trusts_apps: bool) -> RunFacts:
+    """Return the facts of a run of *plan*, with the settings of *control* that it has in truth, without secrets."""
+    apps = []
+    for app in plan.apps:
+        settings = public_settings(app.settings)
+        if (scope := plan.grants.get(f"/{app.name}")) is not None:
+            settings[ACT] = [one.removeprefix(_SCOPE) for one in scope if one.startswith(_SCOPE)]
+        kind = f"{app.kind.__module__}:{app.kind.__qualname__}"
+        apps.append(RecordedApp(name=app.name, kind=kind, settings=json.dumps(settings)))
+    return RunFacts(plan.home, tuple(apps), json.dumps(public_settings(control)), trusts_apps)

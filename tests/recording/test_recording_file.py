@@ -1,0 +1,90 @@
+"""The file of a recording: for its owner alone, never overwritten unasked, bounded, and honest about what it lacks."""
+
+from __future__ import annotations
+
+import stat
+from pathlib import Path
+
+import pytest
+
+from homebot.errors import UsageError
+from homebot.messages import Time
+from homebot.recording.line_buffer import LineBuffer
+from homebot.recording.lines import LostLines, RecordingHeader, RecordingLine, line_text
+from homebot.recording.recording import load_recording
+from homebot.recording.recording_file import RecordingFile
+
+HEADER = line_text(
+    RecordingLine(0, RecordingHeader(format=1, version="1", home="h", started_at=Time(sec=1, nanosec=0)))
+)
+LINE = line_text(RecordingLine(1, LostLines(count=0)))
+
+
+@pytest.mark.parametrize("name", ["day.jsonl", "day.jsonl.gz"])
+def test_only_its_owner_can_read_it(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    with RecordingFile(path) as file:
+        file.write([HEADER, LINE])
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    assert load_recording(path).header.home == "h"
+    assert (path.read_bytes()[:2] == b"\x1f\x8b") is name.endswith(".gz")
+
+
+def test_a_file_that_is_there_is_replaced_only_by_force(tmp_path: Path) -> None:
+    path = tmp_path / "day.jsonl"
+    path.write_text("precious")
+    path.chmod(0o644)
+    with pytest.raises(UsageError, match="is there already; --force replaces it"):
+        RecordingFile(path)
+    assert path.read_text() == "precious"
+    RecordingFile(path, force=True).close()
+    assert path.read_text() == ""
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+
+
+def test_force_replaces_a_link_and_not_what_it_points_at(tmp_path: Path) -> None:
+    other, path = tmp_path / "other", tmp_path / "day.jsonl"
+    other.write_text("precious")
+    path.symlink_to(other)
+    RecordingFile(path, force=True).close()
+    assert other.read_text() == "precious"
+    assert not path.is_symlink()
+
+
+def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"day.jsonl cannot be written: No such file"):
+        RecordingFile(tmp_path / "none" / "day.jsonl")
+
+
+def test_what_does_not_fit_is_counted_in_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "day.jsonl"
+    with RecordingFile(path, megabytes=0.002) as file:
+        file.write([HEADER])
+        file.write([LINE] * 100)
+        assert file.is_full
+        file.write([LINE] * 5)
+        assert file.dropped + file.lines == 106
+    found = load_recording(path)
+    assert (found.lost, found.end) == (file.dropped, "the file is full")
+    assert path.stat().st_size <= 2000
+
+
+def test_lines_that_come_too_fast_are_dropped_and_counted_where_they_are_missing() -> None:
+    buffer = LineBuffer()
+    line = RecordingLine(1, LostLines(count=0))
+    for _ in range(50_010):
+        buffer.add(line)
+    assert buffer.lost == 10
+    assert len(buffer.take()) == 50_000
+    buffer.add(line)
+    assert [one for one in buffer.take() if '"count":10' in one] == [line_text(RecordingLine(1, LostLines(count=10)))]
+    assert buffer.is_empty
+
+
+def test_lines_are_taken_in_portions() -> None:
+    buffer = LineBuffer()
+    for number in range(5):
+        buffer.add(RecordingLine(number, LostLines(count=number)))
+    assert len(buffer.take(most=2)) == 2
+    assert len(buffer.take(most_bytes=1)) == 1
+    assert len(buffer.take()) == 2

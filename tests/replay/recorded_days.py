@@ -1,0 +1,113 @@
+"""Days that are recorded in virtual time, and their replays."""
+
+from __future__ import annotations
+
+import asyncio
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from tests.apps.houses import flat, lamp, motion
+
+from homebot.cli.replay_words import difference_text, part_names
+from homebot.config import parse_config
+from homebot.house import World
+from homebot.house.description import parse_world
+from homebot.recording.recording import Recording, read_recording
+from homebot.replay.command_diff import CommandDiff, command_diff
+from homebot.replay.replay import Replayed, replay, replay_config
+from homebot.testing import virtual_house_of
+from homebot.virtual_time import VirtualTimeLoop
+
+FAMILY = (Path(__file__).parents[2] / "examples" / "houses" / "family.toml").read_text("utf-8")
+APPS = {
+    "light_service": {"class": "homebot.apps.light_service:LightService"},
+    "lights_out": {"class": "homebot.apps.lights_out:LightsOut"},
+    "window_heating": {"class": "homebot.apps.window_heating:WindowHeating"},
+    "follow_me": {"class": "homebot.apps.follow_me:FollowMe"},
+}
+
+
+class MemorySink:
+    """Keeps the lines of a recording."""
+
+    is_full = False
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+
+    async def write(self, lines: Sequence[str]) -> None:
+        self.lines += lines
+
+
+def family(seed: int) -> World:
+    """The family home; its devices announce themselves as for Home Assistant, those that can."""
+    house = tomllib.loads(FAMILY)
+    house["house"]["dialect"] = "homeassistant"
+    house["devices"]["robot"]["dialect"] = "thesis"
+    return parse_world(house, "family.toml", seed=seed)
+
+
+def evening_flat() -> World:
+    """A flat in which Anna is in the study for an hour of the evening, and in the kitchen for half of the next."""
+    return flat(
+        ("18:00", "study"),
+        ("19:00", "kitchen"),
+        ("19:30", "outside"),
+        hall_lamp=lamp("hall"),
+        study_lamp=lamp("study"),
+        kitchen_lamp=lamp("kitchen"),
+        hall_motion=motion("hall"),
+        study_motion=motion("study"),
+        kitchen_motion=motion("kitchen"),
+    )
+
+
+def recorded(
+    world: World, apps: Sequence[str], length: str, *, seed: int = 1, config: Mapping[str, object] | None = None
+) -> Recording:
+    """A recording of *world* from midnight on."""
+    return recording_of(recorded_lines(world, apps, length, seed=seed, config=config))
+
+
+def recorded_lines(
+    world: World, apps: Sequence[str], length: str, *, seed: int = 1, config: Mapping[str, object] | None = None
+) -> list[str]:
+    sink = MemorySink()
+    tables = {**(config or {}), "apps": {name: APPS[name] for name in apps}}
+
+    async def live() -> None:
+        async with virtual_house_of(world=world, seed=seed, config=tables, record_into=sink) as home:
+            await home.run_for(length)
+
+    with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
+        runner.run(live())
+    return sink.lines
+
+
+def recording_of(lines: Sequence[str]) -> Recording:
+    return read_recording([one.encode() for one in lines], "day.jsonl")
+
+
+def replayed(recording: Recording, apps: Sequence[str] = (), tables: Mapping[str, object] | None = None) -> Replayed:
+    """A replay with other *apps*, or with other *tables* of the configuration."""
+    given = None if tables is None else parse_config(tables, "changes")
+    config = replay_config(recording, apps, given)
+    with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
+        loop = runner.get_loop()
+        assert isinstance(loop, VirtualTimeLoop)
+        return runner.run(replay(recording, config, loop.settled))
+
+
+def diff_of(recording: Recording, apps: Sequence[str] = (), tables: Mapping[str, object] | None = None) -> CommandDiff:
+    """The difference of such a replay."""
+    found = replayed(recording, apps, tables)
+    assert found.crashes == {}
+    return command_diff(recording.commands, found.commands, found.issuers, recording.ends_at)
+
+
+def texts(recording: Recording, diff: CommandDiff) -> list[str]:
+    """The differences as `homebot replay --diff` prints them."""
+    names = part_names(recording.devices.values())
+    start = recording.header.started_at.to_seconds()
+    return [difference_text(one, start, names) for one in diff.different]

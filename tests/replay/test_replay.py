@@ -1,0 +1,94 @@
+"""A recorded time again: the same with the same apps, and what a changed app, setting or policy changes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from tests.replay.recorded_days import diff_of, evening_flat, family, recorded, replayed, texts
+
+import homebot.apps.lights_out
+from homebot.recording.recording import Recording
+
+EVERY_APP = ("light_service", "lights_out", "window_heating", "follow_me")
+EVENING_APPS = ("lights_out", "follow_me")
+
+
+@pytest.fixture(autouse=True)
+def in_utc(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Texts have times of the computer's zone."""
+    with monkeypatch.context() as patch:
+        patch.setenv("TZ", "UTC")
+        time.tzset()
+        yield
+    time.tzset()
+
+
+@pytest.fixture(scope="module")
+def evening() -> Recording:
+    return recorded(evening_flat(), EVENING_APPS, "20h")
+
+
+@pytest.mark.no_cover
+@pytest.mark.parametrize("seed", [1, 2])
+def test_the_same_apps_give_the_same_commands_in_a_day_of_the_family_home(seed: int) -> None:
+    recording = recorded(family(seed), EVERY_APP, "24h", seed=seed)
+    diff = diff_of(recording)
+    assert texts(recording, diff) == []
+    assert diff.same > 100
+
+
+def test_a_recording_of_a_run_has_all_of_it(evening: Recording) -> None:
+    assert evening.lost == 0
+    assert evening.ends_at == pytest.approx(20 * 3600, abs=1)
+    assert [one.name for one in evening.header.apps] == list(EVENING_APPS)
+    assert all(one.result is not None for one in evening.commands)
+    assert {one.command.issuer for one in evening.commands} == {"/lights_out", "/follow_me"}
+
+
+def test_the_same_apps_give_the_same_commands(evening: Recording) -> None:
+    diff = diff_of(evening)
+    assert texts(evening, diff) == []
+    assert diff.same == len(evening.commands)
+
+
+def test_a_changed_line_is_told_by_exactly_the_commands_that_it_changes(evening: Recording, tmp_path: Path) -> None:
+    """The app waits five minutes, and not ten, so its commands come five minutes earlier; those of others stay."""
+    source = Path(homebot.apps.lights_out.__file__).read_text("utf-8")
+    changed = tmp_path / "my_lights_out.py"
+    changed.write_text(source.replace("quiet_after: Seconds = 600.0", "quiet_after: Seconds = 300.0"))
+    assert texts(evening, diff_of(evening, [str(changed)])) == GOLDEN
+    assert texts(evening, diff_of(evening, tables={"apps": {"lights_out": {"quiet_after": 300.0}}})) == GOLDEN
+
+
+GOLDEN = """\
++ 2026-01-01 18:06:06  hall_lamp  off  lights_out, because hall_motion reported clear
+- 2026-01-01 18:11:06  hall_lamp  off  lights_out, because hall_motion reported clear
++ 2026-01-01 19:06:05  study_lamp  off  lights_out, because study_motion reported clear
++ 2026-01-01 19:06:10  hall_lamp  off  lights_out, because hall_motion reported clear
+- 2026-01-01 19:11:05  study_lamp  off  lights_out, because study_motion reported clear
+- 2026-01-01 19:11:10  hall_lamp  off  lights_out, because hall_motion reported clear
++ 2026-01-01 19:36:05  kitchen_lamp  off  lights_out, because kitchen_motion reported clear
++ 2026-01-01 19:36:06  hall_lamp  off  lights_out, because hall_motion reported clear
+- 2026-01-01 19:41:05  kitchen_lamp  off  lights_out, because kitchen_motion reported clear
+- 2026-01-01 19:41:06  hall_lamp  off  lights_out, because hall_motion reported clear
+""".splitlines()
+
+
+def test_a_policy_that_refuses_is_named(evening: Recording) -> None:
+    """Quiet hours keep the app from turning lamps on; those that it turned off were never on in truth, and stay."""
+    rules = {"quiet_hours": [{"start": "00:00", "end": "23:59", "commands": ["turn on lights"]}]}
+    diff = diff_of(evening, tables={"control": rules})
+    assert {(one.kind, one.given.command.issuer) for one in diff.different} == {("gone", "/follow_me")}
+    assert all(one.refused.startswith("quiet_hours: ") for one in diff.different)
+    assert len(diff.different) == sum(one.command.issuer == "/follow_me" for one in evening.commands)
+
+
+def test_an_app_that_was_not_recorded_gives_added_commands_which_succeed(evening: Recording) -> None:
+    found = replayed(evening, ["homebot.apps.light_service:LightService"])
+    assert found.issuers == ("/light_service",)
+    diff = diff_of(evening, ["homebot.apps.light_service:LightService"])
+    assert {one.kind for one in diff.different} == {"added"}
+    assert diff.same == 0

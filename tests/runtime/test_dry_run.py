@@ -1,0 +1,112 @@
+"""A dry run: apps and people command as ever, and nothing reaches a device."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import pytest
+from pydantic import BaseModel, ConfigDict
+from tests.apps.houses import flat, is_on, lamp
+from tests.replay.recorded_days import MemorySink
+
+from homebot.config import parse_config
+from homebot.devices import Devices
+from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest
+from homebot.devices.handles import Light
+from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest
+from homebot.devices.names import COMMAND_DEVICES, READ_JOURNAL
+from homebot.devices.outcomes import Confirmed, Evidence
+from homebot.errors import ConfigError
+from homebot.gateways.memory import MemoryGateway
+from homebot.graph import Node
+from homebot.recording.recording import read_recording
+from homebot.runtime.plan import make_plan, observing
+from homebot.testing import VirtualHouse, virtual_house_of
+
+
+class OtherSettings(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
+class OtherGateway(MemoryGateway):
+    Settings = OtherSettings
+
+
+pytestmark = pytest.mark.virtual_time
+
+
+@asynccontextmanager
+async def dry_house() -> AsyncIterator[VirtualHouse]:
+    world = flat(hall_lamp=lamp("hall"))
+    async with virtual_house_of(world=world, is_dry_run=True) as home:
+        await home.press("hall_lamp", "on")
+        await home.run_for(5)
+        yield home
+
+
+async def kinds(house: VirtualHouse, node: Node) -> list[str]:
+    journal = node.create_client(ReadJournal, READ_JOURNAL)
+    return [one.kind for one in (await journal.call(ReadJournalRequest())).entries if one.command]
+
+
+async def test_an_app_goes_on_as_if_the_lamp_had_obeyed_and_the_lamp_stays_on() -> None:
+    async with dry_house() as house, Node(house.runtime.graph, "app") as node:
+        (light,) = await Devices(node).find(Light)
+        outcome = await light.turn_off()
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.SENT
+        assert light.on is False
+        await house.run_for(5)
+        assert is_on(house.world, "hall_lamp")
+        assert await kinds(house, node) == ["requested", "would", "outcome"]
+
+
+async def test_the_lamp_is_as_it_is_from_its_next_report_on() -> None:
+    async with dry_house() as house, Node(house.runtime.graph, "app") as node:
+        (light,) = await Devices(node).find(Light)
+        assert (await light.turn_off()).succeeded
+        await house.run_for("10m")  # it repeats its state every five
+        assert [one.on for one in await Devices(node).find(Light)] == [True]
+
+
+async def test_a_text_of_an_app_is_not_sent_either() -> None:
+    async with dry_house() as house, Node(house.runtime.graph, "app") as node:
+        devices = Devices(node)
+        (device,) = await devices.find("lights")
+        assert await devices.tell(device, "off") == ()
+        await house.run_for(5)
+        assert is_on(house.world, "hall_lamp")
+        assert "would" in await kinds(house, node)
+        assert "published" not in await kinds(house, node)
+
+
+async def test_a_person_is_told_that_nothing_was_sent() -> None:
+    async with dry_house() as house, Node(house.runtime.graph, "door") as node:
+        command = node.create_client(CommandDevices, COMMAND_DEVICES)
+        request = CommandDevicesRequest(target="hall_lamp", command="off", issuer="client:local", scope=("act: all",))
+        answer = await command.call(request)
+        assert not answer.success
+        (result,) = (one.result for one in answer.results)
+        assert (result.outcome, result.policy) == ("refused", "dry_run")
+        assert "runs with --dry-run and sends nothing" in result.reason
+        assert is_on(house.world, "hall_lamp")
+
+
+async def test_an_app_that_commands_again_and_again_lets_time_pass() -> None:
+    """The light service turns off each lamp that is on, again if it must; here none ever goes off."""
+    world = flat(hall_lamp=lamp("hall"))
+    sink = MemorySink()
+    async with virtual_house_of("light_service", world=world, is_dry_run=True, record_into=sink) as home:
+        await home.press("hall_lamp", "on")
+        await home.run_for("30m")
+        assert is_on(world, "hall_lamp")
+    commands = read_recording([one.encode() for one in sink.lines], "run").commands
+    assert 2 <= len(commands) < 1000
+
+
+def test_a_gateway_that_cannot_be_kept_from_sending_is_refused() -> None:
+    """One of somebody else may have no `act`; then it is not started at all."""
+    config = parse_config({"gateways": {"other": {"class": "tests.runtime.test_dry_run:OtherGateway"}}}, "homebot.toml")
+    with pytest.raises(ConfigError, match=r"homebot.toml: gateways.other.act: unknown key"):
+        make_plan(observing(config))
