@@ -82,11 +82,11 @@ def _list(options: argparse.Namespace) -> int:
         places = cast("PlacesRecord", door.call(GET_PLACES, {}))
         areas = all_devices(door, lambda device: device["area"])
         rows = _rows(places, areas)
+        absent = [(printable(one["key"]), printable(one["value"])) for one in places["absent"]]
         if rows:
             print_table(_HEAD, rows, if_any=("FLOOR", "DOORS"))
-        else:
+        elif not absent:
             print("no room is known; state some with `homebot place DEVICE ROOM` or [places] in the configuration")
-        absent = [(printable(one["key"]), printable(one["value"])) for one in places["absent"]]
         print_rows(absent, "placed, and not there yet:")
         return 0
 
