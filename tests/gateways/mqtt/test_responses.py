@@ -55,6 +55,8 @@ def test_a_response_is_matched_with_its_command_once() -> None:
     asked = Asked()
     first, second = asked.ask("1"), asked.ask("2")
     assert (first.response_topic, first.expiry) == ("homebot/responses/test", 10)
+    assert first.correlation_data is not None
+    assert first.correlation_data.isalnum()  # which a shell script can repeat
     asked.answer(second)
     asked.answer(second)
     assert [(one.command_id, one.gateway, one.key, one.success) for one in asked.answers] == [("2", "mqtt", "k", True)]

@@ -28,7 +28,7 @@ MOST_AWAITED: Final = 1000
 
 _LONGEST: Final = 4096  # bytes of a response that are looked at
 _LONGEST_REASON: Final = 200
-_TOKEN: Final = 12  # bytes: nobody guesses what would answer a command
+_TOKEN: Final = 8  # bytes, written as 16 hexadecimal digits: scripts can repeat them, and nobody guesses them
 
 
 @dataclass(slots=True)
@@ -79,7 +79,7 @@ class Responses:
         """Return *properties* of a message with *command*, which ask for a response where anybody waits for it."""
         if not command.id:
             return properties
-        token = secrets.token_bytes(_TOKEN)
+        token = secrets.token_hex(_TOKEN).encode()
         until = self._clock.monotonic() + (command.expires_after or math.inf)
         self._awaited[token] = _Awaited(command, until)
         if len(self._awaited) > MOST_AWAITED:
