@@ -17,7 +17,7 @@ from homebot.conventions.nfc.card_tag import CardTag
 from homebot.devices import FIND_DEVICES, QUERY_DEVICES, FindDevices, Found, QueryDevices
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse, QueryDevicesRequest, QueryDevicesResponse
 from homebot.gateways import GatewayContext
-from homebot.gateways.nfc import NfcGateway
+from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders
 from homebot.graph import Graph, Node
 from homebot.house.nfc import Type4Card
@@ -60,7 +60,8 @@ def homebot_at(
 
         def extra(graph: Graph) -> Node:
             node = Node(graph, "nfc", namespace="/gateway")
-            gateway = NfcGateway(node, context=GatewayContext.of(TagReaders((reader,))))
+            settings = NfcGatewaySettings(teaches_place=False)  # there is no directory to teach
+            gateway = NfcGateway(node, settings, context=GatewayContext.of(TagReaders((reader,))))
             node.create_task(gateway.serve)
             node.create_service(FindDevices, FIND_DEVICES, find)
             node.create_service(QueryDevices, QUERY_DEVICES, query)

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.control.conftest import Home, OpenHome, ignore, obey_after, report
 
-from homebot.control.leases import MOST_HOLDERS, LeaseHolder, Leases
+from homebot.control.leases import MOST_HOLDERS, Lease, LeaseHolder, Leases
 from homebot.devices.command_messages import Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Closure, DoorLock, Light
@@ -392,6 +392,20 @@ async def test_who_renews_or_releases_what_it_does_not_hold_changes_nothing(open
         assert not (await renew.call(stranger)).held
         await home.app.create_client(ReleaseLease, RELEASE_LEASE).call(stranger)
         assert isinstance(await door.close(), Refused)
+
+
+def test_of_those_whose_leases_were_ended_the_newest_are_remembered() -> None:
+    leases = Leases(300)
+
+    def begin(number: int) -> Lease | str:
+        holder = LeaseHolder("r", 3600, 3600)
+        return leases.hold(("d", ""), "lock", "locked", ("", "r", str(number)), holder, 0)
+
+    for number in range(MOST_HOLDERS + 1):
+        assert not isinstance(begin(number), str)
+        leases.end("d", "client:owner", 0)
+    assert begin(1) == "its lease was ended by client:owner"
+    assert not isinstance(begin(0), str)
 
 
 STEPS = st.lists(

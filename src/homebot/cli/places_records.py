@@ -15,6 +15,7 @@ __all__ = [
     "PlacesImportRecord",
     "PlacesRecord",
     "TagResponseRecord",
+    "TeachPlaceRecord",
     "UnapprovedRecord",
 ]
 
@@ -94,3 +95,11 @@ class PlacesImportRecord(TypedDict):
     message: str
     added: list[str]
     kept: list[str]
+
+
+class TeachPlaceRecord(TypedDict):
+    """:class:`homebot.devices.places_messages.TeachPlaceResponse`."""
+
+    success: bool
+    message: str
+    room: str

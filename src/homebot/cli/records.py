@@ -24,6 +24,7 @@ __all__ = [
     "QueryResponseRecord",
     "ReadTagRecord",
     "RouteRecord",
+    "ScanCodeRecord",
     "SplitResponseRecord",
     "StateRecord",
     "TimeRecord",
@@ -293,6 +294,15 @@ class HealthRecord(TypedDict):
     troubles: list[str]
     failures: list[PartFailureRecord]
     notes: list[str]
+
+
+class ScanCodeRecord(TypedDict):
+    """:class:`homebot.devices.tags.ScanCodeResponse`."""
+
+    success: bool
+    message: str
+    device: str
+    area: str
 
 
 class ReadTagRecord(TypedDict):

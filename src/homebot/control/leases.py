@@ -169,7 +169,7 @@ class Leases:
         """Release all holders of *device*, as *by* wants; return them with their leases.
 
         A holder that lives would begin anew when it learns that its lease is over: under the same name it may not,
-        for as long as its lease lasted.
+        for as long as its lease lasted. The newest :data:`MOST_HOLDERS` are remembered.
         """
         found = [
             (lease, key, holder) for lease in self if lease.part[0] == device for key, holder in lease.holders.items()
@@ -177,6 +177,8 @@ class Leases:
         for _, key, holder in found:
             self.release(key)
             self._ended[key] = now + holder.ttl, by
+            if len(self._ended) > MOST_HOLDERS:
+                del self._ended[next(iter(self._ended))]
         return found
 
     def expire(self, now: float) -> list[tuple[Lease, HolderKey, LeaseHolder]]:

@@ -1,4 +1,4 @@
-"""``homebot tag``: ``add`` and ``remove`` for the tags of devices, ``read`` and ``write`` for NFC tags."""
+"""``homebot tag``: ``add`` and ``remove`` for tags of devices; ``read``, ``write``, ``scan`` for NFC tags and codes."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from typing import Final, cast
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.places_records import TagResponseRecord
-from homebot.cli.records import ReadTagRecord, WriteTagRecord
+from homebot.cli.places_records import TagResponseRecord, TeachPlaceRecord
+from homebot.cli.records import ReadTagRecord, ScanCodeRecord, WriteTagRecord
 from homebot.cli.table import printable
-from homebot.devices.names import TAG_DEVICE, TagNames
+from homebot.devices.names import TAG_DEVICE, TEACH_PLACE, TagNames
 from homebot.errors import PeerError
 
 __all__ = ["add_arguments"]
@@ -29,6 +29,10 @@ _TAG_TEXT = """\
   homebot tag remove 'Kitchen lamp' night
 
 The directory remembers it over a restart. Nothing is written to an NFC tag: that is `homebot tag write`.
+"""
+_SCAN_TEXT = """\
+  homebot tag scan homebot:device/kitchen_lamp
+  homebot tag scan --teach "$(printf 'Kitchen lamp\\narea: Kitchen')"
 """
 _CODES_TEXT = """
 Exit codes beside the usual ones: 3 there is no such reader; 4 no tag came in time; 5 the tag is not fit for it: too
@@ -62,6 +66,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_client_command(write, _write, f"  homebot tag write 'Kitchen lamp' --area Kitchen\n{_CODES_TEXT}")
     write.add_argument("device", metavar="DEVICE", help="its id or its name")
     write.add_argument("--area", default="", metavar="ROOM", help="the room that the tag is in, which is written too")
+    scan = add_verb(verbs, "scan", "say which device a QR code or another text points to")
+    set_client_command(scan, _scan, _SCAN_TEXT)
+    scan.add_argument("code", metavar="CODE", help="the text of the code")
+    scan.add_argument("--teach", action="store_true", help="remember the room in it, where nobody else says one")
+    scan.add_argument("--gateway", default="nfc", metavar="NAME", help="the gateway of tags (default: nfc)")
     for one in (read, write):
         one.add_argument("--reader", default="", metavar="NAME", help="a part of the reader's name (default: any)")
         one.add_argument("--gateway", default="nfc", metavar="NAME", help="the gateway of tags (default: nfc)")
@@ -101,6 +110,34 @@ def _read(options: argparse.Namespace) -> int:
         return 0
 
     return with_client(options, run)
+
+
+def _scan(options: argparse.Namespace) -> int:
+    """Print the device that a code points to, and have its room remembered."""
+
+    def run(door: DoorClient) -> int:
+        found = cast("ScanCodeRecord", door.call(TagNames(options.gateway).scan, {"text": options.code}))
+        if not found["success"]:
+            raise PeerError(found["message"])
+        print(printable(found["message"]))
+        for what, text in (("device", found["device"]), ("area", found["area"])):
+            if text:
+                print(f"  {what}: {printable(text)}")
+        if options.teach:
+            _teach(door, found, options.gateway)
+        return 0
+
+    return with_client(options, run)
+
+
+def _teach(door: DoorClient, found: ScanCodeRecord, gateway: str) -> None:
+    if not (found["device"] and found["area"]):
+        raise PeerError("the code does not say which device is in which room")
+    request = {"device": found["device"], "gateway": gateway, "room": found["area"]}
+    answer = cast("TeachPlaceRecord", door.call(TEACH_PLACE, request))
+    if not answer["success"]:
+        raise PeerError(answer["message"])
+    print(f"{printable(found['device'])} is in {printable(answer['room'])} now")
 
 
 def _write(options: argparse.Namespace) -> int:
