@@ -187,3 +187,11 @@ EVENTS: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if 
 
 MOMENTARY: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_momentary)
 """Names of those of which no command is repeated."""
+
+SETTABLE: frozenset[str] = frozenset(
+    {
+        *("on_off", "level", "position", "tilt", "movement", "lock", "valve", "alarm", "vacuum", "mower", "volume"),
+        *("heating_setpoint", "cooling_setpoint", "thermostat_mode", "preset_mode", "fan_speed", "fan_mode"),
+    }
+)
+"""Names of those that people and programs set; what is only measured changes all the time and needs no reason."""

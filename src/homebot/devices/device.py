@@ -13,6 +13,8 @@ from homebot.messages.message import Message
 __all__ = [
     "EVERYTHING",
     "ChangeKind",
+    "ChangedSetting",
+    "ChangedSettings",
     "Device",
     "DeviceChange",
     "DevicePart",
@@ -241,6 +243,34 @@ class DeviceChange(Message):
     sequence: int
     why: str
     other: str = ""
+
+
+class ChangedSetting(Message):
+    """A new value of what people and programs set (:data:`homebot.devices.capabilities.SETTABLE`).
+
+    Attributes:
+        device: The id of the device.
+        part: The id of the part.
+        capability: For example ``on_off``.
+        value: The value.
+        told_at: The time of the report.
+    """
+
+    device: str
+    part: str
+    capability: str
+    value: Value
+    told_at: Time
+
+
+class ChangedSettings(Message):
+    """The settings that devices reported anew within half a second.
+
+    Attributes:
+        changes: The first new value of each, and the newest one; of a number that changes to another the newest alone.
+    """
+
+    changes: tuple[ChangedSetting, ...]
 
 
 class StateChange(Message):

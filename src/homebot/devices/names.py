@@ -12,6 +12,7 @@ __all__ = [
     "COMMAND_DEVICES",
     "COMMAND_EVENTS",
     "DEVICE_CHANGES",
+    "DEVICE_SETTINGS",
     "DEVICE_STATES",
     "DIRECTORY_NODE",
     "DISCOVERY_HEALTH",
@@ -72,6 +73,7 @@ IMPORT_PLACES = "/discovery/import_places"
 GET_CHANGES = "/discovery/changes_since"
 DEVICE_CHANGES = "/discovery/changes"
 DEVICE_STATES = "/discovery/states"
+DEVICE_SETTINGS = "/discovery/settings"
 DISCOVERY_HEALTH = "/discovery/health"
 PERFORM_COMMAND = "/control/perform"
 SEND_TEXT = "/control/send_text"

@@ -57,10 +57,12 @@ class DeviceTable:
         unsaved: Ids of the devices whose record in the index file is out of date.
         counters: What was not taken in.
         collects_states: Whether changes of states are collected.
+        collects_settings: Whether changed settings are collected.
     """
 
     __slots__ = (
         "changes",
+        "collects_settings",
         "collects_states",
         "counters",
         "entries",
@@ -87,6 +89,7 @@ class DeviceTable:
         self.unsaved = UnsavedDevices(self.entries, self.tombstones)
         self.counters = IndexCounters()
         self.collects_states = False
+        self.collects_settings = False
 
     def note(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
         """Note a change of *entry*, which makes its message and its postings out of date."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Awaitable, Callable
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import TypeVar
 
@@ -27,7 +28,9 @@ from homebot.devices import (
     StateChange,
     gateway_of,
 )
+from homebot.devices.device import ChangedSettings
 from homebot.devices.gateway_messages import Report
+from homebot.devices.names import DEVICE_SETTINGS
 from homebot.discovery.index import MAX_DEVICES, DeviceIndex
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.persistence import IndexPersistence
@@ -61,6 +64,9 @@ _FEW = 10
 
 _STATES_PER_CHANGE = 10
 """States that are published in the time of one change, about."""
+
+_SETTINGS_PAUSE = 0.5
+"""Seconds in which changed settings are gathered: to look at them together costs a busy house next to nothing."""
 
 _SOURCES_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _STATES_QOS = QoSProfile(depth=1)
@@ -116,14 +122,16 @@ class Directory:
         self._clock = clock
         self._changes = node.create_publisher(DeviceChange, DEVICE_CHANGES, 10)
         self._states = node.create_publisher(StateChange, DEVICE_STATES, _STATES_QOS)
+        self._settings = node.create_publisher(ChangedSettings, DEVICE_SETTINGS, 10)
         self._persistence = IndexPersistence(node, self.index, file if settings.persist else None)
         self._services = DirectoryServices(node, self.index, self._persistence, self._publish_some)
         self._sources: dict[str, Subscription[Sighting] | Subscription[Report]] = {}
-        self._collects_states = False
+        self._collects_states = self._collects_settings = False
         self._wakes_at = math.inf
         self._rejected = 0
         self._earlier_deadline = anyio.Event()
         self._happened = anyio.Event()
+        self._settings_changed = anyio.Event()
         self._is_idle = True
         self._limit = LogLimit(clock)
         self._change_limit = LogLimit(clock, burst=BURST)
@@ -140,7 +148,7 @@ class Directory:
             self._services.register()
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(self._publish_changes)
-                for work in (self._persistence.run, self._expire):
+                for work in (self._persistence.run, self._expire, self._publish_settings):
                     tasks.start_soon(run_as, self._node.full_name, work)
                 task_status.started()
                 lost = 0
@@ -225,7 +233,12 @@ class Directory:
         collects_states = self._states.subscription_count > 0
         if collects_states is not self._collects_states:
             self.index.collects_states = self._collects_states = collects_states
+        collects_settings = self._settings.subscription_count > 0
+        if collects_settings is not self._collects_settings:
+            self.index.collects_settings = self._collects_settings = collects_settings
         self.index.report(report, _heard_at(report, now))
+        if collects_settings and self.index.settings and not self._settings_changed.is_set():
+            self._settings_changed.set()
         self._wake_workers()
 
     def _wake_workers(self) -> None:
@@ -265,6 +278,17 @@ class Directory:
             while self.index.expire(self._clock.monotonic(), at_most=_FEW):
                 while self._publish_some(_FEW):
                     await anyio.lowlevel.checkpoint()
+                await anyio.lowlevel.checkpoint()
+
+    async def _publish_settings(self) -> None:
+        """Publish the settings that changed, twice a second: nobody waits for them."""
+        while True:
+            await self._settings_changed.wait()
+            await anyio.sleep(_SETTINGS_PAUSE)
+            self._settings_changed = anyio.Event()
+            changed = self.index.settings.take()
+            while some := tuple(islice(changed, _FEW)):
+                self._settings.publish(ChangedSettings.of_checked(changes=some))
                 await anyio.lowlevel.checkpoint()
 
     def _publish_some(self, at_most: int) -> bool:

@@ -23,6 +23,7 @@ from homebot.discovery.merging.merger import DeviceMerger
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.search.postings import PostedValue, Postings
+from homebot.discovery.setting_changes import SettingChanges
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.states import StateRecorder
 from homebot.errors import RefusedError
@@ -53,6 +54,7 @@ class DeviceIndex:
             of one device meanwhile is in its change.
         next_deadline: Returns when :meth:`expire` has something to do, in seconds of its clock; None for never.
         is_due_before: Returns whether it has something to do before a time of that clock.
+        settings: Settings that changed and were not taken yet.
         tombstones: Devices that went.
     """
 
@@ -77,7 +79,8 @@ class DeviceIndex:
         self.is_due_before = self._liveness.is_due_before
         self._merger = DeviceMerger(table, self._liveness, self._pending)
         self._intake = SightingIntake(table, self._liveness, self._merger, self._pending, max_devices)
-        self._states = StateRecorder(table, self._liveness, self._merger.trust)
+        self.settings = SettingChanges(table)
+        self._states = StateRecorder(table, self._liveness, self._merger.trust, self.settings)
 
     def __len__(self) -> int:
         return len(self._table.entries)
@@ -104,6 +107,15 @@ class DeviceIndex:
     @collects_states.setter
     def collects_states(self, collects: bool) -> None:
         self._table.collects_states = collects
+
+    @property
+    def collects_settings(self) -> bool:
+        """True if changed settings are collected."""
+        return self._table.collects_settings
+
+    @collects_settings.setter
+    def collects_settings(self, collects: bool) -> None:
+        self._table.collects_settings = collects
 
     def observe(self, sighting: Sighting, now: float | None = None) -> None:
         """Take *sighting* in.

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable
 from operator import attrgetter
 from typing import TypeAlias, final
 
-from homebot.devices import DevicePart
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.value import Reading
@@ -14,8 +13,8 @@ from homebot.discovery.changes import stream_of
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
-from homebot.discovery.merging.parts import MergedParts
 from homebot.discovery.merging.trust import EndpointKey, can_hurt, endpoint_of, takes_commands
+from homebot.discovery.setting_changes import SettingChanges
 from homebot.discovery.source_record import Reach, SourceRecord, StoredValue
 from homebot.messages import Time
 
@@ -38,14 +37,16 @@ class StateRecorder:
         table: The devices.
         liveness: When each was heard.
         trust: Lets endpoints of a device have its commands, which reported the same changes as the others.
+        settings: Takes the settings that changed.
     """
 
-    __slots__ = ("_liveness", "_table", "_trust")
+    __slots__ = ("_liveness", "_settings", "_table", "_trust")
 
-    def __init__(self, table: DeviceTable, liveness: Liveness, trust: Trust) -> None:
+    def __init__(self, table: DeviceTable, liveness: Liveness, trust: Trust, settings: SettingChanges) -> None:
         self._table = table
         self._liveness = liveness
         self._trust = trust
+        self._settings = settings
 
     def record(  # noqa: C901 - it runs for each message; a call more for each value costs more
         self, entry: Entry, source: SourceRecord, report: Report
@@ -130,7 +131,7 @@ class StateRecorder:
         table = self._table
         if entry.id in table.outdated:
             return
-        part = _part_of(entry.parts(table.topics), source, place[0])
+        part = entry.parts(table.topics).shown_part_of(source, place[0])
         if part is not None and len(part.routes) > 1:
             table.outdated[entry.id] = None
         elif part is not None:
@@ -142,6 +143,8 @@ class StateRecorder:
         if len(entry.sources) > 1:
             for place, _, stored in new:
                 self._post(entry, source, place, stored)
+        if live and table.collects_settings:
+            self._settings.note(entry, source, new)
         if not table.collects_states:
             return
         merged = entry.parts(table.topics)
@@ -151,7 +154,7 @@ class StateRecorder:
         for place, reading, _ in new:
             if place[0] != name:
                 name = place[0]
-                part = _part_of(merged, source, name)
+                part = merged.shown_part_of(source, name)
                 part_id = None if part is None else part.id
             if part_id is not None:
                 readings.append(reading if part_id == name else _of_part(part_id, reading))
@@ -213,12 +216,6 @@ def is_denied(sources: Iterable[SourceRecord]) -> bool:
             if reach.value is False:
                 return True
     return False
-
-
-def _part_of(merged: MergedParts, source: SourceRecord, part_id: str) -> DevicePart | None:
-    """Return the part of the device whose values those of *part_id* of *source* are; None where they are not shown."""
-    part = merged.part_of(source, part_id)
-    return None if part is None or (source.is_claimed and part.routes) else part
 
 
 def _of_part(part_id: str, reading: Reading) -> Reading:

@@ -6,17 +6,10 @@ from collections import OrderedDict, deque
 from dataclasses import dataclass
 from typing import Final, TypeAlias, final
 
-from homebot.devices.value import PlainValue, Reading
+from homebot.devices.device import ChangedSetting
+from homebot.devices.value import PlainValue
 
-__all__ = ["WATCHED", "ExplainedChanges"]
-
-WATCHED: Final = frozenset(
-    {
-        *("on_off", "level", "position", "tilt", "movement", "lock", "valve", "alarm", "vacuum", "mower", "volume"),
-        *("heating_setpoint", "cooling_setpoint", "thermostat_mode", "preset_mode", "fan_speed", "fan_mode"),
-    }
-)
-"""The capabilities that people and programs set; what is only measured changes all the time and needs no reason."""
+__all__ = ["ExplainedChanges"]
 
 EVERY_PART: Final = "*"
 """The part of a raw command, of which the part is not known."""
@@ -78,15 +71,15 @@ class ExplainedChanges:
         began, text = now - _HEARD_LATER, text.strip().casefold()
         self._put(device, EVERY_PART, _Command(command, began, now + self._settle, is_raw=True, text=text))
 
-    def take(self, device: str, reading: Reading, at: float) -> str | None:
+    def take(self, change: ChangedSetting, at: float) -> str | None:
         """Take in a live report; return what it is.
 
         Returns:
             The id of the raw command that explains it; empty where nothing does; None where it is no change, or one
             that the entries of a command have already.
         """
-        place = (device, reading.part, reading.capability)
-        value = reading.value.plain()
+        device, part = change.device, change.part
+        place, value = (device, part, change.capability), change.value.plain()
         known = self._values.pop(place, None)
         self._values[place] = value, at
         if known is None:
@@ -99,8 +92,8 @@ class ExplainedChanges:
             return None
         under_way = [
             one
-            for part in (reading.part, EVERY_PART)
-            for one in self._commands.get((device, part), ())
+            for place in ((device, part), (device, EVERY_PART))
+            for one in self._commands.get(place, ())
             if one.began <= at <= one.until
         ]
         if not under_way:

@@ -5,24 +5,18 @@ from __future__ import annotations
 from functools import partial
 from typing import Final, final
 
-import anyio
-
-from homebot.clock import TimeSlice
 from homebot.control.journal.command_addresses import CommandAddresses
-from homebot.control.journal.explained_changes import WATCHED
 from homebot.control.journal.journal import CommandJournal
-from homebot.devices import DEVICE_STATES, GatewayNames, RawCommand, StateChange
-from homebot.devices.names import DIRECTORY_NODE, gateway_of
+from homebot.devices import GatewayNames, RawCommand
+from homebot.devices.device import ChangedSettings
+from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE, gateway_of
 from homebot.errors import InvalidNameError
 from homebot.graph import Node, QoSProfile, ReliabilityPolicy, Subscription
 
 __all__ = ["HouseWatch"]
 
-_PAUSE: Final = 0.5
-"""Seconds in which changes are gathered: to look at them together costs a busy house next to nothing."""
-
-_STATES: Final = QoSProfile(depth=10)
-"""Of each stream; a device that changes more often in half a second has the newest noted."""
+_SETTINGS: Final = QoSProfile(depth=100)
+"""Messages, each of a few changes of half a second; the oldest is dropped where they come too fast."""
 
 _RAW: Final = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
 """The oldest is dropped where they come too fast; a gateway's commands never wait for the journal."""
@@ -49,25 +43,14 @@ class HouseWatch:
 
     async def run(self) -> None:
         """Work until cancelled."""
-        states = self._node.create_subscription(
-            StateChange, DEVICE_STATES, qos_profile=_STATES, from_node=DIRECTORY_NODE
+        self._node.create_subscription(
+            ChangedSettings, DEVICE_SETTINGS, self._take, _SETTINGS, from_node=DIRECTORY_NODE
         )
-        async with anyio.create_task_group() as tasks:
-            tasks.start_soon(self._watch_gateways)
-            while True:
-                await states.mailbox.wait()
-                await anyio.sleep(_PAUSE)
-                work = TimeSlice(self._clock)
-                while (change := states.take()) is not None:
-                    self._take(change)
-                    if work.is_over:
-                        await work.pause()
+        await self._watch_gateways()
 
-    def _take(self, change: StateChange) -> None:
-        if change.live:
-            for reading in change.readings:
-                if reading.capability in WATCHED:
-                    self._journal.changed(change, reading)
+    def _take(self, changed: ChangedSettings) -> None:
+        for change in changed.changes:
+            self._journal.changed(change)
 
     async def _watch_gateways(self) -> None:
         """Subscribe to the raw commands for each gateway that comes."""

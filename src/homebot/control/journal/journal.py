@@ -9,9 +9,9 @@ from homebot.control.command import IssuedCommand
 from homebot.control.journal.explained_changes import ExplainedChanges
 from homebot.control.journal.journal_note import JournalNote
 from homebot.control.journal.store import JournalStore
-from homebot.devices import FIND_DEVICES, FindDevices, RawCommand, StateChange
+from homebot.devices import FIND_DEVICES, FindDevices, RawCommand
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
-from homebot.devices.device import KeyValue
+from homebot.devices.device import ChangedSetting, KeyValue
 from homebot.devices.health import Count, HealthResponse
 from homebot.devices.journal_messages import (
     EntryKind,
@@ -26,7 +26,7 @@ from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL
 from homebot.devices.query import Or, query_terms
 from homebot.devices.query.terms import FactIs
 from homebot.devices.services import FindDevicesRequest
-from homebot.devices.value import PlainValue, Reading, Value
+from homebot.devices.value import PlainValue, Value
 from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.messages import Time
@@ -167,15 +167,15 @@ class CommandJournal:
         """Note that the device went back after the outcome."""
         self._note_step("reverted", command, results=(result,))
 
-    def changed(self, change: StateChange, reading: Reading) -> None:
-        """Note a live value of *change*, unless it is none or the entries of a command have it already."""
+    def changed(self, change: ChangedSetting) -> None:
+        """Note *change*, unless it is none or the entries of a command have it already."""
         at = change.told_at.to_seconds()
-        command_id = self._changes.take(change.device, reading, at)
+        command_id = self._changes.take(change, at)
         if command_id is None:
             return
-        settings = (Setting.of_checked(capability=reading.capability, value=reading.value),)
+        settings = (Setting.of_checked(capability=change.capability, value=change.value),)
         kind: EntryKind = "reported" if command_id else "changed"
-        self._keep(JournalNote(kind, at, change.device, reading.part, command_id, settings=settings))
+        self._keep(JournalNote(kind, at, change.device, change.part, command_id, settings=settings))
 
     def published(self, device: str, command: RawCommand, at: float) -> None:
         """Note a raw command for a device that came at *at*, in seconds since the Unix epoch."""

@@ -94,6 +94,11 @@ class MergedParts:
         number = self.places.get((*source.key, part))
         return None if number is None else self.parts[number]
 
+    def shown_part_of(self, source: SourceRecord, part: str) -> DevicePart | None:
+        """Return the part whose values those of *part* of *source* are; None where they are not shown."""
+        found = self.part_of(source, part)
+        return None if found is None or (source.is_claimed and found.routes) else found
+
     def ids(self) -> dict[PartPlace, str]:
         """Return which id the part has that each part of a source is."""
         return {place: self.parts[number].id for place, number in self.places.items()}

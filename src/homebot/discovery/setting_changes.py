@@ -1,0 +1,74 @@
+"""Changes of what people and programs set, gathered for those who need not know at once. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Final, TypeAlias, final
+
+from homebot.devices import DevicePart
+from homebot.devices.capabilities import SETTABLE
+from homebot.devices.device import ChangedSetting
+from homebot.devices.value import Reading, Value
+from homebot.discovery.device_table import DeviceTable
+from homebot.discovery.entry import Entry
+from homebot.discovery.source_record import SourceRecord, StoredValue
+from homebot.messages import Time
+
+__all__ = ["SettingChanges"]
+
+_MOST: Final = 10_000
+"""Changed settings that wait to be taken; further ones are dropped and counted as lost states."""
+
+_Waiting: TypeAlias = tuple[Entry, SourceRecord, Reading, Time, StoredValue]
+"""The device, its announcement, the first new value, since when it has had that, and where the newest one is kept."""
+
+
+@final
+class SettingChanges:
+    """Settings that changed and were not taken yet; to note one that changed already costs nearly nothing.
+
+    Args:
+        table: The devices.
+    """
+
+    __slots__ = ("_table", "_waiting")
+
+    def __init__(self, table: DeviceTable) -> None:
+        self._table = table
+        self._waiting: dict[int, _Waiting] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._waiting)
+
+    def note(
+        self, entry: Entry, source: SourceRecord, new: Iterable[tuple[tuple[str, str], Reading, StoredValue]]
+    ) -> None:
+        """Note the new live values of *source*, each with its part and capability, and where it is kept."""
+        waiting = self._waiting
+        for place, reading, stored in new:
+            if place[1] not in SETTABLE or id(stored) in waiting:
+                continue
+            if len(waiting) < _MOST:
+                waiting[id(stored)] = entry, source, reading, stored.since, stored
+            else:
+                self._table.changes.states_lost += 1
+
+    def take(self) -> Iterator[ChangedSetting]:
+        """Yield what changed since the last time, as in `ChangedSettings`, and forget it."""
+        table, waiting = self._table, self._waiting
+        self._waiting = {}
+        for entry, source, first, since, stored in waiting.values():
+            if table.entries.get(entry.id) is not entry:
+                continue
+            part = entry.parts(table.topics).shown_part_of(source, first.part)
+            if part is None:
+                continue
+            newest = stored.reported
+            if newest is first.value or not (newest.number and first.value.number):
+                yield _changed(entry, part, first.capability, first.value, since)
+            if newest is not first.value:
+                yield _changed(entry, part, first.capability, newest, stored.since)
+
+
+def _changed(entry: Entry, part: DevicePart, capability: str, value: Value, at: Time) -> ChangedSetting:
+    return ChangedSetting.of_checked(device=entry.id, part=part.id, capability=capability, value=value, told_at=at)
