@@ -28,7 +28,8 @@ def always_asks(device: Device, part: DevicePart) -> bool:
     So is every other part of a device with such a part, but for lights: a garage door often has a button beside its
     cover, and a lamp.
     """
-    if is_declared(part) or _is_named(device, part) or _TAG in map(fold, device.tags):
+    is_named = part.part.service_type in _RELAYS and _is_named(device, part)
+    if is_named or is_declared(part) or _TAG in map(fold, device.tags):
         return True
     return part.part.service_type not in _HARMLESS and any(map(is_declared, device.parts))
 
@@ -38,13 +39,14 @@ def is_declared(part: DevicePart) -> bool:
     told = part.part
     if told.service_type in ALWAYS_ASK or not _OVENS.isdisjoint(words_of(told.advertised)):
         return True
-    return any(one.settable and one.name in _CAPABILITIES for one in told.capabilities)
+    for one in told.capabilities:  # noqa: SIM110 - a generator would cost each announcement more
+        if one.name in _CAPABILITIES and one.settable:
+            return True
+    return False
 
 
 def _is_named(device: Device, part: DevicePart) -> bool:
-    """Return whether *part* is a relay whose name says what it drives: ``Oven``, ``Front gate``, ``Garage door``."""
-    if part.part.service_type not in _RELAYS:
-        return False
+    """Return whether the name of *part*, a relay, says what it drives: ``Oven``, ``Front gate``, ``Garage door``."""
     for name in (device.name, *device.names, part.part.name):
         words = words_of(name)
         if not _OVENS.isdisjoint(words) or (words and words[-1] in _ENDINGS) or words[-2:] == ("garage", "door"):

@@ -21,4 +21,7 @@ def is_approved(device: Device) -> bool:
 
 def waits_for_approval(device: Device) -> bool:
     """Return whether a part of *device* can hurt and the owner has not approved it."""
-    return any(always_asks(device, part) for part in device.parts) and not is_approved(device)
+    for part in device.parts:  # a generator would cost each announcement more
+        if always_asks(device, part):
+            return not is_approved(device)
+    return False

@@ -40,6 +40,10 @@ class Expiring(Generic[T]):
     message: T
     expires_at: float
 
+    def __getattr__(self, name: str) -> object:
+        """Return a field of the message, so that its key is read as that of a message without a lifespan."""
+        return getattr(self.message, name)
+
 
 class Subscription(Generic[MessageT]):
     """Reads messages of one type from one topic: ``async for message in subscription``, or a callback.
@@ -271,12 +275,4 @@ class _ConcurrentRun(Generic[MessageT]):
 
 def key_of(message_type: type[MessageT]) -> Callable[[MessageT | Expiring[MessageT]], Hashable] | None:
     """Return what reads the key of a queued message; None where the topic is not keyed."""
-    if message_type.key_field is None:
-        return None
-    read_key = attrgetter(message_type.key_field)
-
-    def key(item: MessageT | Expiring[MessageT]) -> Hashable:
-        found: Hashable = read_key(item.message if type(item) is Expiring else item)
-        return found
-
-    return key
+    return None if message_type.key_field is None else attrgetter(message_type.key_field)

@@ -238,7 +238,7 @@ class AnnouncedDevices:
 
     async def take(self, message: MqttMessage, route: TopicReaders) -> None:
         """Take a message as nothing but an announcement; what homebot itself offers is none."""
-        if self.offers.is_own_topic(message.topic):
+        if self.offers.publishes and self.offers.is_own_topic(message.topic):
             return
         async with self._taking:  # one that we published ourselves waits until a long one is taken
             if not message.payload:  # that something is gone never waits

@@ -40,6 +40,9 @@ class Offers:
         gateway: The gateway.
         publishers: How it is published.
         quarantine: Tells what went wrong.
+
+    Attributes:
+        publishes: Whether anything can be published here.
     """
 
     def __init__(
@@ -47,6 +50,7 @@ class Offers:
     ) -> None:
         self._node = gateway.node
         self._publishers = publishers if gateway.acts else ()
+        self.publishes = bool(self._publishers)
         self._quarantine = quarantine
         self._waiting: dict[str, Publication] = {}
         self._events: deque[Publication] = deque(maxlen=MAX_EVENTS)
@@ -61,7 +65,7 @@ class Offers:
 
     def is_own_topic(self, topic: str) -> bool:
         """Return whether what comes on *topic* is our own, and no device."""
-        return bool(self._publishers) and any(publisher.is_own_topic(topic) for publisher in self._publishers)
+        return any(publisher.is_own_topic(topic) for publisher in self._publishers)
 
     def take(self, message: MqttMessage) -> bool:
         """Take *message* if it is a command to something offered; one that the broker had kept is none."""
