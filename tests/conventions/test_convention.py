@@ -12,7 +12,7 @@ from homebot.errors import WireError
 
 CODE = """
 import sys
-from homebot.gateways.mqtt.loaded_conventions import default_conventions, find_conventions
+from homebot.conventions.installed_conventions import default_conventions, find_conventions
 
 def readers():
     return [name for name in sys.modules if name.startswith("homebot.") and name.endswith(".reader")

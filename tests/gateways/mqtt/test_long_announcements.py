@@ -9,8 +9,8 @@ from contextlib import suppress
 import pytest
 
 from homebot.conventions.convention import Convention
+from homebot.conventions.installed_conventions import default_conventions, find_conventions
 from homebot.errors import WireError
-from homebot.gateways.mqtt.loaded_conventions import default_conventions, find_conventions
 
 CONVENTIONS = find_conventions(default_conventions(), {}, "")
 LONG = b'{"a":[' + b"1," * (15 * 1024 * 1024) + b"1]}"

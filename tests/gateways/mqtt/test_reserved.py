@@ -2,7 +2,7 @@
 
 import tracemalloc
 
-from homebot.gateways.mqtt.loaded_conventions import default_conventions, find_conventions
+from homebot.conventions.installed_conventions import default_conventions, find_conventions
 from homebot.gateways.mqtt.reserved import ReservedTopics
 
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from homebot.config import parse_settings
+from homebot.conventions.installed_conventions import find_conventions
 from homebot.conventions.zigbee2mqtt.reader import MAX_BRIDGE_BYTES
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
-from homebot.gateways.mqtt.loaded_conventions import find_conventions
 from homebot.mqtt.hosted_broker import HostedBroker
 
 

@@ -18,11 +18,11 @@ from hypothesis import strategies as st
 
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
+from homebot.conventions.installed_conventions import default_conventions, find_conventions
 from homebot.devices.value import PlainValue
 from homebot.discovery import DeviceIndex
 from homebot.errors import RefusedError
 from homebot.gateways.announced.announcement import StoredAnnouncement
-from homebot.gateways.mqtt.loaded_conventions import default_conventions, find_conventions
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.messages import Time
 

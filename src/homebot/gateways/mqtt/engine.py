@@ -10,16 +10,14 @@ import asyncio
 from collections.abc import Awaitable, Iterable, Iterator, Sequence
 from dataclasses import asdict
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 import anyio
 import anyio.lowlevel
 
 from homebot.conventions.convention import (
     Convention,
-    OfferPublisher,
     ProblemReportingConvention,
-    PublishingConvention,
     TextConvention,
 )
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
@@ -30,16 +28,16 @@ from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityR
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.last_messages import LastMessageCache
 from homebot.gateways.announced.registry import RegistryChange, RegistryLimits
+from homebot.gateways.announced.spare_memory import LONG, SpareMemory
 from homebot.gateways.announced.work_budget import WorkBudgets
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.command_publisher import CommandPublisher
 from homebot.gateways.mqtt.intake import AnnouncementHandler
-from homebot.gateways.mqtt.offers import Offers
+from homebot.gateways.mqtt.offers import Offers, publishers_of
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, TopicReaders
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
-from homebot.gateways.mqtt.spare_memory import LONG, SpareMemory
 from homebot.gateways.mqtt.state_topics import StateTopics, prefix_of
 from homebot.gateways.mqtt.subscriber import Subscriber
 from homebot.isolation import run_as
@@ -53,6 +51,7 @@ if TYPE_CHECKING:
 __all__ = ["AnnouncedDevices"]
 
 T = TypeVar("T")
+_Missed: TypeAlias = list[tuple[str, AnnouncedPart | AvailabilityReader]]
 
 
 class AnnouncedDevices:
@@ -119,7 +118,7 @@ class AnnouncedDevices:
         self.read_text = self._states.read_text
         self._last_messages = LastMessageCache()
         self._taking = asyncio.Lock()  # anyio's costs as much as a tenth of an announcement
-        self._missed: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
+        self._missed: _Missed = []
         self._subscriber = Subscriber(self._topics, self._registry, conventions, self.quarantine, self.counters)
         self._announcements = AnnouncementHandler(
             gateway.node.graph.clock,
@@ -134,7 +133,7 @@ class AnnouncedDevices:
             on_question=self._subscriber.question,
         )
         self.secrets = SentSecrets()
-        self.offers = Offers(gateway, _publishers(conventions, gateway.node.name, connection), self.quarantine)
+        self.offers = Offers(gateway, publishers_of(conventions, gateway.node.name, connection), self.quarantine)
         publisher = CommandPublisher(engine.find_part, connection, self.quarantine, self.secrets, responses)
         self.texts = engine.serve(publisher.perform, self, self._health, keeps_states=False)
 
@@ -246,9 +245,7 @@ class AnnouncedDevices:
             elif self.quarantine.must_wait(message, message.topic, message.payload):
                 return
             missed = await self._take_now(message, route)
-        for topic, reader in missed:
-            if topic != message.topic:
-                await self._make_up_for(topic, reader)
+        await self._make_up_for(missed, message.topic)
 
     def send_raw(self, command: RawCommand) -> Awaitable[object]:
         """Publish *command*, once awaited, and expect the same text as the answer of a device that it is for.
@@ -302,9 +299,7 @@ class AnnouncedDevices:
         self.tick()
         await self.take(message._replace(retain=False), self.route(message.topic) or route)
 
-    async def _take_now(
-        self, message: MqttMessage, route: TopicReaders
-    ) -> list[tuple[str, AnnouncedPart | AvailabilityReader]]:
+    async def _take_now(self, message: MqttMessage, route: TopicReaders) -> _Missed:
         """Take *message*, and return who may have missed something on which topic."""
         await self._announcements.take(message, route.conventions)
         if len(message.payload) >= LONG:
@@ -322,9 +317,7 @@ class AnnouncedDevices:
             if route is None or not route.conventions or self.offers.is_own_topic(message.topic):
                 return True
             missed = await self._take_now(message, route)
-        for topic, reader in missed:
-            if topic != message.topic:
-                await self._make_up_for(topic, reader)
+        await self._make_up_for(missed, message.topic)
         after = self.route(message.topic)
         if after is not None:  # whoever it made known reads it as one that was kept
             if availability_readers := _new(after.availability_readers, route.availability_readers):
@@ -352,15 +345,21 @@ class AnnouncedDevices:
         self._subscriber.wake()
         self._spare_memory.freed()
 
-    async def _make_up_for(self, topic: str, reader: AnnouncedPart | AvailabilityReader) -> None:
-        """Deliver the retained message of a topic that is subscribed to already: the broker does not send it again."""
-        word = self._last_messages.get(topic)
-        if word is None:
-            return
-        if isinstance(reader, AvailabilityReader):
-            await self._states.read_availability(topic, word.payload, (reader,), retained=True)
-        else:
-            await self._states.read(topic, word.payload, (reader,), retained=True, wait_if_full=False)
+    async def _make_up_for(self, missed: _Missed, taken: str) -> None:
+        """Deliver the retained messages of topics that are subscribed to already: the broker does not send them again.
+
+        Args:
+            missed: Who reads which topic.
+            taken: The topic whose message was just taken.
+        """
+        for topic, reader in missed:
+            word = self._last_messages.get(topic)
+            if topic == taken or word is None:
+                continue
+            if isinstance(reader, AvailabilityReader):
+                await self._states.read_availability(topic, word.payload, (reader,), retained=True)
+            else:
+                await self._states.read(topic, word.payload, (reader,), retained=True, wait_if_full=False)
 
     def _raw(self, announced_part: AnnouncedPart, topic: str, payload: bytes, *, retained: bool) -> RawMessage:
         return RawMessage(
@@ -392,15 +391,6 @@ class AnnouncedDevices:
             troubles=(*rivals, *troubles),
             notes=self._connection.limits,
         )
-
-
-def _publishers(
-    conventions: tuple[Convention, ...], gateway: str, connection: MqttConnection
-) -> tuple[OfferPublisher, ...]:
-    status_topic = connection.status_topic or ""
-    owner = status_topic.removeprefix("homebot/").removesuffix("/status") or gateway
-    made = (one.publisher(owner, status_topic) for one in conventions if isinstance(one, PublishingConvention))
-    return tuple(one for one in made if one is not None)
 
 
 def _new(after: tuple[T, ...], before: tuple[T, ...]) -> tuple[T, ...]:

@@ -16,6 +16,7 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
+from homebot.conventions.installed_conventions import find_conventions
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES
 from homebot.devices import SubscribeToTopic
 from homebot.errors import ClosedError
@@ -25,7 +26,6 @@ from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.embedded_broker import EMBEDDED_BROKER
 from homebot.gateways.mqtt.engine import AnnouncedDevices
 from homebot.gateways.mqtt.link_report import LinkReport
-from homebot.gateways.mqtt.loaded_conventions import find_conventions
 from homebot.gateways.mqtt.registry import TopicReaders
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import Node, QoSProfile

@@ -11,7 +11,7 @@ from functools import partial
 
 import anyio
 
-from homebot.conventions.convention import OfferPublisher
+from homebot.conventions.convention import Convention, OfferPublisher, PublishingConvention
 from homebot.conventions.description import Publication
 from homebot.devices.exposure import ExposedDevice
 from homebot.errors import HomebotError, LinkError
@@ -23,7 +23,7 @@ from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
 
-__all__ = ["Offers"]
+__all__ = ["Offers", "publishers_of"]
 
 NOT_PUBLISHED = "gateway.not_published"
 
@@ -141,3 +141,13 @@ class Offers:
             if state.phase is LinkPhase.CONNECTED:
                 exposed.show_all()
                 self._news.set()
+
+
+def publishers_of(
+    conventions: tuple[Convention, ...], gateway: str, connection: MqttConnection
+) -> tuple[OfferPublisher, ...]:
+    """Return what announces homebot's own devices, in each convention that can."""
+    status_topic = connection.status_topic or ""
+    owner = status_topic.removeprefix("homebot/").removesuffix("/status") or gateway
+    made = (one.publisher(owner, status_topic) for one in conventions if isinstance(one, PublishingConvention))
+    return tuple(one for one in made if one is not None)

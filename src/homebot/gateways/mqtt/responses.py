@@ -1,7 +1,6 @@
 """Responses of devices to commands, by the request and response of MQTT 5.
 
-A command carries a topic for the response, and data by which the response is matched with it. What a response means is
-not laid down: one with an error, as Zigbee2MQTT and Shelly write it, is a refusal; any other accepts the command.
+A command carries a topic for the response, and data by which the response is matched with it.
 
 Source: MQTT Version 5.0, section 4.10.
 """
@@ -11,23 +10,20 @@ from __future__ import annotations
 import math
 import secrets
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final, final
 
 from homebot.clock import Clock
-from homebot.conventions.payload import clean_text, parse_object
+from homebot.conventions.command_response import problem_of
 from homebot.devices.gateway_messages import Command, CommandAnswer
-from homebot.errors import WireError
 from homebot.mqtt.message import MessageProperties, MqttMessage
 
-__all__ = ["ResponseCounters", "Responses", "problem_of"]
+__all__ = ["ResponseCounters", "Responses"]
 
 MOST_AWAITED: Final = 1000
 """Commands whose responses are awaited at once; the oldest is forgotten, and its response is then unknown."""
 
-_LONGEST: Final = 4096  # bytes of a response that are looked at
-_LONGEST_REASON: Final = 200
 _TOKEN: Final = 8  # bytes, written as 16 hexadecimal digits: scripts can repeat them, and nobody guesses them
 
 
@@ -108,16 +104,3 @@ class Responses:
                 message=problem,
             )
         )
-
-
-def problem_of(response: bytes) -> str:
-    """Return the reason of a response that refuses; empty for one that accepts, which is any other."""
-    try:
-        fields = parse_object(response[:_LONGEST])
-    except WireError:
-        return ""
-    error = fields.get("error")
-    if not (error or fields.get("status") == "error" or fields.get("success") is False):
-        return ""
-    text = error.get("message") if isinstance(error, Mapping) else error or fields.get("message")
-    return clean_text(text, _LONGEST_REASON) if isinstance(text, str) and text.strip() else "the device refuses"

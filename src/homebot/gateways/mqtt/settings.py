@@ -11,10 +11,10 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from homebot.config import FilePath, check_secret_file, read_password
+from homebot.conventions.installed_conventions import any_announcing, check_tables, default_conventions
 from homebot.errors import HomebotError, UsageError
 from homebot.gateways.announced.registry import MAX_MEMORY
 from homebot.gateways.base import Delivery
-from homebot.gateways.mqtt.loaded_conventions import any_announcing, check_tables, default_conventions
 from homebot.mqtt.client.choice import MqttClientName
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic

@@ -5,9 +5,9 @@ from __future__ import annotations
 import asyncio
 from typing import Final, final
 
+from homebot.memory_trim import MemoryTrimmer
 from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.broker.stats import LossReport
-from homebot.mqtt.memory_trim import MemoryTrimmer
 
 __all__ = ["DeadlineTimer", "Housekeeping"]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from homebot.gateways.announced.scheduler import Scheduler
-from homebot.mqtt.memory_trim import MemoryTrimmer
+from homebot.memory_trim import MemoryTrimmer
 
 __all__ = ["LONG", "SpareMemory"]
 
