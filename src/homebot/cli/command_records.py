@@ -25,6 +25,7 @@ class CommandResultRecord(TypedDict):
     latency: float
     evidence: int
     saw: str
+    witness: str
     by: str
     policy: str
     reason: str

@@ -112,4 +112,6 @@ def _settings_json(settings: Iterable[SettingRecord]) -> dict[str, object]:
 def _outcome_json(result: CommandResultRecord) -> dict[str, object]:
     found: dict[str, object] = {"outcome": result["outcome"], "text": result["text"]}
     values = cast("dict[str, object]", result)
-    return found | {key: values[key] for key in ("latency", "evidence", "saw", "by", "policy", "reason") if values[key]}
+    return found | {
+        key: values[key] for key in ("latency", "evidence", "saw", "witness", "by", "policy", "reason") if values[key]
+    }

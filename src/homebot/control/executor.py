@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from functools import partial
 from typing import TYPE_CHECKING, Final, TypeAlias, final
 
+import anyio
+
 from homebot.control.answer_watch import AnswerWatch
 from homebot.control.client_commands import POLICY, client_refusal
 from homebot.control.command import IssuedCommand
@@ -19,6 +21,7 @@ from homebot.control.report_watch import ReportWatch
 from homebot.control.response_times import ResponseTimes
 from homebot.control.settings import ControlSettings
 from homebot.control.settling import Settling
+from homebot.control.witnesses import WitnessVerification
 from homebot.devices import FIND_DEVICES, Device, FindDevices
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.command_messages import CommandRequest, CommandResult, result_of
@@ -94,10 +97,15 @@ class CommandExecutor:
         self._echoes = EchoHistory()
         self._pending: dict[_Place, PendingCommand] = {}
         self._settling = Settling(node, self._settings.settle, journal, self._echoes)
+        self._witnesses = WitnessVerification(node, settings)
+        for name, read in self._witnesses.counters.items():
+            journal.add_counter(name, read)
 
     async def run(self) -> None:
-        """Watch the devices of confirmed commands until cancelled."""
-        await self._settling.run()
+        """Watch the devices of confirmed commands, and what sensors see, until cancelled."""
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self._witnesses.run)
+            await self._settling.run()
 
     async def perform(self, request: CommandRequest) -> CommandResult:
         """Carry a command out, and return what became of it."""
@@ -165,7 +173,7 @@ class CommandExecutor:
         if refused is not None:
             return result_of(refused)
         echoes = self._expected_echoes(command)
-        known, recent = self._known(command, echoes)
+        known, recent = ({}, False) if self._witnesses.disproves(command) else self._known(command, echoes)
         changed = _Signal()
         pending = PendingCommand(command, known, _readable(command), self._clock.monotonic(), changed.set, echoes)
         stop = self._watch.watch(command.part.routes, partial(self._take, pending))
@@ -179,7 +187,7 @@ class CommandExecutor:
             if (assumed := self.rehearsed(command)) is not None:
                 await asyncio.sleep(_REHEARSED)
                 return result_of(assumed, pending.wanted if assumed.succeeded else ())
-            outcome = await self._send_and_wait(pending, changed)
+            outcome = await self._send_and_verify(pending, changed)
             if echoes is not NO_ECHOES:
                 self._note_echoes(pending, outcome)
             if isinstance(outcome, Confirmed):  # before the watch ends, which begins again at some cost
@@ -206,6 +214,17 @@ class CommandExecutor:
                 command=command.id,
             )
         return outcome
+
+    async def _send_and_verify(self, pending: PendingCommand, changed: _Signal) -> Outcome:
+        """Send the command and wait for its outcome, by what the device reports and by what sensors see."""
+        watch = self._witnesses.begin(pending.command, changed.set)
+        try:
+            outcome = await self._send_and_wait(pending, changed)
+            if watch is None:
+                return outcome
+            return await self._witnesses.verify(watch, pending, outcome, changed.wait)
+        finally:
+            self._witnesses.end(pending.command)
 
     def _note_confirmed(self, pending: PendingCommand) -> None:
         for capability, seconds in pending.response_times():

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pydantic import Field
 
 from homebot.control.policies import PolicySettings
+from homebot.control.policies.settings import QueryText
+from homebot.devices.query import Query
+from homebot.folding import fold
 from homebot.units import Seconds
 
 __all__ = ["ControlSettings"]
@@ -16,6 +21,8 @@ class ControlSettings(PolicySettings):
     Attributes:
         timeout: Seconds that a device has for its answer, until its usual time is known.
         retries: How often a command without an answer is sent again. Momentary ones, such as a press, never are.
+        witnesses: Which sensor, by its id or name, sees what the devices that fit a query do; an empty one is none.
+            Without an entry that is learnt.
         settle: Seconds after a confirmed command in which a device that goes back is reported as reverted.
         hand_time: Seconds for which a person's hand outranks a lease.
         journal_days: Days for which the journal keeps what happened.
@@ -24,7 +31,17 @@ class ControlSettings(PolicySettings):
 
     timeout: Seconds = 10.0
     retries: int = Field(default=2, ge=0, le=10)
+    witnesses: Annotated[dict[QueryText, str], Field(max_length=100)] = Field(default_factory=dict)
     settle: Seconds = 10.0
     hand_time: Seconds = 300.0
     journal_days: float = Field(default=30.0, gt=0, le=3660)
     journal_megabytes: float = Field(default=50.0, ge=1, le=10_000)
+
+    @property
+    def named_witnesses(self) -> tuple[tuple[Query, str], ...]:
+        """The named sensors, folded, each with its query."""
+        if not self.witnesses:
+            return ()
+        from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - only where the configuration has one
+
+        return tuple((parse_query(query), fold(name)) for query, name in self.witnesses.items())

@@ -94,6 +94,7 @@ class CommandResult(Message):
             ``no_answer``: seconds that were waited.
         evidence: ``confirmed``: 1 sent, 2 acknowledged, 3 reported, 4 witnessed.
         saw: ``contradicted``: what was reported.
+        witness: ``confirmed`` and ``contradicted``: the name of the second device that saw it; empty where none did.
         by: ``superseded``: the id of the newer command.
         policy: ``refused``: the policy, or ``gateway`` or ``device``.
         reason: ``refused``, and ``no_answer`` where it was not sent: the reason.
@@ -106,6 +107,7 @@ class CommandResult(Message):
     latency: float = 0.0
     evidence: Annotated[UInt8, Field(le=4)] = 0
     saw: str = ""
+    witness: str = ""
     by: str = ""
     policy: str = ""
     reason: str = ""
@@ -198,7 +200,7 @@ CommandDevices = ServiceType("homebot/srv/CommandDevices", CommandDevicesRequest
 
 
 _NO_FACTS: Mapping[str, object] = MappingProxyType(
-    {"latency": 0.0, "evidence": 0, "saw": "", "by": "", "policy": "", "reason": ""}
+    {"latency": 0.0, "evidence": 0, "saw": "", "witness": "", "by": "", "policy": "", "reason": ""}
 )
 """What a result says that is about another outcome."""
 
@@ -209,11 +211,16 @@ def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandRe
     match outcome:
         case outcomes.Confirmed():
             kind = "confirmed"
-            fields |= {"latency": outcome.latency, "evidence": int(outcome.evidence)}
+            fields |= {
+                "latency": outcome.latency,
+                "evidence": int(outcome.evidence),
+                "witness": outcome.witness,
+            }
         case outcomes.AlreadySo():
             kind = "already_so"
         case outcomes.Contradicted():
-            kind, fields["saw"] = "contradicted", outcome.saw
+            kind = "contradicted"
+            fields |= {"saw": outcome.saw, "witness": outcome.witness}
         case outcomes.Reverted():
             kind, fields["latency"] = "reverted", outcome.after
         case outcomes.NoAnswer():
@@ -236,11 +243,11 @@ def outcome_of(result: CommandResult) -> Outcome:
     name = result.command_id
     match result.outcome:
         case "confirmed":
-            return outcomes.Confirmed(result.latency, Evidence(result.evidence), command_id=name)
+            return outcomes.Confirmed(result.latency, Evidence(result.evidence), result.witness, command_id=name)
         case "already_so":
             return outcomes.AlreadySo(command_id=name)
         case "contradicted":
-            return outcomes.Contradicted(result.saw, command_id=name)
+            return outcomes.Contradicted(result.saw, result.witness, command_id=name)
         case "reverted":
             return outcomes.Reverted(result.latency, command_id=name)
         case "no_answer":

@@ -68,12 +68,19 @@ class Confirmed(Outcome):
     Attributes:
         latency: Seconds from sending to the evidence.
         evidence: How well it is known.
+        witness: The name of the device that saw it; empty where none did.
     """
 
-    _words: ClassVar[str] = "confirmed after {0.latency:.2g} s ({0.evidence.text})"
     succeeded: ClassVar[bool] = True
     latency: float
     evidence: Evidence
+    witness: str = ""
+
+    @property
+    def text(self) -> str:
+        """As for :class:`Outcome`."""
+        by = f" by {self.witness}" if self.witness else ""
+        return f"confirmed after {self.latency:.2g} s ({self.evidence.text}{by})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,11 +96,13 @@ class Contradicted(Outcome):
     """The device, or a witness, reports something else.
 
     Attributes:
-        saw: What was reported, as text, for example ``on_off: on``.
+        saw: What was reported, as text, for example ``on_off is on``, or what a witness saw.
+        witness: The name of the device that saw it; empty where the commanded one itself reports it.
     """
 
     _words: ClassVar[str] = "contradicted: {0.saw}"
     saw: str
+    witness: str = ""
 
 
 @dataclass(frozen=True, slots=True)

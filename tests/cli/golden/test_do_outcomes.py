@@ -38,7 +38,7 @@ OUTCOMES: dict[str, Outcome] = {
     "gone": Gone(command_id="a-8"),
 }
 HELD = Refused("lease", "held open by robot for 8 s more", command_id="a-10")
-WITNESSED = Confirmed(1.5, Evidence.WITNESSED, command_id="a-11")
+WITNESSED = Confirmed(1.5, Evidence.WITNESSED, "Hall lux", command_id="a-11")
 UNSENT = NoAnswer(0.0, "the gateway mqtt has no connection", command_id="a-12")
 
 

@@ -16,6 +16,7 @@ __all__ = [
     "Interlock",
     "PolicySettings",
     "PresenceGuardSettings",
+    "QueryText",
     "QuietHours",
     "RateLimitSettings",
 ]
@@ -71,6 +72,10 @@ def _query_text(text: str) -> str:
     return text
 
 
+QueryText: TypeAlias = Annotated[str, AfterValidator(_query_text)]
+"""A query as text."""
+
+
 class Interlock(BaseModel):
     """A table ``[[control.interlocks]]``.
 
@@ -83,7 +88,7 @@ class Interlock(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     commands: Patterns
-    condition: Annotated[str, AfterValidator(_query_text)] = Field(alias="while")
+    condition: QueryText = Field(alias="while")
     where: Literal["room", "home"] = "room"
 
     @property

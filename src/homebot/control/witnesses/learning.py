@@ -1,0 +1,125 @@
+"""Learning of which sensor sees what which part does, from commands that the device confirmed."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import Final, TypeAlias, final
+
+import anyio
+
+from homebot.control.witnesses.activity import Place
+from homebot.control.witnesses.command_watch import CommandWatch
+from homebot.control.witnesses.home_watch import HomeWatch
+from homebot.control.witnesses.sensor_findings import observed
+from homebot.control.witnesses.sensors import Sensor
+from homebot.control.witnesses.witness_record import Expected, WitnessRecord
+from homebot.graph import Node
+from homebot.timer_queue import TimerQueue
+
+__all__ = ["Trusted", "WitnessLearning"]
+
+LEARNT: Final = "control.witness_learnt"
+
+_MOST_RECORDS: Final = 1000
+_MOST_WATCHED: Final = 1000
+
+Trusted: TypeAlias = tuple[Sensor, WitnessRecord, Expected]
+"""A sensor that is trusted, with its record and what it will see."""
+
+
+@final
+class WitnessLearning:
+    """Compares, some seconds after each confirmed command, what its sensors did.
+
+    What is remembered is in memory alone, as the response times are: after a restart it is learnt anew.
+
+    Args:
+        node: The node that tells what was learnt.
+        home: The sensors.
+        seconds: How long the sensors are watched after a report.
+
+    Attributes:
+        forgotten: Pairs of a part and a sensor that were forgotten: 1,000 are kept, the longest unused goes first.
+        missed: Confirmed commands from which nothing was learnt, since 1,000 were being watched.
+    """
+
+    def __init__(self, node: Node, home: HomeWatch, seconds: float) -> None:
+        self._node = node
+        self._clock = node.graph.clock
+        self._home = home
+        self._seconds = seconds
+        self._watched: dict[Place, CommandWatch] = {}
+        self._deadlines: TimerQueue[Place, None] = TimerQueue()
+        self._added = anyio.Event()
+        self._records: OrderedDict[tuple[str, tuple[str, str, str]], WitnessRecord] = OrderedDict()
+        self.forgotten = 0
+        self.missed = 0
+
+    def trusted(self, watch: CommandWatch) -> list[Trusted]:
+        """Return the sensors that will see the effect of a command in time."""
+        effect = watch.effect()
+        found: list[Trusted] = []
+        for sensor in watch.marks if effect is not None else ():
+            record = self._records.get((watch.command.target, sensor.place))
+            expected = None if record is None or effect is None else record.expected(rises=effect.rises)
+            if record is not None and expected is not None and expected.within <= self._seconds:
+                found.append((sensor, record, expected))
+        return found
+
+    def watch(self, watch: CommandWatch) -> None:
+        """Look at a confirmed command again when its sensors have had time, without anybody waiting for it."""
+        place = watch.command.place
+        if len(self._watched) >= _MOST_WATCHED:
+            self.missed += 1
+            return
+        self._watched[place] = watch
+        self._deadlines.set(place, watch.reported + self._seconds, None)
+        self._added.set()
+
+    def stop(self, place: Place) -> None:
+        """Forget the last command to a part: there is a newer one."""
+        if self._watched.pop(place, None) is not None:
+            self._deadlines.discard(place)
+
+    async def run(self) -> None:
+        """Work until cancelled."""
+        while True:
+            while (due := self._deadlines.pop(self._clock.monotonic())) is not None:
+                await self._learn(self._watched.pop(due[0]))
+            following = self._deadlines.next()
+            if following is None:
+                self._added = anyio.Event()
+                await self._added.wait()
+            else:  # what is added meanwhile is due later
+                await anyio.sleep(max(0.0, following - self._clock.monotonic()))
+
+    async def _learn(self, watch: CommandWatch) -> None:
+        at = await self._home.state(watch)
+        effect = watch.effect(at.devices.get(watch.command.device.id))
+        if effect is None:
+            return
+        for sensor in watch.marks:
+            if (found := observed(watch, sensor, effect, at, self._seconds)) is None:
+                continue
+            record = self._record(watch.command.target, sensor)
+            was_trusted = record.expected(rises=effect.rises) is not None
+            record.note(found)
+            if not was_trusted and (expected := record.expected(rises=effect.rises)) is not None:
+                self._tell(watch, sensor, expected)
+
+    def _record(self, target: str, sensor: Sensor) -> WitnessRecord:
+        key = (target, sensor.place)
+        record = self._records.setdefault(key, WitnessRecord())
+        self._records.move_to_end(key)
+        if len(self._records) > _MOST_RECORDS:
+            self._records.popitem(last=False)
+            self.forgotten += 1
+        return record
+
+    def _tell(self, watch: CommandWatch, sensor: Sensor, expected: Expected) -> None:
+        device = watch.command.device
+        text = (
+            f"{sensor.device.name} sees {device.name}: its {sensor.capability} changes by {expected.least:g} or more"
+            f" within {expected.slowest:.2g} s"
+        )
+        self._node.log.info(LEARNT, message=text, device=device.id, sensor=sensor.device.id)

@@ -1,0 +1,101 @@
+"""Findings of single sensors about a command, with what else was switched near them. Pure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from homebot.control.witnesses.command_watch import CommandWatch
+from homebot.control.witnesses.effect import Effect
+from homebot.control.witnesses.finding import Finding, WatchTimes, can_tell, finding_of, observe
+from homebot.control.witnesses.home_state import HomeState
+from homebot.control.witnesses.sensors import Sensor
+from homebot.control.witnesses.witness_record import Expected, Observation, WitnessRecord
+
+__all__ = ["SensorFinding", "observed", "patience", "sees"]
+
+
+_SPARE: Final = 0.1
+_LONGEST_SPARE: Final = 1.0  # seconds
+
+
+@dataclass(frozen=True, slots=True)
+class SensorFinding:
+    """Answer of a trusted sensor.
+
+    Attributes:
+        sensor: The sensor.
+        finding: What it shows.
+        seen_at: When, in seconds of the monotonic clock.
+    """
+
+    sensor: Sensor
+    finding: Finding
+    seen_at: float
+
+
+def would_see(
+    watch: CommandWatch, sensor: Sensor, record: WitnessRecord, expected: Expected, effect: Effect, at: HomeState
+) -> bool:
+    """Return whether *sensor* would show it if the command had no effect."""
+    times = _times(watch, sensor, at, expected.within)
+    is_clear = not at.is_disturbed(watch, sensor)
+    return is_clear and can_tell(record, sensor.history, expected, effect, times, sensor.capability)
+
+
+def patience(
+    watch: CommandWatch, sensor: Sensor, record: WitnessRecord, expected: Expected, effect: Effect, at: HomeState
+) -> float:
+    """Return for how many seconds after the device's report to wait for *sensor*.
+
+    One that would show that there is no effect is waited for until that is sure; one that usually sees such effects for
+    as long as that took so far; others not at all.
+    """
+    if would_see(watch, sensor, record, expected, effect, at):
+        return expected.within + watch.command.transition
+    before = sensor.history.value_at(watch.marks[sensor])
+    if before is None or at.is_disturbed(watch, sensor) or not record.has_seen_as_hard(effect, before):
+        return 0.0
+    return min(expected.slowest + _SPARE, _LONGEST_SPARE)
+
+
+def sees(
+    watch: CommandWatch, sensor: Sensor, record: WitnessRecord, expected: Expected, effect: Effect, at: HomeState
+) -> SensorFinding:
+    """Return what *sensor* tells now; that it saw nothing only once its time is over and it is known to be alive."""
+    if at.is_disturbed(watch, sensor):
+        return SensorFinding(sensor, Finding.UNCLEAR, at.now)
+    times = _times(watch, sensor, at, expected.within)
+    finding = finding_of(sensor.history, expected, effect, times)
+    if finding is Finding.SAW:
+        changed = sensor.history.change(times.mark, at.now, rises=effect.rises)
+        return SensorFinding(sensor, finding, at.now if changed is None else changed[1])
+    is_over = at.now >= watch.reported + expected.within + watch.command.transition
+    is_sure = is_over and at.is_alive(sensor, watch.reported + expected.slowest) and not _is_in_doubt(watch, sensor)
+    if finding is Finding.NOTHING and is_sure and would_see(watch, sensor, record, expected, effect, at):
+        return SensorFinding(sensor, finding, at.now)
+    return SensorFinding(sensor, Finding.UNCLEAR, at.now)
+
+
+def observed(watch: CommandWatch, sensor: Sensor, effect: Effect, at: HomeState, settle: float) -> Observation | None:
+    """Return what there is to learn; None where something else changed, or nothing is known of the sensor."""
+    if watch.command.transition or at.is_disturbed(watch, sensor):
+        return None
+    found = observe(sensor.history, effect, _times(watch, sensor, at, settle))
+    if found is not None and not found.change and not at.is_alive(sensor, watch.reported):
+        return None  # it may have been silent
+    return found
+
+
+def _times(watch: CommandWatch, sensor: Sensor, at: HomeState, settle: float) -> WatchTimes:
+    quiet = at.quiet_since(watch, sensor, settle)
+    return WatchTimes(quiet, watch.marks[sensor], watch.began, watch.reported, at.now)
+
+
+def _is_in_doubt(watch: CommandWatch, sensor: Sensor) -> bool:
+    """Return whether a sensor has not moved since it contradicted another part.
+
+    Two devices that lie at once are less likely than one sensor that is stuck.
+    """
+    target, count = sensor.accused
+    return target not in {"", watch.command.target} and sensor.history.count == count

@@ -1,0 +1,152 @@
+"""The sensors of a home that may witness commands, and which of them may witness a certain part. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import TypeAlias, final
+
+from homebot.control.command import IssuedCommand
+from homebot.control.witnesses.effect import SENSED, seen_by
+from homebot.control.witnesses.sensor_history import SensorHistory
+from homebot.devices import Device, DevicePart
+from homebot.devices.query import PartFacets, Query, fits
+from homebot.devices.value import PlainValue
+from homebot.folding import fold
+
+__all__ = ["MOST_FOR_ONE", "Sensor", "WitnessSensors", "reading_of"]
+
+MOST_FOR_ONE = 4
+"""Sensors that are compared for one part: of more, those of its room whose ids come first."""
+
+_Place: TypeAlias = tuple[str, str, str]
+
+_METER = "electrical_meter"
+
+
+@dataclass(slots=True, eq=False)
+class Sensor:
+    """One value of a device that nobody sets.
+
+    Attributes:
+        device: The device, as it was last described.
+        part: Its part.
+        capability: The capability.
+        history: What it reported.
+        accused: The part that it contradicted last, and how many readings it had told by then.
+    """
+
+    device: Device
+    part: DevicePart
+    capability: str
+    history: SensorHistory = field(default_factory=SensorHistory)
+    accused: tuple[str, int] = ("", 0)
+
+    @property
+    def place(self) -> _Place:
+        """The ids of its device and part, and the capability."""
+        return self.device.id, self.part.id, self.capability
+
+    @property
+    def is_for_the_house(self) -> bool:
+        """True if it is a meter that measures more than its room may have."""
+        switches = any(one.settable for one in self.part.part.capabilities)
+        return self.capability == "power" and self.part.part.service_type == _METER and not switches
+
+
+@final
+class WitnessSensors:
+    """The sensors, by room.
+
+    Args:
+        named: Queries, each with the sensor that the owner names for the parts that fit: its id or name, folded; an
+            empty one is none. The first that fits counts.
+
+    Attributes:
+        ids: The ids of their devices.
+    """
+
+    def __init__(self, named: Iterable[tuple[Query, str]]) -> None:
+        self._named = tuple(named)
+        self._sensors: dict[_Place, Sensor] = {}
+        self.ids: set[str] = set()
+        self._rooms: dict[str, list[Sensor]] = {}
+        self._meters: list[Sensor] = []
+
+    def __getitem__(self, place: _Place) -> Sensor | None:
+        return self._sensors.get(place)
+
+    def put(self, device: Device, now: float) -> None:
+        """Add the sensors of *device*, or what is new of them; what it had reported live counts from *now* on."""
+        old = {place: one for place, one in self._sensors.items() if place[0] == device.id}
+        for place in old:
+            del self._sensors[place]
+        for part in device.parts:
+            for capability in part.part.capabilities:
+                place = (device.id, part.id, capability.name)
+                if capability.name in SENSED and capability.readable and not capability.settable:
+                    sensor = self._sensors[place] = old.get(place) or Sensor(device, part, capability.name)
+                    sensor.device, sensor.part = device, part
+                    _begin(sensor, now)
+        self._arrange()
+
+    def remove(self, device_id: str) -> None:
+        """Forget the sensors of a device."""
+        for place in [one for one in self._sensors if one[0] == device_id]:
+            del self._sensors[place]
+        self._arrange()
+
+    def candidates(self, command: IssuedCommand) -> list[Sensor]:
+        """Return the sensors of other devices that may see what *command* does: in its room, and meters of the house.
+
+        Those without a room may see what is in none.
+        """
+        wanted = seen_by(command.settings)
+        if not wanted:
+            return []
+        name = self._name_for(command)
+        if name is not None:
+            found: Iterable[Sensor] = (one for one in self._sensors.values() if name in _names(one.device))
+        else:
+            found = (*self._rooms.get(fold(command.device.area), ()), *self._meters)
+        fitting = (one for one in found if one.capability in wanted and _is_independent(one, command))
+        return list(dict.fromkeys(fitting))[:MOST_FOR_ONE]
+
+    def _name_for(self, command: IssuedCommand) -> str | None:
+        if not self._named:
+            return None
+        facets = PartFacets(command.device)
+        facets.part = command.part
+        return next((name for query, name in self._named if fits(query, facets)), None)
+
+    def _arrange(self) -> None:
+        self.ids = {one[0] for one in self._sensors}
+        self._rooms, self._meters = {}, []
+        for _, sensor in sorted(self._sensors.items()):
+            self._rooms.setdefault(fold(sensor.device.area), []).append(sensor)
+            if sensor.is_for_the_house:
+                self._meters.append(sensor)
+
+
+def reading_of(value: PlainValue) -> float | None:
+    """Return what a sensor measured as a number; None where it is none."""
+    return float(value) if isinstance(value, bool | float) else None
+
+
+def _begin(sensor: Sensor, now: float) -> None:
+    if sensor.history.count:
+        return
+    for state in sensor.device.states:
+        is_its = state.part == sensor.part.id and state.capability == sensor.capability and state.live
+        if is_its and (value := reading_of(state.value.plain())) is not None:
+            sensor.history.note(value, now)
+
+
+def _is_independent(sensor: Sensor, command: IssuedCommand) -> bool:
+    """Return whether a sensor is no part of the commanded device, and no reading of what that reports itself."""
+    own = frozenset(address for part in command.device.parts for address in part.part.reads)
+    return sensor.device.id != command.device.id and own.isdisjoint(sensor.part.part.reads)
+
+
+def _names(device: Device) -> Iterator[str]:
+    return (fold(one) for one in (device.id, device.name, *device.names))

@@ -1,0 +1,118 @@
+"""Observations of a sensor at commands to one part, and what it will therefore see. Pure.
+
+Only counts, medians and extremes of the kept observations are used, so that a person can check each conclusion.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Final, final
+
+from homebot.control.witnesses.effect import Effect
+
+__all__ = ["Expected", "Observation", "WitnessRecord"]
+
+ENOUGH: Final = 5
+"""Consistent observations in each direction before a sensor is trusted."""
+
+_KEPT: Final = 16
+_SIZE_SLACK: Final = 5.0  # of 100
+
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """One confirmed command, and what a sensor did, while nothing else near it changed.
+
+    Attributes:
+        effect: What the command changed.
+        before: The reading before.
+        change: By how much it changed in the expected direction, at most.
+        delay: Seconds from the device's report to that change; 0 where it came before.
+        swing: By how much it went up and down in the time before the command.
+    """
+
+    effect: Effect
+    before: float
+    change: float
+    delay: float
+    swing: float
+
+
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """Change that a trusted sensor will see.
+
+    Attributes:
+        least: The smallest change among those that count.
+        most: The greatest.
+        slowest: The longest delay, in seconds.
+        within: Seconds after which a change that has not come will not come.
+    """
+
+    least: float
+    most: float
+    slowest: float
+    within: float
+
+
+@final
+class WitnessRecord:
+    """The last 16 observations of one sensor in each direction; the oldest is forgotten."""
+
+    def __init__(self) -> None:
+        self._kept: dict[bool, deque[Observation]] = {True: deque(maxlen=_KEPT), False: deque(maxlen=_KEPT)}
+
+    def note(self, observation: Observation) -> None:
+        """Take in an observation, whether or not the sensor saw anything."""
+        self._kept[observation.effect.rises].append(observation)
+
+    def expected(self, *, rises: bool) -> Expected | None:
+        """Return what it will see; None where it is not trusted.
+
+        It is trusted after :data:`ENOUGH` consistent observations in both directions, whose medians differ by no more
+        than a factor of two.
+        """
+        here, there = self._seen(rises=rises), self._seen(rises=not rises)
+        if min(len(here), len(there)) < ENOUGH:
+            return None
+        one, other = sorted((self._typical(rises=rises), self._typical(rises=not rises)))
+        if other > 2 * one:
+            return None
+        slowest = max(each.delay for each in (*here, *there))
+        changes = [each.change for each in here]
+        return Expected(min(changes), max(changes), slowest, 3 * slowest + 2)
+
+    def has_seen_as_hard(self, effect: Effect, before: float) -> bool:
+        """Return whether it saw such effects where they were as hard to see, and missed none that was as easy.
+
+        The higher the reading before, and the smaller the effect, the harder it is to see.
+        """
+        slack = self._typical(rises=effect.rises) / 8
+        seen = self._seen(rises=effect.rises)
+        alike = [one for one in self._kept[effect.rises] if one.effect.looks == effect.looks]
+        as_hard = [
+            one
+            for one in alike
+            if one in seen and one.before >= before - slack and one.effect.size <= effect.size + _SIZE_SLACK
+        ]
+        missed = [
+            one
+            for one in alike
+            if one not in seen and one.before <= before + slack and one.effect.size >= effect.size - _SIZE_SLACK
+        ]
+        return len(as_hard) >= ENOUGH and not missed
+
+    def _seen(self, *, rises: bool) -> list[Observation]:
+        """Return the consistent ones: each about the median, and far from how the sensor moves by itself."""
+        typical = self._typical(rises=rises)
+        return [
+            one
+            for one in self._kept[rises]
+            if typical > 0 and typical / 2 <= one.change <= 2 * typical and one.swing <= typical / 4
+        ]
+
+    def _typical(self, *, rises: bool) -> float:
+        """Return the median of the changes, the lower of two."""
+        changes = sorted(one.change for one in self._kept[rises])
+        return changes[(len(changes) - 1) // 2] if changes else 0.0
