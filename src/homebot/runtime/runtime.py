@@ -27,8 +27,8 @@ from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.health import GetHealth
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.discovery import Directory, OwnerFacts
-from homebot.errors import ConfigError, UsageError
-from homebot.gateways import Gateway, GatewayContext, HostService
+from homebot.errors import UsageError
+from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import Graph, Node, RosoutFeed
 from homebot.installation import INSTALLATION_FILE, Installation
 from homebot.isolation import run_as
@@ -37,15 +37,15 @@ from homebot.plugins import plugin_names
 from homebot.production_loop import LoopWatch
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
-from homebot.runtime.plan import Plan, PlannedComponent, make_plan, observing
+from homebot.runtime.plan import PlannedComponent, make_plan, observing
 from homebot.runtime.recorder_starter import RecorderStarter
+from homebot.runtime.simulated_house import check_hosts_house, network_of, real_gateways
 from homebot.runtime.supervisor import Supervisor, Work
 
 if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
     from homebot.control.rehearsal import Rehearsal
     from homebot.house import World
-    from homebot.house.network import HouseNetwork
     from homebot.recording.line_sink import LineSink
 
 __all__ = ["Runtime"]
@@ -115,7 +115,7 @@ class Runtime:
         rehearsal: Rehearsal | None = None,
         prepare: Callable[[Graph], Awaitable[None]] | None = None,
     ) -> None:
-        self._network = None if house is None else _network_of(house)
+        self._network = None if house is None else network_of(house)
         own_gateways = frozenset(config.gateways)
         if self._network is not None:
             config = config.model_copy(update={"gateways": {**self._network.gateways(), **config.gateways}})
@@ -126,11 +126,11 @@ class Runtime:
             one for gateway in self._plan.gateways for one in gateway.kind.host_services(gateway.settings)
         )
         if house is not None:
-            _check_hosts_house(self._needed, config.source)
+            check_hosts_house(self._needed, config.source)
         self._simulated = house
         self._local_rights = LOCAL_RIGHTS
         self._approves_all = trusts_apps
-        if house is not None and not _real_gateways(self._plan, own_gateways):
+        if house is not None and not real_gateways(self._plan, own_gateways):
             self._local_rights = SIMULATED_HOUSE_RIGHTS
             self._approves_all = True
         self._with_door = with_door
@@ -376,28 +376,3 @@ class Runtime:
             await house.serve(task_status=task_status)
 
         return work
-
-
-def _network_of(house: World) -> HouseNetwork:
-    from homebot.house.network import HouseNetwork  # noqa: PLC0415 - who has a real house starts sooner without it
-
-    return HouseNetwork(house.families())
-
-
-def _real_gateways(plan: Plan, own: frozenset[str]) -> list[str]:
-    """Return the gateways among the configured ones, *own*, that may find devices outside the simulated house."""
-    from homebot.house import SimulatedHouse  # noqa: PLC0415 - as above
-
-    return [
-        one.name
-        for one in plan.gateways
-        if one.name in own
-        and all(service.kind is not SimulatedHouse.Host for service in one.kind.host_services(one.settings))
-    ]
-
-
-def _check_hosts_house(needed: Iterable[HostService[object]], source: str) -> None:
-    from homebot.house import SimulatedHouse  # noqa: PLC0415 - as above
-
-    if all(service.kind is not SimulatedHouse.Host for service in needed):
-        raise ConfigError(source, "gateways", SimulatedHouse.WITHOUT_HOST)

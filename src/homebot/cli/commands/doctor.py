@@ -16,7 +16,7 @@ from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import age, ago
 
-__all__ = ["add_arguments"]
+__all__ = ["add_arguments", "print_gateway"]
 
 _GET_HEALTH = "homebot/srv/GetHealth"
 
@@ -68,7 +68,7 @@ def _doctor(options: argparse.Namespace) -> int:
         now = house_time(door)
         is_well = True
         for name, state in sorted(_gateways(door).items()):
-            is_well = _print_gateway(name, state) and is_well
+            is_well = print_gateway(name, state) and is_well
         for name, health in sorted(_health(door).items()):
             is_well = _print_health(name, health, now, everything=options.counts) and is_well
         is_well = _print_devices(door, now) and is_well
@@ -90,14 +90,16 @@ def _health(door: DoorClient) -> dict[str, HealthRecord]:
     return {name.removesuffix("/health").strip("/"): cast("HealthRecord", door.call(name)) for name in services}
 
 
-def _print_gateway(name: str, state: GatewayStateRecord | None) -> bool:
+def print_gateway(name: str, state: GatewayStateRecord | None) -> bool:
+    """Print how a gateway is; return whether it works."""
     if state is None:
         print(f"gateway {name} does not report its state")
         return False
-    acts = "sends commands" if state["acts"] else "only observes"
+    is_active = state["state"] == "active"
+    acts = " and sends commands" if state["acts"] else " and only observes"
     reason = f": {printable(state['reason'])}" if state["reason"] else ""
-    print(f"gateway {name} is {state['state']} and {acts}{reason}")
-    return state["state"] == "active"
+    print(f"gateway {name} is {state['state']}{acts if is_active else ''}{reason}")
+    return is_active
 
 
 def _print_health(name: str, health: HealthRecord, now: float, *, everything: bool) -> bool:
