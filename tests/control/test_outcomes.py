@@ -94,6 +94,23 @@ async def test_what_was_so_long_ago_is_sent_and_silence_does_not_contradict_it(o
         assert home.commands
 
 
+async def test_what_was_so_before_a_command_without_an_answer_is_not_known_any_more(open_home: OpenHome) -> None:
+    """The lamp may have obeyed, and its report was lost."""
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        lamp = await home.handle(Light)
+        assert isinstance(await lamp.turn_on(), Confirmed)
+        home.behaviours["lamp"] = ignore
+        assert isinstance(await lamp.turn_off(), NoAnswer)
+        sent = len(home.commands)
+        assert isinstance(await lamp.turn_on(), NoAnswer)
+        assert len(home.commands) > sent
+        await anyio.sleep(1)
+        await home.report("lamp", "on_off", True)
+        await anyio.sleep(1)
+        assert isinstance(await lamp.turn_on(), AlreadySo)
+
+
 async def test_a_lamp_that_reports_nothing_is_acknowledged_at_most(open_home: OpenHome) -> None:
     async with open_home() as home:
         home.put("plug", "switch", "on_off", is_silent=True)

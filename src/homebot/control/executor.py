@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import math
+from collections import OrderedDict
 from collections.abc import Iterable
 from functools import partial
 from typing import TYPE_CHECKING, Final, TypeAlias, final
@@ -54,6 +56,8 @@ _LONGEST: Final = 300.0
 _REHEARSED: Final = 0.1
 """Seconds that a device is taken to need in a rehearsal: what is asked again at once is not asked without end."""
 
+_MOST_UNSURE: Final = 10_000
+
 _Place: TypeAlias = tuple[str, str, str]
 
 
@@ -95,6 +99,7 @@ class CommandExecutor:
         self._answers = AnswerWatch(node)
         self._times = ResponseTimes(self._settings.timeout)
         self._echoes = EchoHistory()
+        self._unsure_since: OrderedDict[_Place, float] = OrderedDict()
         self._pending: dict[_Place, PendingCommand] = {}
         self._settling = Settling(node, self._settings.settle, journal, self._echoes)
         self._witnesses = WitnessVerification(node, settings)
@@ -190,6 +195,8 @@ class CommandExecutor:
             outcome = await self._send_and_verify(pending, changed)
             if echoes is not NO_ECHOES:
                 self._note_echoes(pending, outcome)
+            if isinstance(outcome, NoAnswer | Contradicted):
+                self._note_unsure(places)
             if isinstance(outcome, Confirmed):  # before the watch ends, which begins again at some cost
                 self._note_confirmed(pending)
         finally:
@@ -298,6 +305,15 @@ class CommandExecutor:
             self._pending[place] = pending
         self._settling.supersede(places)
 
+    def _note_unsure(self, places: Iterable[_Place]) -> None:
+        """Note that these may have changed, although nothing says so: older reports of them count no more."""
+        now = self._clock.now()
+        for place in places:
+            self._unsure_since[place] = now
+            self._unsure_since.move_to_end(place)
+        while len(self._unsure_since) > _MOST_UNSURE:
+            self._unsure_since.popitem(last=False)
+
     def _limit(self, command: IssuedCommand) -> float:
         """Return for how many seconds to wait for the answer."""
         return max(self._times.limit(command.target, one) for one in command.settings) + command.transition
@@ -323,15 +339,19 @@ class CommandExecutor:
     def _known(self, command: IssuedCommand, echoes: ExpectedEchoes) -> tuple[dict[str, PlainValue], bool]:
         """Return the values that the part reported live, and whether all that are wanted were reported lately.
 
-        What may be an echo was not reported lately.
+        What may be an echo was not reported lately, and what was reported before a command failed is not known.
         """
         now, known, ages = self._clock.now(), {}, [0.0]
         if command.device.freshness != "fresh":
             return {}, False
         for state in command.device.states:
             if state.part == command.part.id and state.live and state.capability in command.settings:
+                told_at = state.told_at.to_seconds()
+                place = command.device.id, command.part.id, state.capability
+                if self._unsure_since and told_at <= self._unsure_since.get(place, -math.inf):
+                    continue
                 known[state.capability] = state.value.plain()
-                ages.append(abs(now - state.told_at.to_seconds()))
+                ages.append(abs(now - told_at))
         return known, max(ages) <= _RECENT and echoes is NO_ECHOES
 
 
