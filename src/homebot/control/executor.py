@@ -26,7 +26,7 @@ from homebot.control.settling import Settling
 from homebot.control.witnesses import WitnessVerification
 from homebot.devices import FIND_DEVICES, Device, FindDevices
 from homebot.devices.capabilities import MOMENTARY
-from homebot.devices.command_messages import CommandRequest, CommandResult, result_of
+from homebot.devices.command_messages import CommandRequest, CommandResult, Setting, result_of
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.services import FindDevicesRequest
@@ -37,7 +37,7 @@ from homebot.graph import Node
 if TYPE_CHECKING:
     from homebot.control.rehearsal import Rehearsal
 
-__all__ = ["CommandExecutor"]
+__all__ = ["CommandExecutor", "rehearsed_result"]
 
 WOULD_SEND = "control.would_send"
 
@@ -191,7 +191,7 @@ class CommandExecutor:
                 return result_of(AlreadySo(command_id=command.id))
             if (assumed := self.rehearsed(command)) is not None:
                 await asyncio.sleep(_REHEARSED)
-                return result_of(assumed, pending.wanted if assumed.succeeded else ())
+                return rehearsed_result(assumed, pending.wanted)
             outcome = await self._send_and_verify(pending, changed)
             if echoes is not NO_ECHOES:
                 self._note_echoes(pending, outcome)
@@ -353,6 +353,13 @@ class CommandExecutor:
                 known[state.capability] = state.value.plain()
                 ages.append(abs(now - told_at))
         return known, max(ages) <= _RECENT and echoes is NO_ECHOES
+
+
+def rehearsed_result(assumed: Outcome, wanted: tuple[Setting, ...] = ()) -> CommandResult:
+    """Return the result of a command in a rehearsal, which says so; one that succeeds has the *wanted* values."""
+    if not assumed.succeeded:
+        return result_of(assumed)
+    return result_of(assumed, wanted).with_checked(text=f"not sent, and taken for done ({assumed.text})")
 
 
 class _Signal:

@@ -7,7 +7,7 @@ from typing import Final, final
 
 from homebot.control.client_commands import POLICY, client_refusal
 from homebot.control.command import IssuedCommand
-from homebot.control.executor import CommandExecutor
+from homebot.control.executor import CommandExecutor, rehearsed_result
 from homebot.control.journal import CommandJournal
 from homebot.control.judge import Judge
 from homebot.devices import Device, DevicePart
@@ -89,7 +89,7 @@ class TextCommands:
             self._journal.decided(name, noted, result_of(refused))
             return _response(refused)
         if (assumed := self._executor.rehearsed(command)) is not None:
-            self._journal.decided(name, noted, result_of(assumed))
+            self._journal.decided(name, noted, rehearsed_result(assumed))
             return (
                 _response(assumed) if isinstance(assumed, Refused) else SendTextResponse(success=True, command_id=name)
             )

@@ -16,7 +16,7 @@ import anyio
 
 from homebot.clock import LoopClock
 from homebot.config import UNNAMED, Config, Table, parse_config
-from homebot.devices import Device
+from homebot.devices import FIND_DEVICES, Device, FindDevices
 from homebot.devices.approval import APPROVED
 from homebot.devices.approval_messages import ApproveDevice, ApproveDeviceRequest
 from homebot.devices.client_rights import is_client
@@ -24,6 +24,7 @@ from homebot.devices.command_messages import CommandRequest, CommandResult, Perf
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.names import APPROVE_DEVICE, IMPORT_PLACES, JOURNAL_ENTRIES, PERFORM_COMMAND
 from homebot.devices.places_messages import ImportPlaces, ImportPlacesRequest
+from homebot.devices.services import FindDevicesRequest
 from homebot.errors import UsageError
 from homebot.graph import Graph, Node
 from homebot.recording.lines import RecordedCommand
@@ -50,11 +51,13 @@ class Replayed:
         commands: The commands that apps gave, in the order of time, each with its outcome where that is known.
         issuers: The full names of the apps that ran.
         crashes: How each app crashed that did, by its name.
+        devices: The devices as the directory knew them at the end.
     """
 
     commands: tuple[TimedCommand, ...]
     issuers: tuple[str, ...]
     crashes: Mapping[str, str]
+    devices: tuple[Device, ...] = ()
 
 
 def replay_config(recording: Recording, apps: Sequence[str] = (), given: Config | None = None) -> Config:
@@ -125,11 +128,12 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
             people.start_soon(_give_wishes, node, recording, feed)
             await feed.play()
             people.cancel_scope.cancel()
+            devices = (await node.create_client(FindDevices, FIND_DEVICES).call(FindDevicesRequest())).devices
     issuers = tuple(f"/{name}" for name in config.apps)
     given.sort(key=lambda one: one.at)
     commands = [replace(one, result=results.get(one.command.id)) for one in given if one.command.issuer in issuers]
     crashes = {name: one.last for name, one in runtime.supervisor.crashes.items()}
-    return Replayed(tuple(commands), issuers, crashes)
+    return Replayed(tuple(commands), issuers, crashes, devices)
 
 
 async def _prepare(recording: Recording, graph: Graph) -> None:

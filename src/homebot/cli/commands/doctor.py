@@ -15,6 +15,7 @@ from homebot.cli.records import DeviceRecord, GatewayStateRecord, HealthRecord, 
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import age, ago
+from homebot.devices.gateway_messages import SENDS_NOTHING
 
 __all__ = ["add_arguments", "print_gateway"]
 
@@ -96,7 +97,8 @@ def print_gateway(name: str, state: GatewayStateRecord | None) -> bool:
         print(f"gateway {name} does not report its state")
         return False
     is_active = state["state"] == "active"
-    acts = " and sends commands" if state["acts"] else " and only observes"
+    is_sending = state["acts"] and state["reason"] != SENDS_NOTHING
+    acts = " and sends commands" if is_sending else " and only observes"
     reason = f": {printable(state['reason'])}" if state["reason"] else ""
     print(f"gateway {name} is {state['state']}{acts if is_active else ''}{reason}")
     return is_active

@@ -79,7 +79,7 @@ def _replay(options: argparse.Namespace) -> int:
         print(f"homebot: {exc}", file=sys.stderr)
         return _TROUBLE
     _warn(recording, replayed)
-    names = part_names(recording.devices.values())
+    names = part_names([*recording.devices.values(), *replayed.devices])
     if not options.diff:
         _print_commands(recording, replayed.commands, names, as_json=options.json)
         return 0
