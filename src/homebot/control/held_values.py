@@ -9,14 +9,16 @@ from typing import Final
 from homebot.control.tolerance import fits, is_intermediate
 from homebot.devices.value import PlainValue
 
-__all__ = ["STOPPED", "changes", "departs"]
+__all__ = ["POWERS", "STOPPED", "changes", "departs", "is_on"]
 
 STOPPED: Final = "stopped"
 """The value of a command that stops; it always passes."""
 
+POWERS: Final = frozenset({"on_off", "level", "fan_speed"})
+"""The capabilities that turn a part on or off."""
+
 _POSITIONS: Final[Mapping[PlainValue, float]] = MappingProxyType({"open": 100.0, "closed": 0.0})
 _OPENINGS: Final = frozenset({"movement", "valve", "position"})
-_POWERS: Final = frozenset({"on_off", "level", "fan_speed"})
 _PRESS: Final = "push"
 
 
@@ -30,8 +32,8 @@ def changes(held: str, value: PlainValue, capability: str, wanted: PlainValue) -
         return not fits(held, value, wanted)
     if {held, capability} <= _OPENINGS:
         return not fits("position", _position(value), _position(wanted))
-    if {held, capability} <= _POWERS:
-        return _is_on(value) != _is_on(wanted)
+    if {held, capability} <= POWERS:
+        return is_on(value) != is_on(wanted)
     return capability == _PRESS
 
 
@@ -46,5 +48,6 @@ def _position(value: PlainValue) -> PlainValue:
     return _POSITIONS.get(value, value)
 
 
-def _is_on(value: PlainValue) -> bool:
+def is_on(value: PlainValue) -> bool:
+    """Return whether *value* of one of :data:`POWERS` is on: a dimmed lamp is."""
     return value is not None and value is not False and value != 0.0

@@ -5,7 +5,9 @@ from __future__ import annotations
 import anyio
 import pytest
 from tests.control.conftest import OpenHome
+from tests.control.policies.houses import make_command, make_device
 
+from homebot.control.policies.recent_commands import RecentCommands
 from homebot.devices.handles import Light
 from homebot.devices.outcomes import Outcome, Refused
 
@@ -41,6 +43,16 @@ async def test_dimming_is_no_strobe(open_home: OpenHome) -> None:
         home.put("lamp", "light", "on_off", "level")
         lamp = await home.handle(Light)
         assert all([(await lamp.set_level(level)).succeeded for level in range(100, 0, -1)])
+
+
+def test_a_strobe_by_brightness_and_switch_in_turn_is_counted() -> None:
+    """Each of the two alone never turns round."""
+    lamp, recent = make_device("lamp", "light", settable=("on_off", "level")), RecentCommands()
+    on, dark = make_command(lamp, {"on_off": True}), make_command(lamp, {"level": 0.0})
+    for number in range(10):
+        recent.note(on if number % 2 else dark, float(number))
+    assert recent.turns(dark, -1.0) == 9
+    assert recent.turns(on, -1.0) == 0
 
 
 async def test_the_limit_is_the_owners(open_home: OpenHome) -> None:

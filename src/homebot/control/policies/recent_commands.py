@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections import OrderedDict, deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
 from homebot.control.command import IssuedCommand
+from homebot.control.held_values import POWERS, is_on
 from homebot.control.tolerance import fits, is_intermediate
 from homebot.devices.value import PlainValue
 
@@ -21,6 +22,9 @@ _EFFECT: Final = 60.0
 
 _LATE: Final = -2.0
 """The same for changes before: a device may report what it did before its network says that it has the command."""
+
+_POWER: Final = "power_state"
+"""Stands for whether a part is on."""
 
 _Place: TypeAlias = tuple[str, str, str]
 
@@ -38,7 +42,7 @@ class RecentCommands:
     """The turns of each capability of each part: at most 1,000 each, of at most 10,000; the longest unused go first.
 
     A turn is a command for another value than the one before. Of numbers it is one that goes down where the last went
-    up, or up where it went down: to dim is no turn.
+    up, or up where it went down: to dim is no turn. To turn on and off is one, by whichever capability: level 0 is off.
     """
 
     def __init__(self) -> None:
@@ -46,7 +50,7 @@ class RecentCommands:
 
     def note(self, command: IssuedCommand, now: float) -> None:
         """Note that *command* was sent at *now*, in seconds of a clock that does not go back."""
-        for capability, value in command.settings.items():
+        for capability, value in _values(command):
             place = (command.device.id, command.part.id, capability)
             sent = self._sent.get(place)
             if sent is None:
@@ -76,11 +80,19 @@ class RecentCommands:
     def turns(self, command: IssuedCommand, since: float) -> int:
         """Return how often the values that *command* would turn were turned after *since*; 0 if it turns none."""
         most = 0
-        for capability, value in command.settings.items():
+        for capability, value in _values(command):
             sent = self._sent.get((command.device.id, command.part.id, capability))
             if sent is not None and sent.turns and _turns(sent, value):
                 most = max(most, _count_after(since, sent.turns))
         return most
+
+
+def _values(command: IssuedCommand) -> Iterator[tuple[str, PlainValue]]:
+    """Yield what *command* sets, and whether that is on."""
+    for capability, value in command.settings.items():
+        yield capability, value
+        if capability in POWERS:
+            yield _POWER, is_on(value)
 
 
 def _count_after(since: float, times: deque[float]) -> int:
