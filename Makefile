@@ -9,9 +9,10 @@ DOCS = .venv-docs
 SEED := $(or $(SEED),$(shell date +%s))
 CASES ?= 100000
 HOUSES ?= 100
+DAYS ?= 1000
 
 # What `make test-fast` leaves to `make test`: sockets, programs that are started, whole days, floods, generated cases.
-SLOW = tests/system tests/fuzz tests/cli tests/bridges/rosbridge tests/mqtt/broker tests/testing tests/packages \
+SLOW = tests/system tests/fuzz tests/cli tests/bridges/rosbridge tests/mqtt/broker tests/testing tests/days tests/packages \
 	tests/mqtt/client/test_contract.py tests/mqtt/client/test_keep_alive.py tests/discovery/test_churn.py \
 	tests/gateways/mqtt/test_bounds.py tests/gateways/mqtt/test_floods.py tests/gateways/mqtt/test_gateway.py \
 	tests/gateways/mqtt/test_long_lists.py tests/gateways/mqtt/test_stolen_topics.py tests/house/test_mixed_house.py \
@@ -24,7 +25,7 @@ SLOW = tests/system tests/fuzz tests/cli tests/bridges/rosbridge tests/mqtt/brok
 	tests/test_logger.py tests/test_production_loop.py tests/test_public_face.py tests/test_readme.py
 SLOW_KINDS = *_against_* *_any_* *_fuzz* *_hostile*
 
-.PHONY: help run test test-fast test-peers fuzz houses check format docs bench lock test-lowest clean
+.PHONY: help run test test-fast test-peers fuzz houses days check format docs bench lock test-lowest clean
 
 ## Prints this list.
 help:
@@ -59,6 +60,11 @@ fuzz: $(VENV)/.dev
 ## Simulates a hundred random days of a house.
 houses: $(VENV)/.dev
 	@HOUSES=$(HOUSES) $(BIN)/python -m pytest -n logical --timeout 600 --show-capture no tests/testing/test_family_day.py $(ARGS)
+
+# Random houses, faults, apps and policies; `make days DAYS=100 ARGS="--seed 7"` lives others.
+## Lives a thousand random days, and counts offs over people, violated policies and broken chains.
+days: $(VENV)/.dev
+	@$(BIN)/python -m tests.days.table --days $(DAYS) $(ARGS)
 
 ## Checks format, lint, types, and which package may import which.
 check: $(VENV)/.dev

@@ -218,6 +218,10 @@ class World:
         """Return who is in *room*, asleep or not."""
         return self._household.people_in(room)
 
+    def awake_in(self, room: str) -> int:
+        """Return how many are awake in *room*."""
+        return self._household.awake_in(room)
+
     def lux(self, room: str) -> float:
         """Return how bright *room* is: the sun through its windows and covers, and its lamps.
 

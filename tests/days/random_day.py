@@ -1,0 +1,140 @@
+"""Random days of random houses with random apps and policies. The simplest is an hour in which nothing happens."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+from hypothesis import strategies as st
+from hypothesis.strategies import DrawFn, SearchStrategy
+from tests.days.random_app import RANDOM_APP
+
+from homebot.devices.value import PlainValue
+from homebot.testing import Day
+from homebot.testing.strategies import days, houses
+
+__all__ = ["GRANTS", "RandomDay", "random_days"]
+
+Table = dict[str, Any]
+
+LAMP_FAULTS: Final = ("deaf", "liar", "slow", "reverter", "lossy", "flapper", "stuck")
+KINDS: Final = ("lamp", "contact", "lux", "cover", "lock", "thermostat")
+APPS: Final = ("light_service", "lights_out", "follow_me", "window_heating")
+
+GRANTS: Final[Mapping[str, tuple[str, ...]]] = {
+    "lamps_only": ("light",),
+    "names_locks": ("light", "door lock"),
+    "everything": (),
+}
+"""The random apps and what they are granted; empty for no table ``act``."""
+
+_ORDERS: Final[Mapping[str, tuple[tuple[str, object, str], ...]]] = {
+    "lamp": (("on_off", False, "off"), ("on_off", True, "on"), ("level", 40.0, "0.4"), ("level", 0.0, "0")),
+    "cover": (("position", 0.0, "0"), ("position", 100.0, "1"), ("movement", "closed", "close")),
+    "lock": (("lock", "unlocked", "unlock"), ("lock", "locked", "lock")),
+    "thermostat": (("heating_setpoint", 25.0, "25"), ("heating_setpoint", 8.0, "8")),
+}
+"""What is commanded of each kind: capability, value, and the same as a text."""
+
+
+@dataclass(frozen=True)
+class RandomDay:
+    """A day, with what runs in homebot meanwhile.
+
+    Attributes:
+        day: The house and what happens in it.
+        control: The table ``[control]``.
+        apps: The tables ``[apps]``.
+        orders: The commands of a person at a client of the door: seconds after the start, device, capability, value.
+        seed: Of what is random on the network.
+    """
+
+    day: Day
+    control: Table
+    apps: Table
+    orders: tuple[tuple[float, str, str, PlainValue], ...]
+    seed: int
+
+    @property
+    def places(self) -> Table:
+        """The table ``[places]``, as an owner would write it, for devices that announce no room."""
+        world = self.day.world()
+        return {
+            "devices": {
+                f"{placed.device.service_type}/{name}": {"room": placed.room}
+                for name, placed in world.devices.items()
+                if placed.dialect == "thesis"
+            }
+        }
+
+
+@st.composite
+def random_days(draw: DrawFn, *, sensor_faults: tuple[str, ...] = (), max_length: str = "24h") -> RandomDay:
+    """Draw days.
+
+    Args:
+        draw: Draws.
+        sensor_faults: The faults that motion sensors may have.
+        max_length: The longest day.
+    """
+    tables: Table = draw(houses(kinds=KINDS, faults=LAMP_FAULTS, max_devices=4, max_people=2, max_errands=0))
+    tables.setdefault("house", {})["dialect"] = draw(st.sampled_from(("thesis", "homeassistant")))
+    things = tables.setdefault("devices", {})
+    for room in tables["rooms"]:
+        if draw(st.integers(0, 4)):  # most rooms have both
+            things[f"{room}_lamp"] = {"kind": "lamp", "room": room, "faults": draw(_some_fault(LAMP_FAULTS))}
+            things[f"{room}_motion"] = {"kind": "motion", "room": room, "faults": draw(_some_fault(sensor_faults))}
+    day = draw(days(tables, what=("press", "cut", "restart"), max_length=max_length))
+    kinds = {name: table["kind"] for name, table in things.items()}
+    commandable = tuple((name, kind) for name, kind in kinds.items() if kind in _ORDERS)
+    apps: Table = {name: {} for name in APPS if draw(st.booleans())}
+    if "lights_out" in apps:
+        apps["lights_out"] = {"quiet_after": draw(st.sampled_from((600.0, 10.0)))}
+    for name, act in GRANTS.items():
+        orders = draw(_orders(commandable, day.length))
+        if orders:
+            apps[name] = {"class": RANDOM_APP, "orders": orders, **({"act": list(act)} if act else {})}
+    own = draw(_orders(commandable, day.length))
+    person = tuple((one["at"], one["device"], one["capability"], one["value"]) for one in own)
+    return RandomDay(day, draw(_CONTROL), apps, person, draw(st.integers(0, 100)))
+
+
+@st.composite
+def _some_fault(draw: DrawFn, faults: tuple[str, ...]) -> Table:
+    if not faults or draw(st.integers(0, 3)):
+        return {}
+    return {draw(st.sampled_from(faults)): {}}
+
+
+def _orders(things: tuple[tuple[str, str], ...], length: float) -> SearchStrategy[list[Table]]:
+    if not things:
+        return st.just([])
+    return st.lists(_order(things, length), max_size=12)
+
+
+@st.composite
+def _order(draw: DrawFn, things: tuple[tuple[str, str], ...], length: float) -> Table:
+    device, kind = draw(st.sampled_from(things))
+    capability, value, text = draw(st.sampled_from(_ORDERS[kind]))
+    at = draw(st.integers(0, int(length))) if draw(st.booleans()) else 600 + draw(st.integers(0, 20))
+    return {
+        "at": float(at),
+        "device": device,
+        "capability": capability,
+        "value": value,
+        "text": text if draw(st.booleans()) else "",
+    }
+
+
+_CONTROL: SearchStrategy[Table] = st.fixed_dictionaries(
+    {
+        "time_zone": st.just("UTC"),
+        "presence_guard": st.fixed_dictionaries({"absent_after": st.sampled_from((300.0, 10.0))}),
+        "rate_limit": st.fixed_dictionaries({"changes": st.integers(1, 4), "seconds": st.just(10.0)}),
+        "quiet_hours": st.sampled_from(
+            ([], [{"start": "22:00", "end": "07:00", "commands": ["turn on lights", "use thermostats"]}])
+        ),
+        "interlocks": st.just([{"commands": ["heat thermostats"], "while": "open contact sensor", "where": "room"}]),
+    }
+)

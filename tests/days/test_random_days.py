@@ -1,0 +1,96 @@
+"""Random days of random houses with random apps: no policy is ever violated, and every command has its chain.
+
+``DAYS`` in the environment is their number; ``make days`` lives 1,000 whole ones and prints a table.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from tests.days.living import LivedDay, live
+from tests.days.oracle import broken_chains, violations
+from tests.days.random_app import RANDOM_APP
+from tests.days.random_day import RandomDay, random_days
+from tests.thesis_light_service import THESIS_LIGHT_SERVICE
+
+from homebot.testing import Day
+
+DAYS = int(os.environ.get("DAYS", "10"))
+
+COMING_HOME = Day.parse("""
+[day]
+start = "05:30"
+length = "1h"
+
+[house]
+dialect = "homeassistant"
+
+[rooms.hall]
+window = 0.0
+doors = ["outside"]
+
+[devices.lamp]
+kind = "lamp"
+room = "hall"
+
+[devices.motion]
+kind = "motion"
+room = "hall"
+
+[people.anna]
+asleep = false
+day = [{ at = "06:00", room = "hall" }]
+""")
+CONTROL = {"time_zone": "UTC", "presence_guard": True, "quiet_hours": [], "rate_limit": {"changes": 1, "seconds": 10.0}}
+
+
+@pytest.mark.no_cover
+@settings(max_examples=DAYS, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@given(random_days(max_length="2h"))
+def test_no_policy_is_violated_and_every_command_has_its_chain(day: RandomDay) -> None:
+    lived = live(day)
+    assert violations(day, lived) == []
+    assert broken_chains(lived) == []
+
+
+def coming_home(app: str, *, has_policies: bool) -> tuple[RandomDay, LivedDay]:
+    """Somebody comes home in the dark and turns on the light."""
+    day = RandomDay(COMING_HOME, CONTROL, {}, (), seed=0)
+    return day, live(day, app, has_policies=has_policies)
+
+
+@pytest.mark.parametrize("app", [THESIS_LIGHT_SERVICE, "light_service"])
+def test_without_policies_the_light_service_turns_lamps_off_over_people_and_the_oracle_sees_it(app: str) -> None:
+    day, lived = coming_home(app, has_policies=False)
+    assert any("done over 1 awake" in one for one in violations(day, lived))
+
+
+@pytest.mark.parametrize("app", [THESIS_LIGHT_SERVICE, "light_service"])
+def test_the_presence_guard_keeps_the_light_on(app: str) -> None:
+    day, lived = coming_home(app, has_policies=True)
+    assert violations(day, lived) == []
+    assert [one.results[0].policy for one in lived.entries if one.results] != []
+    assert lived.commands == []
+
+
+def test_the_oracle_sees_a_strobe() -> None:
+    orders = [
+        {"at": 600.0 + number, "device": "lamp", "capability": "on_off", "value": number % 2 == 0}
+        for number in range(6)
+    ]
+    apps = {"everything": {"class": RANDOM_APP, "orders": orders}}
+    day = RandomDay(COMING_HOME, {**CONTROL, "presence_guard": False, "rate_limit": False}, apps, (), seed=0)
+    judged = replace(day, control=CONTROL)
+    assert any("to and fro" in one for one in violations(judged, live(day)))
+
+
+def test_the_oracle_sees_what_is_missing_in_a_chain() -> None:
+    _, lived = coming_home("light_service", has_policies=False)
+    assert broken_chains(lived) == []
+    for kind in ("requested", "acknowledged", "outcome"):
+        rest = [one for one in lived.entries if one.kind != kind]
+        assert broken_chains(replace(lived, entries=rest)) != []
+    assert broken_chains(replace(lived, reports={1})) != []
