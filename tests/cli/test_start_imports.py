@@ -37,7 +37,11 @@ NOT_NEEDED = (
     "homebot.house.kinds",
     "homebot.messages.std_msgs",
     "homebot.mqtt.client.aiomqtt_adapter",
+    "homebot.control.rehearsal",
+    "homebot.recording",
+    "homebot.replay",
     "homebot.testing",
+    "homebot.virtual_time",
     "homebot.wot.mqtt.reader",
     "homebot.wot.parse",
 )
