@@ -1,6 +1,15 @@
 """Control: the one way of commands from applications to devices, which proves what became of each."""
 
-from homebot.control.control import Control
-from homebot.control.settings import ControlSettings
+from homebot.lazy_names import lazy_names
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from homebot.control.control import Control
+    from homebot.control.settings import ControlSettings
 
 __all__ = ["Control", "ControlSettings"]
+
+if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+    __getattr__ = lazy_names(
+        __name__, {"homebot.control.control": "Control", "homebot.control.settings": "ControlSettings"}
+    )

@@ -14,34 +14,37 @@ from typing import TYPE_CHECKING, Final, final
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.control.journal import CommandJournal
-from homebot.control.journal.denied_requests import DeniedRequests
+from homebot.control.journal.explained_changes import ExplainedChanges
 from homebot.control.journal.house_watch import HouseWatch
-from homebot.control.journal.memory_store import MemoryStore
-from homebot.control.journal.store import JournalStore
-from homebot.control.settings import ControlSettings
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import (
+    ACCESS_REFUSALS,
     COMMAND_DEVICES,
     END_LEASES,
     GET_LEASES,
     GET_UNAPPROVED,
     HOLD_PART,
     PERFORM_COMMAND,
+    READ_JOURNAL,
     RELEASE_LEASE,
     RENEW_LEASE,
     SEND_TEXT,
 )
-from homebot.graph import Node
+from homebot.graph import Node, QoSProfile
 
 if TYPE_CHECKING:
     from homebot.control.approvals import Approvals
     from homebot.control.command_service import CommandService
     from homebot.control.executor import CommandExecutor
+    from homebot.control.journal import CommandJournal
+    from homebot.control.journal.denied_requests import DeniedRequests
+    from homebot.control.journal.store import JournalStore
     from homebot.control.judge import Judge
     from homebot.control.lease_keeper import LeaseKeeper
     from homebot.control.rehearsal import Rehearsal
+    from homebot.control.settings import ControlSettings
     from homebot.control.text_commands import TextCommands
+    from homebot.devices.access_messages import AccessRefused
     from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
     from homebot.devices.command_messages import (
         CommandDevicesRequest,
@@ -49,6 +52,7 @@ if TYPE_CHECKING:
         CommandRequest,
         CommandResult,
     )
+    from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
     from homebot.devices.lease_messages import (
         EndLeasesRequest,
         GetLeasesRequest,
@@ -63,6 +67,7 @@ __all__ = ["Control"]
 
 _DAY: Final = 86_400.0
 _MEGABYTE: Final = 1_000_000
+_REFUSALS: Final = 1000
 
 MOST_IN_MEMORY: Final = 10_000
 """Entries of the journal where there is no file."""
@@ -77,6 +82,7 @@ class Control:
         settings: How long it waits, and the policies.
         grants: The scope of each node that may not command everything, by its full name; see `CommandRequest`.
         trusts_apps: Whether nodes without a scope may command what always asks, as in a simulated house.
+        approves_all: Whether no device needs an approval, whatever the settings say, as there.
         journal_file: Where the journal is kept over a restart; None for nowhere.
         rehearsal: Answers commands in place of the devices; None where they are sent.
     """
@@ -88,30 +94,33 @@ class Control:
         grants: Mapping[str, tuple[str, ...]] = MappingProxyType({}),
         *,
         trusts_apps: bool = False,
+        approves_all: bool = False,
         journal_file: Path | None = None,
         rehearsal: Rehearsal | None = None,
     ) -> None:
         self._node = node
-        self._settings = settings or ControlSettings()
-        self._journal = CommandJournal(node, self._store(journal_file), self._settings.settle)
+        self._given_settings = settings
+        self._approves_all = approves_all
+        self._journal_file = journal_file
+        self._changes = ExplainedChanges()
         self._rehearsal = rehearsal
-        self._house_watch = HouseWatch(node, self._journal)
-        self._denied = DeniedRequests(node, self._journal, self._house_watch.addresses)
+        self._house_watch = HouseWatch(node, self._changes, lambda: self._journal)
         self._grants = grants
         self._trusts_apps = trusts_apps
-        if self._settings.needs_house:
-            _ = self._judge  # it follows the house from the start
         self._executor: CommandExecutor | None = None
         self._words: CommandService | None = None
         self._keeper: LeaseKeeper | None = None
         self._texts: TextCommands | None = None
         self._begun = anyio.Event()
+        self._noted = anyio.Event()
+        if settings is not None and settings.needs_house:
+            _ = self._judge  # it follows the house from the start
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Work until cancelled."""
         self.register()
         async with anyio.create_task_group() as tasks:
-            tasks.start_soon(self._journal.run)
+            tasks.start_soon(self._run_journal)
             tasks.start_soon(self._house_watch.run)
             task_status.started()
             await self._begun.wait()
@@ -121,8 +130,10 @@ class Control:
     def register(self) -> None:
         """Offer the services; what they begin is carried out while it serves."""
         from homebot.devices import lease_messages as leases  # noqa: PLC0415 - likewise
+        from homebot.devices.access_messages import AccessRefused  # noqa: PLC0415 - likewise
         from homebot.devices.approval_messages import GetUnapproved  # noqa: PLC0415 - see above
         from homebot.devices.command_messages import CommandDevices, PerformCommand  # noqa: PLC0415 - see above
+        from homebot.devices.journal_messages import ReadJournal  # noqa: PLC0415 - likewise
         from homebot.devices.text_messages import SendText  # noqa: PLC0415 - likewise
 
         self._node.create_service(PerformCommand, PERFORM_COMMAND, self.perform, concurrent=True)
@@ -135,6 +146,8 @@ class Control:
         self._node.create_service(leases.EndLeases, END_LEASES, self.end_leases)
         self._node.create_service(GetUnapproved, GET_UNAPPROVED, self.unapproved)
         self._node.create_service(GetHealth, "~/health", self.health)
+        self._node.create_service(ReadJournal, READ_JOURNAL, self.read_journal, concurrent=True)
+        self._node.create_subscription(AccessRefused, ACCESS_REFUSALS, self._take_refusal, QoSProfile(depth=_REFUSALS))
 
     async def perform(self, request: CommandRequest) -> CommandResult:
         """Carry out a command to one part, and return what became of it."""
@@ -184,6 +197,37 @@ class Control:
         """Return the health of the journal, with a note on the devices that wait for the owner's approval."""
         return self._journal.health().with_checked(notes=await self._approvals.notes())
 
+    async def read_journal(self, request: ReadJournalRequest) -> ReadJournalResponse:
+        """Return entries of the journal."""
+        return await self._journal.read(request)
+
+    async def _take_refusal(self, refused: AccessRefused) -> None:
+        await self._denied.take(refused)
+
+    async def _run_journal(self) -> None:
+        await self._noted.wait()
+        await self._journal.run()
+
+    @cached_property
+    def _settings(self) -> ControlSettings:
+        from homebot.control.settings import ControlSettings  # noqa: PLC0415 - few homes have any
+
+        settings = self._given_settings or ControlSettings()
+        return settings.model_copy(update={"approvals": False}) if self._approves_all else settings
+
+    @cached_property
+    def _journal(self) -> CommandJournal:
+        from homebot.control.journal.journal import CommandJournal  # noqa: PLC0415 - see above
+
+        self._noted.set()
+        return CommandJournal(self._node, self._store(self._journal_file), self._changes, self._settings.settle)
+
+    @cached_property
+    def _denied(self) -> DeniedRequests:
+        from homebot.control.journal.denied_requests import DeniedRequests  # noqa: PLC0415 - for doors that refuse
+
+        return DeniedRequests(self._node, self._journal, self._house_watch.addresses)
+
     @cached_property
     def _judge(self) -> Judge:
         from homebot.control.judge import Judge  # noqa: PLC0415 - see above
@@ -197,6 +241,8 @@ class Control:
         return Approvals(self._node, is_needed=self._settings.approvals)
 
     def _store(self, file: Path | None) -> JournalStore:
+        from homebot.control.journal.memory_store import MemoryStore  # noqa: PLC0415 - likewise
+
         longest = self._settings.journal_days * _DAY
         in_memory = MemoryStore(MOST_IN_MEMORY, longest)
         if file is None:

@@ -15,7 +15,6 @@ from homebot.apps import App
 from homebot.bridges.access_settings import AccessSettings
 from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
 from homebot.config import Config, FilePath, Table, parse_settings, read_secret
-from homebot.control import ControlSettings
 from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
@@ -26,6 +25,7 @@ from homebot.plugins import load_plugin
 
 if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
+    from homebot.control import ControlSettings
 
 __all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_plan", "observing", "plan_errors"]
 
@@ -91,7 +91,7 @@ class Plan:
         gateways: The gateways, in the order of the file.
         apps: The apps, in the order of the file.
         discovery: The directory's settings.
-        control: The control layer's settings.
+        control: The control layer's settings; None for the usual ones.
         grants: The scope of each app that may not command everything, and of the directory of things likewise, by the
             full names of their nodes.
         door: The door's settings.
@@ -103,7 +103,7 @@ class Plan:
     gateways: tuple[PlannedComponent[Gateway], ...]
     apps: tuple[PlannedComponent[App], ...]
     discovery: DirectorySettings
-    control: ControlSettings
+    control: ControlSettings | None
     door: DoorSettings
     thing_directory: DirectoryBridgeSettings | None = None
     places: Places = NO_PLACES
@@ -223,7 +223,11 @@ def _without_act(table: Table) -> Table:
     return {key: value for key, value in table.items() if key != ACT}
 
 
-def _control(config: Config) -> ControlSettings:
+def _control(config: Config) -> ControlSettings | None:
+    if not config.control:
+        return None
+    from homebot.control import ControlSettings  # noqa: PLC0415 - for those who have the table
+
     return parse_settings(ControlSettings, config.control, config.source, "control", config.folder)
 
 

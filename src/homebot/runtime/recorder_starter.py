@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
+from typing import TYPE_CHECKING
 
 import anyio
 
-from homebot.control import ControlSettings
 from homebot.devices.names import START_RECORDER
 from homebot.graph import Node
 from homebot.isolation import run_as
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.runtime.plan import Plan
+
+if TYPE_CHECKING:
+    from homebot.control import ControlSettings
 
 __all__ = ["RecorderStarter"]
 
@@ -26,11 +30,11 @@ class RecorderStarter:
     Args:
         node: The node of the runtime, in whose tasks the recorder works.
         plan: The run.
-        control: The settings that the control layer has in truth.
+        control: Returns the settings that the control layer has in truth.
         trusts_apps: Whether apps may command what always asks.
     """
 
-    def __init__(self, node: Node, plan: Plan, control: ControlSettings, *, trusts_apps: bool) -> None:
+    def __init__(self, node: Node, plan: Plan, control: Callable[[], ControlSettings], *, trusts_apps: bool) -> None:
         self._node = node
         self._plan = plan
         self._control = control
@@ -53,7 +57,7 @@ class RecorderStarter:
         from homebot.runtime.run_facts import run_facts  # noqa: PLC0415 - likewise
 
         try:
-            facts = run_facts(self._plan, self._control, trusts_apps=self._trusts_apps)
+            facts = run_facts(self._plan, self._control(), trusts_apps=self._trusts_apps)
             async with Node(self._node.graph, "recorder", namespace=self._node.full_name) as node:
                 await run_as(node.full_name, partial(record_for_client, node, facts, ready))
         finally:

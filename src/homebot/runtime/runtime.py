@@ -22,7 +22,7 @@ from homebot.apps import App
 from homebot.bridges.rosbridge import Door
 from homebot.clock import Clock, LoopClock
 from homebot.config import UNNAMED, Config
-from homebot.control import Control, ControlSettings
+from homebot.control import Control
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.health import GetHealth
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
@@ -44,6 +44,7 @@ from homebot.runtime.supervisor import Supervisor, Work
 
 if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
+    from homebot.control import ControlSettings
     from homebot.control.rehearsal import Rehearsal
     from homebot.house import World
     from homebot.recording.line_sink import LineSink
@@ -196,7 +197,7 @@ class Runtime:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         RuntimeHealth(main, self.supervisor, self._loop_watch, self._lost_lines)
-        RecorderStarter(main, self._plan, self._control_settings, trusts_apps=self._trusts_apps)
+        RecorderStarter(main, self._plan, lambda: self._control_settings, trusts_apps=self._trusts_apps)
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(self._resolved(gateway) for gateway in self._plan.gateways)
@@ -301,12 +302,12 @@ class Runtime:
         async with Node(self.graph, "control") as node:
             index, is_kept = self._index_file, self._plan.discovery.persist
             journal = index.with_name(JOURNAL_FILE) if index is not None and is_kept else None
-            settings, grants = self._control_settings, self._plan.grants
             control = Control(
                 node,
-                settings,
-                grants,
+                self._plan.control,
+                self._plan.grants,
                 trusts_apps=self._trusts_apps,
+                approves_all=self._approves_all,
                 journal_file=journal,
                 rehearsal=self._rehearses,
             )
@@ -314,7 +315,9 @@ class Runtime:
 
     @property
     def _control_settings(self) -> ControlSettings:
-        settings = self._plan.control
+        from homebot.control import ControlSettings  # noqa: PLC0415 - for those who record
+
+        settings = self._plan.control or ControlSettings()
         return settings.model_copy(update={"approvals": False}) if self._approves_all else settings
 
     def _prepared_by(self, prepare: Callable[[Graph], Awaitable[None]]) -> Work:

@@ -11,13 +11,13 @@ from homebot.control.journal.command_addresses import CommandAddresses
 from homebot.control.journal.journal import CommandJournal
 from homebot.devices import FIND_DEVICES, FindDevices
 from homebot.devices.access_messages import AccessRefused
-from homebot.devices.names import ACCESS_REFUSALS, COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, gateway_of
+from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, gateway_of
 from homebot.devices.query import NameIs, Or, query_terms
 from homebot.devices.query.terms import FactIs
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.folding import fold
-from homebot.graph import Node, QoSProfile
+from homebot.graph import Node
 
 __all__ = ["DeniedRequests"]
 
@@ -28,7 +28,6 @@ MOST_CLIENTS: Final = 100
 """Clients that are told apart; those beyond are noted as one."""
 
 _HOUR: Final = 3600.0
-_QOS: Final = QoSProfile(depth=1000)
 _NAMED_IN: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND})
 
 
@@ -49,7 +48,7 @@ class DeniedRequests:
     So a flood of them takes little of the journal's room.
 
     Args:
-        node: The node that listens.
+        node: The node that asks the directory.
         journal: Takes the entries.
         addresses: The devices that raw commands are for.
     """
@@ -60,9 +59,9 @@ class DeniedRequests:
         self._addresses = addresses
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._clients: dict[str, _DeniedOfClient] = {}
-        node.create_subscription(AccessRefused, ACCESS_REFUSALS, self._take, _QOS)
 
-    async def _take(self, refused: AccessRefused) -> None:
+    async def take(self, refused: AccessRefused) -> None:
+        """Take in a request that the door refused."""
         if not self._clients:
             self._node.create_task(self._end_hour)
         name = refused.issuer if refused.issuer in self._clients or len(self._clients) < MOST_CLIENTS else ""

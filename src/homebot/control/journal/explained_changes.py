@@ -45,13 +45,9 @@ class ExplainedChanges:
 
     Of each place the first value that is heard is where it begins, and no change. At most 100,000 parts and places are
     kept; the longest unused are forgotten.
-
-    Args:
-        settle: Seconds after a command in which a change is taken for its effect.
     """
 
-    def __init__(self, settle: float) -> None:
-        self._settle = settle
+    def __init__(self) -> None:
         self._commands: OrderedDict[tuple[str, str], deque[_Command]] = OrderedDict()
         self._values: OrderedDict[_Place, tuple[PlainValue, float]] = OrderedDict()
 
@@ -59,17 +55,17 @@ class ExplainedChanges:
         """Take changes of the part for effects of *command* from *now* on."""
         self._put(device, part, _Command(command, now, now + _LONGEST, is_raw=False))
 
-    def end(self, device: str, part: str, command: str, now: float) -> None:
-        """Take them so for the settling time alone, as the outcome of *command* is known."""
+    def end(self, device: str, part: str, command: str, until: float) -> None:
+        """Take them so *until* then alone, as the outcome of *command* is known."""
         for one in reversed(self._commands.get((device, part), ())):
             if one.id == command:
-                one.until = now + self._settle
+                one.until = until
                 break
 
-    def begin_raw(self, device: str, command: str, text: str, now: float) -> None:
-        """Take changes of any part of the device for effects of a raw command, for the settling time."""
+    def begin_raw(self, device: str, command: str, text: str, now: float, until: float) -> None:
+        """Take changes of any part of the device for effects of a raw command, from *now* on *until* then."""
         began, text = now - _HEARD_LATER, text.strip().casefold()
-        self._put(device, EVERY_PART, _Command(command, began, now + self._settle, is_raw=True, text=text))
+        self._put(device, EVERY_PART, _Command(command, began, until, is_raw=True, text=text))
 
     def take(self, change: ChangedSetting, at: float) -> str | None:
         """Take in a live report; return what it is.

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from functools import partial
-from typing import Final, final
+from collections.abc import Callable
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Final, final
 
-from homebot.control.journal.command_addresses import CommandAddresses
-from homebot.control.journal.journal import CommandJournal
+from homebot.control.journal.explained_changes import ExplainedChanges
 from homebot.devices import GatewayNames, RawCommand
 from homebot.devices.device import ChangedSettings
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE, gateway_of
 from homebot.errors import InvalidNameError
 from homebot.graph import Node, QoSProfile, ReliabilityPolicy, Subscription
+
+if TYPE_CHECKING:
+    from homebot.control.journal.command_addresses import CommandAddresses
+    from homebot.control.journal.journal import CommandJournal
 
 __all__ = ["HouseWatch"]
 
@@ -28,18 +32,23 @@ class HouseWatch:
 
     Args:
         node: The node that listens.
-        journal: Takes the entries.
-
-    Attributes:
-        addresses: The devices that raw commands are for.
+        changes: Tells which change a command explains.
+        journal: Returns what takes the entries, when there is one.
     """
 
-    def __init__(self, node: Node, journal: CommandJournal) -> None:
+    def __init__(self, node: Node, changes: ExplainedChanges, journal: Callable[[], CommandJournal]) -> None:
         self._node = node
         self._clock = node.graph.clock
+        self._changes = changes
         self._journal = journal
         self._raw: dict[str, Subscription[RawCommand]] = {}
-        self.addresses = CommandAddresses(node)
+
+    @cached_property
+    def addresses(self) -> CommandAddresses:
+        """The devices that raw commands are for."""
+        from homebot.control.journal.command_addresses import CommandAddresses  # noqa: PLC0415 - few homes have any
+
+        return CommandAddresses(self._node)
 
     async def run(self) -> None:
         """Work until cancelled."""
@@ -50,7 +59,9 @@ class HouseWatch:
 
     def _take(self, changed: ChangedSettings) -> None:
         for change in changed.changes:
-            self._journal.changed(change)
+            command_id = self._changes.take(change, change.told_at.to_seconds())
+            if command_id is not None:
+                self._journal().changed(change, command_id)
 
     async def _watch_gateways(self) -> None:
         """Subscribe to the raw commands for each gateway that comes."""
@@ -76,4 +87,4 @@ class HouseWatch:
         now = self._clock.now()
         device = await self.addresses.device_at(gateway, command.address)
         if device:
-            self._journal.published(device, command, now)
+            self._journal().published(device, command, now)

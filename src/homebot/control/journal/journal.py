@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal, TypeAlias, final
 
-from homebot.control.command import IssuedCommand
 from homebot.control.journal.explained_changes import ExplainedChanges
 from homebot.control.journal.journal_note import JournalNote
-from homebot.control.journal.store import JournalStore
 from homebot.devices import FIND_DEVICES, FindDevices, RawCommand
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
 from homebot.devices.device import ChangedSetting, KeyValue
@@ -18,11 +16,10 @@ from homebot.devices.journal_messages import (
     JournalEntry,
     JournalFact,
     JournalVerdict,
-    ReadJournal,
     ReadJournalRequest,
     ReadJournalResponse,
 )
-from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL
+from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.devices.query import Or, query_terms
 from homebot.devices.query.terms import FactIs
 from homebot.devices.services import FindDevicesRequest
@@ -32,6 +29,8 @@ from homebot.graph import Node
 from homebot.messages import Time
 
 if TYPE_CHECKING:
+    from homebot.control.command import IssuedCommand
+    from homebot.control.journal.store import JournalStore
     from homebot.control.policies import Verdict
     from homebot.devices.access_messages import AccessRefused
     from homebot.devices.lease_messages import HoldRequest
@@ -55,19 +54,20 @@ class CommandJournal:
     Args:
         node: The node that publishes them and serves the reading.
         store: Keeps them.
+        changes: Is told of commands, which explain changes.
         settle: Seconds after a command in which a change of the part is taken for its effect.
     """
 
-    def __init__(self, node: Node, store: JournalStore, settle: float) -> None:
+    def __init__(self, node: Node, store: JournalStore, changes: ExplainedChanges, settle: float) -> None:
         self._clock = node.graph.clock
-        self._changes = ExplainedChanges(max(settle, _SHORTEST_SETTLE))
+        self._changes = changes
+        self._settle = max(settle, _SHORTEST_SETTLE)
         self._session = f"{round(self._clock.now()):x}"
         self._number = 0
         self._store = store
         self._counters: dict[str, Callable[[], int]] = {}
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._entries = node.create_publisher(JournalEntry, JOURNAL_ENTRIES, _DEPTH)
-        node.create_service(ReadJournal, READ_JOURNAL, self.read, concurrent=True)
 
     async def run(self) -> None:
         """Write what is noted until cancelled."""
@@ -156,7 +156,7 @@ class CommandJournal:
     def decided(self, command_id: str, request: CommandRequest, result: CommandResult) -> None:
         """Note the outcome of a command."""
         now = self._clock.now()
-        self._changes.end(request.device, request.part, command_id, now)
+        self._changes.end(request.device, request.part, command_id, now + self._settle)
         self._keep(
             JournalNote(
                 "outcome", now, request.device, request.part, command_id, issuer=request.issuer, results=(result,)
@@ -167,12 +167,9 @@ class CommandJournal:
         """Note that the device went back after the outcome."""
         self._note_step("reverted", command, results=(result,))
 
-    def changed(self, change: ChangedSetting) -> None:
-        """Note *change*, unless it is none or the entries of a command have it already."""
+    def changed(self, change: ChangedSetting, command_id: str) -> None:
+        """Note *change*, which the raw command *command_id* explains; empty where nothing does."""
         at = change.told_at.to_seconds()
-        command_id = self._changes.take(change, at)
-        if command_id is None:
-            return
         settings = (Setting.of_checked(capability=change.capability, value=change.value),)
         kind: EntryKind = "reported" if command_id else "changed"
         self._keep(JournalNote(kind, at, change.device, change.part, command_id, settings=settings))
@@ -180,7 +177,7 @@ class CommandJournal:
     def published(self, device: str, command: RawCommand, at: float) -> None:
         """Note a raw command for a device that came at *at*, in seconds since the Unix epoch."""
         name = command.command_id or self.next_id()
-        self._changes.begin_raw(device, name, command.payload, at)
+        self._changes.begin_raw(device, name, command.payload, at, at + self._settle)
         text = command.payload[:_LONGEST]
         self._keep(
             JournalNote("published", at, device, "", name, issuer=command.issuer, trigger=command.trigger, text=text)
