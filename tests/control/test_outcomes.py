@@ -108,7 +108,15 @@ async def test_what_was_so_before_a_command_without_an_answer_is_not_known_any_m
         await anyio.sleep(1)
         await home.report("lamp", "on_off", True)
         await anyio.sleep(1)
+        sent = len(home.commands)
         assert isinstance(await lamp.turn_on(), AlreadySo)
+        assert len(home.commands) > sent  # it may repeat what it reported before
+        home.behaviours["lamp"] = obey
+        assert isinstance(await lamp.turn_on(), Confirmed)
+        sent = len(home.commands)
+        await anyio.sleep(1)
+        assert isinstance(await lamp.turn_on(), AlreadySo)
+        assert len(home.commands) == sent
 
 
 async def test_a_lamp_that_reports_nothing_is_acknowledged_at_most(open_home: OpenHome) -> None:

@@ -234,6 +234,8 @@ class CommandExecutor:
             self._witnesses.end(pending.command)
 
     def _note_confirmed(self, pending: PendingCommand) -> None:
+        for place in pending.command.places if self._unsure_since else ():
+            self._unsure_since.pop(place, None)
         for capability, seconds in pending.response_times():
             self._times.note(pending.command.target, capability, seconds)
         self._settling.add(pending, self._watch)
@@ -339,7 +341,8 @@ class CommandExecutor:
     def _known(self, command: IssuedCommand, echoes: ExpectedEchoes) -> tuple[dict[str, PlainValue], bool]:
         """Return the values that the part reported live, and whether all that are wanted were reported lately.
 
-        What may be an echo was not reported lately, and what was reported before a command failed is not known.
+        What was reported before a command failed is not known, and what may be an echo, or was reported since a command
+        failed, was not reported lately: the next command is sent in any case.
         """
         now, known, ages = self._clock.now(), {}, [0.0]
         if command.device.freshness != "fresh":
@@ -348,10 +351,10 @@ class CommandExecutor:
             if state.part == command.part.id and state.live and state.capability in command.settings:
                 told_at = state.told_at.to_seconds()
                 place = command.device.id, command.part.id, state.capability
-                if self._unsure_since and told_at <= self._unsure_since.get(place, -math.inf):
-                    continue
-                known[state.capability] = state.value.plain()
-                ages.append(abs(now - told_at))
+                unsure_since = self._unsure_since.get(place)
+                ages.append(math.inf if unsure_since is not None else abs(now - told_at))
+                if unsure_since is None or told_at > unsure_since:
+                    known[state.capability] = state.value.plain()
         return known, max(ages) <= _RECENT and echoes is NO_ECHOES
 
 
