@@ -48,6 +48,16 @@ def test_a_lossy_device_loses_commands_and_words() -> None:
     assert 770 < obeyed < 830
 
 
+def test_a_lossy_device_tells_at_a_heartbeat_how_it_is() -> None:
+    """Not what the world heard last, which may be long over."""
+    lamp = SimulatedLamp("lamp")
+    lossy = Lossy(lamp, dice(), share=1.0)
+    assert lossy.heartbeat() == ("off",)
+    lamp.handle_command("on", 0.0)
+    assert lossy.heartbeat() == ("on",)
+    assert Deaf(lamp, dice()).heartbeat() is None
+
+
 def test_a_slow_device_obeys_later_and_in_order() -> None:
     """Between once and one and a half times its delay."""
     slow = Slow(SimulatedLamp("lamp"), dice(), delay=4.0)

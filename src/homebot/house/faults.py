@@ -84,6 +84,10 @@ class DeviceFault(SimulatedDevice):
         self.device.advance(now)  # to the same time; whatever was due has been reported
         return reports
 
+    def heartbeat(self) -> tuple[str, ...] | None:
+        """Return what the device says at a heartbeat."""
+        return self.device.heartbeat()
+
     def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
         """Let hands reach the device: most faults are of its radio."""
         return (*self.advance(now), *self._deliver_all(self.device.operate_manually(command, now)))
@@ -142,6 +146,10 @@ class Lossy(DeviceFault):
 
     def _delivered(self, report: str) -> tuple[str, ...]:
         return () if self.rng.random() < self.share else (report,)
+
+    def heartbeat(self) -> tuple[str, ...] | None:
+        """Return its state as it is, not as the world heard it last."""
+        return (self.state(),)
 
 
 class Slow(DeviceFault):

@@ -184,8 +184,13 @@ class SimulatedHouse:
     async def _beat(self) -> None:
         while True:
             await anyio.sleep(self._heartbeat)
-            for device in self._devices.values():
-                device.repeat()
+            for name, device in self._devices.items():
+                reports = self.world.device(name).heartbeat()
+                if reports is None:
+                    device.repeat()
+                else:
+                    for text in reports:
+                        device.publish(self._state_of(name, text))
 
     def _now(self) -> float:
         return self._clock.now() - self._midnight

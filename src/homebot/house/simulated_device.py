@@ -87,6 +87,10 @@ class SimulatedDevice(ABC):
         """Return the power it draws, in watts."""
         return 0.0
 
+    def heartbeat(self) -> tuple[str, ...] | None:
+        """Return what it says at a heartbeat; None for the last that it said, again."""
+        return None
+
     def restore(self) -> str:
         """Return the command that would bring it back to how it is now; empty when there is none."""
         return ""

@@ -67,7 +67,8 @@ KIND_SETTINGS: Final[Mapping[str, Settings]] = {
 
 FAULT_SETTINGS: Final[Mapping[str, Settings]] = {
     "deaf": {},
-    "liar": {},
+    "liar": {"since": st.integers(0, 23).map(lambda hour: hour * 3600.0)},
+    "echoing_bridge": {},
     "stuck": {"after": st.sampled_from((2.0, 30.0))},
     "slow": {"delay": _seconds},
     "reverter": {"after": _seconds},
