@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from homebot.devices import Device, DevicePart
+from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.client_rights import is_client
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
@@ -58,6 +59,16 @@ class IssuedCommand:
             if state.capability == capability and state.part == self.part.id:
                 return state.value.plain()
         return None
+
+    @property
+    def is_momentary(self) -> bool:
+        """True if it presses or starts something, so that to send it again would do it again."""
+        return not MOMENTARY.isdisjoint(self.settings)
+
+    @property
+    def told_by_device(self) -> list[str]:
+        """The capabilities of the part that it reports, as lasting values."""
+        return [one.name for one in self.part.part.capabilities if one.readable and one.name not in MOMENTARY]
 
     @property
     def places(self) -> list[tuple[str, str, str]]:

@@ -25,7 +25,6 @@ from homebot.control.settings import ControlSettings
 from homebot.control.settling import Settling
 from homebot.control.witnesses import WitnessVerification
 from homebot.devices import FIND_DEVICES, Device, FindDevices
-from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting, result_of
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Gone, NoAnswer, Outcome, Refused
@@ -46,12 +45,6 @@ MOST_PENDING: Final = 10_000
 
 _RECENT: Final = 60.0
 """Seconds for which a live report counts as how it is now, so that a command for the same is not sent."""
-
-_MOVES_FOR: Final = 60.0
-"""Seconds that a device gets from its last sign of moving on."""
-
-_LONGEST: Final = 300.0
-"""Seconds from sending after which no sign of moving helps any more."""
 
 _REHEARSED: Final = 0.1
 """Seconds that a device is taken to need in a rehearsal: what is asked again at once is not asked without end."""
@@ -180,14 +173,14 @@ class CommandExecutor:
         echoes = self._expected_echoes(command)
         known, recent = ({}, False) if self._witnesses.disproves(command) else self._known(command, echoes)
         changed = _Signal()
-        pending = PendingCommand(command, known, _readable(command), self._clock.monotonic(), changed.set, echoes)
+        pending = PendingCommand(command, known, command.told_by_device, self._clock.monotonic(), changed.set, echoes)
         stop = self._watch.watch(command.part.routes, partial(self._take, pending))
         self._answers.expect(pending)
         places = command.places
         is_at_rest = not any(one in self._pending for one in places)  # else the device may be about to change
         self._take_over(pending, places)
         try:
-            if pending.was_so and recent and is_at_rest and not _is_momentary(command):
+            if pending.was_so and recent and is_at_rest and not command.is_momentary:
                 return result_of(AlreadySo(command_id=command.id))
             if (assumed := self.rehearsed(command)) is not None:
                 await asyncio.sleep(_REHEARSED)
@@ -245,7 +238,7 @@ class CommandExecutor:
         command, clock = pending.command, self._clock
         began = clock.monotonic()
         limit = self._limit(command)
-        tries = 1 if _is_momentary(command) else 1 + self._settings.retries
+        tries = 1 if command.is_momentary else 1 + self._settings.retries
         for number in range(tries):
             is_refused = number > 0 and self._judge.refusal(command) is not None  # by what changed meanwhile
             if not is_refused:
@@ -259,9 +252,9 @@ class CommandExecutor:
                 if number == 0:
                     began = clock.monotonic()  # a gateway may have had to connect before it was sent
             until = began + limit * (number + 1) / tries
-            while not pending.is_over and (left := _until(until, pending, began) - clock.monotonic()) > 0:
+            while not pending.is_over and (left := pending.waits_until(until, began) - clock.monotonic()) > 0:
                 await changed.wait(left)
-            if pending.is_over or pending.moved_at is not None or _gives_up(pending, clock.monotonic()):
+            if pending.is_over or pending.moved_at is not None or pending.gives_up(clock.monotonic()):
                 break
         return pending.outcome(clock.monotonic())
 
@@ -390,25 +383,5 @@ class _Signal:
             timer.cancel()
 
 
-def _readable(command: IssuedCommand) -> Iterable[str]:
-    return [one.name for one in command.part.part.capabilities if one.readable and one.name not in MOMENTARY]
-
-
-def _is_momentary(command: IssuedCommand) -> bool:
-    return not MOMENTARY.isdisjoint(command.settings)
-
-
 def _settings_text(command: IssuedCommand) -> str:
     return ", ".join(f"{name} {value_text(value)}" for name, value in command.settings.items())
-
-
-def _until(until: float, pending: PendingCommand, began: float) -> float:
-    """Return until when to wait: longer for a device that is on its way, shorter where only echoes come."""
-    if pending.moved_at is None:
-        return until if pending.echoes is NO_ECHOES else min(until, pending.gives_up_at)
-    return min(max(until, pending.moved_at + _MOVES_FOR), began + _LONGEST)
-
-
-def _gives_up(pending: PendingCommand, now: float) -> bool:
-    """Return whether nothing but echoes came for long enough."""
-    return pending.echoes is not NO_ECHOES and pending.gives_up_at <= now

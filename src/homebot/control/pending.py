@@ -32,6 +32,13 @@ _SAME: Final = 0.01
 _NOTHING: Final = object()
 
 
+_MOVES_FOR: Final = 60.0
+"""Seconds that a device gets from its last sign of moving on."""
+
+_LONGEST: Final = 300.0
+"""Seconds from sending after which no sign of moving helps any more."""
+
+
 @final
 class PendingCommand:
     """State of one command: what is wanted, and what was reported.
@@ -111,10 +118,15 @@ class PendingCommand:
         """True if the device had reported before that all of it is so."""
         return all(name in self._before and fits(name, value, self._before[name]) for name, value in self._items())
 
-    @property
-    def gives_up_at(self) -> float:
-        """Time at which it is over where nothing but echoes has come."""
-        return self._weakly_met_at() + self.echoes.patience
+    def waits_until(self, until: float, began: float) -> float:
+        """Return when waiting ends, by the rule at *until*: later on its way, sooner where only echoes come."""
+        if self.moved_at is None:
+            return until if self.echoes is NO_ECHOES else min(until, self._gives_up_at())
+        return min(max(until, self.moved_at + _MOVES_FOR), began + _LONGEST)
+
+    def gives_up(self, now: float) -> bool:
+        """Return whether nothing but echoes came for long enough."""
+        return self.echoes is not NO_ECHOES and self._gives_up_at() <= now
 
     def note_sent(self, now: float) -> None:
         """Note that it is sent now, which may cause an echo."""
@@ -184,6 +196,9 @@ class PendingCommand:
             self.fast.add(capability)
         self.echoed[capability] = self._echoed_since_sent[capability] = now
         return True
+
+    def _gives_up_at(self) -> float:
+        return self._weakly_met_at() + self.echoes.patience
 
     def _weakly_met_at(self) -> float:
         """Return when all was reported or echoed, or sent where an echo is declared; infinity where it was not."""
