@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
-from functools import partial
+from functools import lru_cache, partial
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.device_classes import is_quantity, quantity_of
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, read_number
+from homebot.conventions.units import Quantity
 
 __all__ = ["build_sensor"]
 
@@ -29,7 +30,7 @@ def build_sensor(config: DiscoveryConfig) -> DescribedPart:
     if device_class not in _TEXTS and (is_quantity(device_class) or any(config.has(key) for key in _NUMERIC)):
         quantity = quantity_of(device_class, config.clean_text("unit_of_measurement", _MAX_UNIT))
         entity = Entity(config, quantity.service_type)
-        if entity.read_text_from(source, partial(read_number, quantity.capability, convert=quantity.value)):
+        if entity.read_text_from(source, _number_reader(quantity)):
             entity.add_capability(quantity.capability, unit=quantity.unit)
             entity.expire(quantity.capability)
         return entity.build()
@@ -40,6 +41,11 @@ def build_sensor(config: DiscoveryConfig) -> DescribedPart:
         entity.add_capability("value", options=options)
         entity.expire("value")
     return entity.build()
+
+
+@lru_cache(maxsize=512)  # one for all sensors of a kind: it would be a tenth of what a part takes
+def _number_reader(quantity: Quantity) -> Callable[[object], Readings]:
+    return partial(read_number, quantity.capability, convert=quantity.value)
 
 
 _TEXTS = frozenset({"date", "enum", "timestamp"})
