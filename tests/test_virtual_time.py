@@ -6,9 +6,12 @@ import asyncio
 import re
 import socket
 import threading
+from collections.abc import Awaitable, Callable
+from functools import partial
 
 import anyio
 import anyio.lowlevel
+import anyio.to_thread
 import pytest
 
 from homebot import virtual_time
@@ -106,6 +109,65 @@ async def test_another_thread_can_wake_a_loop_without_timers() -> None:
     thread.start()
     await done.wait()
     thread.join()
+
+
+@pytest.mark.virtual_time
+@pytest.mark.parametrize("run", [anyio.to_thread.run_sync, asyncio.to_thread])
+async def test_no_time_passes_while_a_worker_thread_works(run: Callable[[Callable[[], bool]], Awaitable[bool]]) -> None:
+    loop = asyncio.get_running_loop()
+    has_slept = threading.Event()
+    seen: list[float] = []
+
+    async def work() -> None:
+        assert await run(partial(has_slept.wait, 0.05)) is False  # the timer below is far beyond what this takes
+        seen.append(loop.time())
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(work)
+        await anyio.sleep(3_600.0)
+        has_slept.set()
+    assert seen == [0.0]
+
+
+@pytest.mark.virtual_time
+async def test_settled_comes_after_what_a_worker_thread_does() -> None:
+    loop = asyncio.get_running_loop()
+    assert isinstance(loop, VirtualTimeLoop)
+    done: list[bool] = []
+
+    async def work() -> None:
+        done.append(await anyio.to_thread.run_sync(threading.Event().wait, 0.05))
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(work)
+        await loop.settled()
+        assert done == [False]
+
+
+@pytest.mark.virtual_time
+async def test_a_thread_with_a_limiter_of_its_own_holds_no_time_up() -> None:
+    has_passed = threading.Event()
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(partial(anyio.to_thread.run_sync, has_passed.wait, limiter=anyio.CapacityLimiter(1)))
+        await anyio.sleep(60.0)
+        has_passed.set()
+
+
+def test_a_worker_thread_that_never_ends_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(virtual_time, "THREAD_STUCK_AFTER", 0.01)
+    has_ended = threading.Event()
+
+    async def wait() -> None:
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(partial(anyio.to_thread.run_sync, has_ended.wait, 30.0))
+            await anyio.sleep(60.0)
+
+    runner = asyncio.Runner(loop_factory=VirtualTimeLoop)
+    with pytest.raises(UsageError, match="a worker thread has worked"):
+        runner.run(wait())
+    has_ended.set()
+    monkeypatch.undo()
+    runner.close()
 
 
 def test_waiting_for_what_cannot_come_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,7 +1,9 @@
 """An event loop whose time jumps: whenever nothing is ready, the next timer is due at once.
 
 An hour of timers passes in milliseconds, every timer fires at exactly its own time, and nothing depends on the speed of
-the computer. Keep real sockets and worker threads off this loop: it does not wait for them while a timer is set.
+the computer. No time passes while a worker thread of ``anyio.to_thread`` or of the loop's executor works, so that a
+slow disk costs no virtual second; a thread with a limiter of its own, as one that runs for good has, holds nothing up.
+Keep real sockets off this loop: it does not wait for them while a timer is set.
 """
 
 from __future__ import annotations
@@ -12,24 +14,28 @@ import selectors
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
+from concurrent.futures import Executor
 from contextvars import Context
 from pathlib import Path
 from types import CoroutineType, FrameType
-from typing import TypeVarTuple
+from typing import TypeVar, TypeVarTuple
 
 import anyio
+from anyio import to_thread
 
 from homebot.errors import UsageError
 
 __all__ = ["VirtualTimeLoop"]
 
 Ts = TypeVarTuple("Ts")
+ResultT = TypeVar("ResultT")
 
 RESOLUTION = 1e-6  # seconds; timers closer than this fire together. Far above the steps of a float at 30 years
 SELDOM = 50  # turns of a busy loop after which files are looked at all the same
 HOT_AFTER = 30.0  # real seconds and
 HOT_TURNS = 500_000  # turns, both in one moment, in which no program that ever waits can still be busy
 STUCK_AFTER = 5.0  # real seconds in which a thread or a signal may still wake a loop that has no timer
+THREAD_STUCK_AFTER = 120.0  # real seconds that a worker thread may take; it writes a file, and the disk may be slow
 _LIBRARIES = tuple(str(Path(str(each.__file__)).parent) for each in (asyncio, anyio))
 
 
@@ -38,11 +44,14 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
 
     Made for ``asyncio.Runner(loop_factory=VirtualTimeLoop)`` and its likes. A program that waits for what cannot come,
     with nothing ready and no timer set, ends with :class:`homebot.errors.UsageError` after 5 real seconds; one that is
-    always busy, so that no time can pass, after 30 and half a million turns. The error says which tasks are busy.
+    always busy, so that no time can pass, after 30 and half a million turns. The error says which tasks are busy. A
+    worker thread that takes longer than 120 real seconds ends it too.
     """
 
     def __init__(self) -> None:
-        self._jumping = _JumpingSelector(self._busy)
+        self._limiter: anyio.CapacityLimiter | None = None
+        self._executing = 0
+        self._jumping = _JumpingSelector(self._busy, self._threads_at_work)
         super().__init__(self._jumping)
         self._clock_resolution = RESOLUTION  # asyncio's own is lost in the float after 97 days: no timer would be due
 
@@ -50,8 +59,17 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         """Return seconds of virtual time since the loop was made."""
         return self._jumping.now
 
+    def run_in_executor(
+        self, executor: Executor | None, func: Callable[[*Ts], ResultT], *args: *Ts
+    ) -> asyncio.Future[ResultT]:
+        """Run *func* in a thread; no time passes until it is done."""
+        future = super().run_in_executor(executor, func, *args)
+        self._executing += 1
+        future.add_done_callback(self._executed)
+        return future
+
     async def settled(self) -> None:
-        """Wait until all that can happen at this moment has happened; no time passes."""
+        """Wait until all that can happen at this moment has happened, in worker threads too; no time passes."""
         waiter: asyncio.Future[None] = self.create_future()
         self._jumping.waiters.append(waiter)
         await waiter
@@ -67,6 +85,19 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         if when == math.inf:
             return asyncio.TimerHandle(when, callback, args, self, context)
         return super().call_at(when, callback, *args, context=context)
+
+    async def _find_limiter(self) -> None:
+        self._limiter = to_thread.current_default_thread_limiter()  # only a task may ask for it
+
+    def _executed(self, _: asyncio.Future[ResultT]) -> None:
+        self._executing -= 1
+
+    def _threads_at_work(self) -> int | None:
+        """Return how many, or None in the first turn that would let time pass: the next one knows."""
+        if self._limiter is None:
+            self.create_task(self._find_limiter(), name="limiter of worker threads")
+            return None
+        return self._executing + self._limiter.borrowed_tokens
 
     def _busy(self) -> str:
         """Return the tasks that run in this turn, and where they are."""
@@ -94,15 +125,18 @@ class _JumpingSelector(selectors.DefaultSelector):
 
     now = 0.0
 
-    def __init__(self, busy: Callable[[], str]) -> None:
+    def __init__(self, busy: Callable[[], str], threads_at_work: Callable[[], int | None]) -> None:
         super().__init__()
         self.waiters: deque[asyncio.Future[None]] = deque()
         self._busy = busy
+        self._threads_at_work = threads_at_work
         self._unasked = 0
         self._turns = 0
         self._busy_since = time.monotonic()
 
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
+        if timeout != 0 and (threads := self._threads_at_work()) != 0:
+            return self._select_thread() if threads else []
         if timeout is None and not self.waiters:
             return self._select_or_give_up()
         if timeout == 0 and self._unasked < SELDOM:  # there is something to do: the system call would double its cost
@@ -135,6 +169,15 @@ class _JumpingSelector(selectors.DefaultSelector):
             raise UsageError(
                 f"virtual time cannot advance: something is always busy and never waits; now: {self._busy()}"
             )
+
+    def _select_thread(self) -> list[tuple[selectors.SelectorKey, int]]:
+        ready = super().select(THREAD_STUCK_AFTER)
+        if not ready:
+            raise UsageError(
+                f"virtual time cannot advance: a worker thread has worked for {THREAD_STUCK_AFTER:.0f} real seconds; "
+                "give one that runs for good a limiter of its own"
+            )
+        return ready
 
     def _select_or_give_up(self) -> list[tuple[selectors.SelectorKey, int]]:
         ready = super().select(STUCK_AFTER)
