@@ -7,8 +7,9 @@ from tests.devices.handles.conftest import device, part
 
 from homebot.devices.always_ask import always_asks
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, Right, read_scope
-from homebot.devices.device import Device
+from homebot.devices.device import Device, Fact
 from homebot.errors import UsageError
+from homebot.messages import Time
 
 HALL_LAMP = device("hall-lamp", part("light", "on_off"), area="Hall")
 KITCHEN_LAMP = device("kitchen-lamp", part("light", "on_off"), area="Kitchen")
@@ -60,6 +61,22 @@ def test_what_is_built_into_a_garage_door_asks_but_for_its_lamp() -> None:
 def test_a_type_and_a_room_are_what_a_client_may_command() -> None:
     rights = read_scope(["act: light in hall"])
     assert [may(rights, one) for one in (HALL_LAMP, KITCHEN_LAMP, HALL_LOCK)] == [True, False, False]
+
+
+@pytest.mark.parametrize(
+    ("conventions", "may_command"),
+    [(("tag",), False), (("owner", "tag"), True), (("tag", "homeassistant"), True), (("owner",), True), ((), True)],
+)
+def test_a_room_that_only_a_tag_says_gives_no_right(conventions: tuple[str, ...], *, may_command: bool) -> None:
+    """Whoever can put up a tag can say a room; the owner's word and that of the device count as ever."""
+    facts = tuple(
+        Fact(name="area", value="Hall", gateway="", convention=one, key="", said_at=Time.from_seconds(0))
+        for one in conventions
+    )
+    lamp = HALL_LAMP.model_copy(update={"facts": facts, "outer_areas": ("Ground floor",)})
+    assert may(read_scope(["act: light in hall"]), lamp) is may_command
+    assert may(read_scope(['act: in "ground floor"']), lamp) is may_command
+    assert may(read_scope(["act: light"]), lamp)
 
 
 def test_a_room_alone_holds_no_lock() -> None:

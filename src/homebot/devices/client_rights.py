@@ -64,7 +64,7 @@ class ClientRights:
         reads: Whether it has :attr:`Right.READ`.
         acts_on: The devices that it may command: those that fit any of these. One that always asks
             (:mod:`homebot.devices.always_ask`) must be asked for by its type or its name: to fit ``in hall`` is not
-            enough.
+            enough. A room that only a tag says counts for none of them.
         acts_on_all: Whether it may command each and every device.
         act_scope: The last two as they were written, for commands; empty for all that does not always ask.
         manages: Whether it has :attr:`Right.MANAGE`.
@@ -96,8 +96,9 @@ class ClientRights:
             return True
         from homebot.devices.always_ask import always_asks, is_declared  # noqa: PLC0415 - needed with the first command
         from homebot.devices.query.matching import PartFacets, fits  # noqa: PLC0415 - likewise
+        from homebot.devices.taught_room import without_taught_room  # noqa: PLC0415 - likewise
 
-        facets = PartFacets(device)
+        facets = PartFacets(without_taught_room(device))
         facets.part = part
         asks, declared = always_asks(device, part), is_declared(part)
 
