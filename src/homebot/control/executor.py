@@ -18,13 +18,14 @@ from homebot.control.echoes import NO_ECHOES, EchoHistory, ExpectedEchoes
 from homebot.control.journal import CommandJournal
 from homebot.control.judge import Judge
 from homebot.control.leases import LEASE_POLICY, Leases
-from homebot.control.pending import PendingCommand, value_text
+from homebot.control.pending import PendingCommand
 from homebot.control.report_watch import ReportWatch
 from homebot.control.response_times import ResponseTimes
 from homebot.control.settings import ControlSettings
 from homebot.control.settling import Settling
+from homebot.control.value_text import value_text
 from homebot.control.witnesses import WitnessVerification
-from homebot.devices import FIND_DEVICES, Device, FindDevices
+from homebot.devices import FIND_DEVICES, Device, DevicePart, FindDevices
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting, result_of
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Gone, NoAnswer, Outcome, Refused
@@ -128,6 +129,12 @@ class CommandExecutor:
         """Return the refusal of *command* by a lease or a policy; None if it may be sent now."""
         return self._held(command) or self._judge.refusal(command)
 
+    def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
+        """Return the refusal that *request* would get now for want of a right or by a policy; nothing is noted."""
+        if problem := client_refusal(request, device, part):
+            return Refused(POLICY, problem)
+        return self._judge.preview(self._issued("", request, device, part))
+
     def note_text(self, command: IssuedCommand) -> None:
         """Note that *command* is sent as a text: nobody waits for its outcome, and older ones for the same are over."""
         self.leases.note_stop(command.place, command.settings, self._clock.monotonic())
@@ -148,7 +155,10 @@ class CommandExecutor:
             return result_of(Gone(command_id=name))
         if problem := client_refusal(request, device, part):
             return result_of(Refused(POLICY, problem, command_id=name))
-        command = IssuedCommand(
+        return await self._carry_out(self._issued(name, request, device, part))
+
+    def _issued(self, name: str, request: CommandRequest, device: Device, part: DevicePart) -> IssuedCommand:
+        return IssuedCommand(
             id=name,
             device=device,
             part=part,
@@ -161,7 +171,6 @@ class CommandExecutor:
             transition=request.transition,
             code=request.code,
         )
-        return await self._carry_out(command)
 
     async def _carry_out(self, command: IssuedCommand) -> CommandResult:
         if len(self._pending) >= MOST_PENDING:

@@ -11,15 +11,14 @@ from typing import Final, final
 import anyio
 from anyio.abc import TaskGroup
 
-from homebot.control.client_commands import POLICY as RIGHTS_POLICY
-from homebot.control.client_commands import client_refusal
 from homebot.control.executor import CommandExecutor
 from homebot.control.held_parts import held_part, held_setting
 from homebot.control.held_values import STOPPED
 from homebot.control.journal import CommandJournal
 from homebot.control.journal.journal import LeaseStep
-from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, value_text
+from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, held_text
 from homebot.control.report_watch import ReportWatch
+from homebot.control.value_text import value_text
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.command_messages import CommandRequest, CommandResult, outcome_of, result_of
 from homebot.devices.lease_messages import (
@@ -94,8 +93,9 @@ class LeaseKeeper:
         part = None if device is None else next((one for one in device.parts if one.id == request.part), None)
         if device is None or part is None:
             return LeaseResponse(held=False, result=result_of(Gone()))
-        if problem := client_refusal(_command_of(request), device, part):  # before it holds: it would block meanwhile
-            return self._refused(request, problem, RIGHTS_POLICY)
+        refused = self._executor.preview(_command_of(request), device, part)
+        if refused is not None:  # before it holds: it would block others meanwhile
+            return self._refused(request, refused.reason, refused.policy)
         lease = self._begin(request)
         if isinstance(lease, str):
             return self._refused(request, lease)
@@ -126,7 +126,7 @@ class LeaseKeeper:
         """Let a holder hold no more; one that holds nothing is fine."""
         lease = self._release(_key(request))
         if lease is not None:
-            self._log("control.released", lease, f"is no more held {value_text(lease.value)} by {request.by}")
+            self._log("control.released", lease, f"is no more held {held_text(lease.value)} by {request.by}")
         return LeaseResponse(held=False, result=result_of(Refused(LEASE_POLICY, "it was released")))
 
     def held_parts(self, request: GetLeasesRequest) -> LeasesResponse:
@@ -234,7 +234,7 @@ class LeaseKeeper:
             self._end_if_over(lease)
             self._note_step("expired", lease, issuer, holder.by)
             self._log(
-                "control.expired", lease, f"is no more held {value_text(lease.value)} by {holder.by}: time is over"
+                "control.expired", lease, f"is no more held {held_text(lease.value)} by {holder.by}: time is over"
             )
 
     def _release(self, key: HolderKey) -> Lease | None:

@@ -9,9 +9,10 @@ from typing import Final, TypeAlias, final
 
 from homebot.control.held_values import STOPPED, changes, departs
 from homebot.control.tolerance import fits
+from homebot.control.value_text import value_text
 from homebot.devices.value import PlainValue
 
-__all__ = ["LEASE_POLICY", "MOST_HOLDERS", "HolderKey", "Lease", "LeaseHolder", "Leases", "value_text"]
+__all__ = ["LEASE_POLICY", "MOST_HOLDERS", "HolderKey", "Lease", "LeaseHolder", "Leases", "held_text"]
 
 LEASE_POLICY: Final = "lease"
 """The policy that a refusal names."""
@@ -74,7 +75,7 @@ class Lease:
         more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
         left = max((one.deadline - now for one in self.holders.values()), default=0.0)
         who = ", ".join(names[:_MOST_NAMED])
-        return f"held {value_text(self.value)} by {who}{more} for {math.ceil(left)} s more"
+        return f"held {held_text(self.value)} by {who}{more} for {math.ceil(left)} s more"
 
     def set_so(self) -> None:
         """Note that the device is as it is held."""
@@ -223,15 +224,10 @@ class Leases:
                 yield holder.deadline
 
 
+def held_text(value: PlainValue) -> str:
+    """Return a value after the word *held*: ``open``, ``at 40``."""
+    return f"at {value_text(value)}" if isinstance(value, float) else value_text(value)
+
+
 def _ignore(_: Lease) -> None:
     pass
-
-
-def value_text(value: PlainValue) -> str:
-    """Return a value as one word for people."""
-    match value:
-        case bool():
-            return "on" if value else "off"
-        case float():
-            return f"at {value:g}"
-    return str(value)[:40]

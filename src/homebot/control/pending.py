@@ -9,6 +9,7 @@ from typing import Final, final
 from homebot.control.command import IssuedCommand
 from homebot.control.echoes import FAST, NO_ECHOES, ExpectedEchoes
 from homebot.control.tolerance import fits, is_intermediate
+from homebot.control.value_text import value_text
 from homebot.devices.command_messages import Setting
 from homebot.devices.outcomes import (
     AlreadySo,
@@ -21,7 +22,7 @@ from homebot.devices.outcomes import (
 )
 from homebot.devices.value import PlainValue, Value
 
-__all__ = ["PendingCommand", "value_text"]
+__all__ = ["PendingCommand"]
 
 _MOST_NOTED: Final = 20
 """Reports of one command that are worth a note, should a device report one value after the other."""
@@ -276,17 +277,3 @@ class PendingCommand:
 
     def _items(self) -> Iterable[tuple[str, PlainValue]]:
         return self._wanted.items() if self._wanted else self.command.settings.items()
-
-
-def value_text(value: PlainValue) -> str:
-    """Return *value* in words, shortened."""
-    match value:
-        case bool():
-            return "on" if value else "off"
-        case float():
-            return f"{value:g}"
-        case tuple():
-            return ", ".join(f"{one:g}" for one in value)
-        case None:
-            return "unknown"
-    return value[:40]

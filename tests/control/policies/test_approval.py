@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.control.conftest import Home, OpenHome
 from tests.control.policies.houses import make_command, make_device, make_facts
+from tests.control.test_journal import read
 
 from homebot.control import Control, ControlSettings
 from homebot.control.policies import Policies, Verdict
@@ -142,6 +143,8 @@ async def test_a_device_of_a_client_that_is_not_approved_blocks_nobody(open_home
         )
         answer = await home.app.create_client(HoldPart, HOLD_PART).call(wanted)
         assert (answer.held, answer.result.outcome, answer.result.policy) == (False, "refused", "approval")
+        kinds = [one.kind for one in (await read(home)).entries]
+        assert kinds == ["denied"]  # it was held at no time
         assert (await lock.lock()).succeeded
 
 
