@@ -10,15 +10,20 @@ from pathlib import Path
 import anyio
 import anyio.lowlevel
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.clock import ManualClock
+from homebot.control import Control
 from homebot.control.journal.file_store import FileStore
 from homebot.control.journal.journal_note import JournalNote
 from homebot.control.journal.memory_store import MemoryStore
+from homebot.devices.access_messages import AccessRefused
 from homebot.devices.command_messages import Setting
 from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest
+from homebot.devices.names import ACCESS_REFUSALS, JOURNAL_ENTRIES
 from homebot.devices.value import Value
 from homebot.graph import Graph, Node
+from homebot.messages import Time
 
 DAY = 86_400.0
 NOW = 1_800_000_000.0
@@ -40,6 +45,7 @@ async def opened(path: Path, days: float = 30.0, most_bytes: float = 1e9) -> Asy
         tasks.start_soon(store.run)
         yield store
         tasks.cancel_scope.cancel()
+        await store.close()
 
 
 async def read(store: FileStore, **request: object) -> tuple[JournalEntry, ...]:
@@ -149,3 +155,36 @@ async def test_a_flood_while_the_disk_is_away_is_bounded_and_counted(
             store.add(note(number))
         assert store.failures == 15
         assert await read(store) == tuple(entry(number) for number in range(15, 25))
+
+
+async def test_what_the_door_refused_and_was_not_noted_yet_is_counted_at_a_stop(tmp_path: Path) -> None:
+    path = tmp_path / "journal.sqlite"
+    graph = Graph(ManualClock(NOW))
+    async with Node(graph, "control") as node, Node(graph, "door") as door, anyio.create_task_group() as tasks:
+        control = Control(node, journal_file=path)
+        await tasks.start(control.serve)
+        refusals = door.create_publisher(AccessRefused, ACCESS_REFUSALS, 100)
+        entries = door.create_subscription(JournalEntry, JOURNAL_ENTRIES, qos_profile=100)
+        for target in (*["/app/same"] * 30, "/app/last"):
+            refusals.publish(refusal(target))
+        with anyio.fail_after(PATIENCE):
+            while (await entries.receive()).verdicts[0].facts[1].value.plain() != "/app/last":
+                pass
+        tasks.cancel_scope.cancel()
+    async with opened(path) as store:
+        found = await read(store)
+    counts = [one.verdicts[0].facts[4].value.plain() for one in found]
+    assert counts == [1.0, 1.0, 29.0]
+    assert found[-1].verdicts[0].facts[1].value.plain() == "/app/same"
+
+
+def refusal(target: str) -> AccessRefused:
+    return AccessRefused(
+        issuer="client:tv",
+        address="127.0.0.1:4",
+        operation="call_service",
+        target=target,
+        right="act",
+        reason="the right act is missing",
+        refused_at=Time.from_seconds(NOW),
+    )

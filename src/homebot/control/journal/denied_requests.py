@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Final, final
+from typing import Final, TypeAlias, final
 
 import anyio
 
@@ -31,11 +31,14 @@ _HOUR: Final = 3600.0
 _NAMED_IN: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND})
 
 
+_Request: TypeAlias = tuple[str, str, str, str]
+
+
 @dataclass(slots=True)
 class _DeniedOfClient:
-    """The requests of one client that were denied in this hour."""
+    """The requests of one client that were denied in this hour: those noted, with their devices, and the others."""
 
-    noted: set[tuple[str, str, str, str]] = field(default_factory=set)
+    noted: dict[_Request, str] = field(default_factory=dict)
     more: int = 0
     newest: AccessRefused | None = None
 
@@ -44,8 +47,8 @@ class _DeniedOfClient:
 class DeniedRequests:
     """Notes in the journal what the door refused.
 
-    The same request of a client is noted once in an hour, and 20 in all; how many more there were is noted at its end.
-    So a flood of them takes little of the journal's room.
+    The same request of a client is noted once in an hour, and 20 in all; how many more there were is noted at its end,
+    or when homebot stops. So a flood of them takes little of the journal's room.
 
     Args:
         node: The node that asks the directory.
@@ -59,6 +62,7 @@ class DeniedRequests:
         self._addresses = addresses
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._clients: dict[str, _DeniedOfClient] = {}
+        journal.add_last_note(self._note_counts)
 
     async def take(self, refused: AccessRefused) -> None:
         """Take in a request that the door refused."""
@@ -66,20 +70,26 @@ class DeniedRequests:
             self._node.create_task(self._end_hour)
         name = refused.issuer if refused.issuer in self._clients or len(self._clients) < MOST_CLIENTS else ""
         client = self._clients.setdefault(name, _DeniedOfClient())
-        request = (refused.operation, refused.target, refused.subject, refused.wanted)
+        request = _request(refused)
         count = 1 + refused.held_back
         if request in client.noted or len(client.noted) >= MOST_ENTRIES:
             client.more, client.newest = client.more + count, refused
             return
-        client.noted.add(request)
-        self._journal.denied(refused, await self._device_of(refused), count)
+        client.noted[request] = ""
+        client.noted[request] = device = await self._device_of(refused)
+        self._journal.denied(refused, device, count)
 
     async def _end_hour(self) -> None:
         await anyio.sleep(_HOUR)
+        self._note_counts()
+
+    def _note_counts(self) -> None:
+        """Note how many more requests there were of each client, and begin to count anew."""
         clients, self._clients = self._clients, {}
         for client in clients.values():
             if client.newest is not None:
-                self._journal.denied(client.newest, await self._device_of(client.newest), client.more)
+                device = client.noted.get(_request(client.newest), "")
+                self._journal.denied(client.newest, device, client.more)
 
     async def _device_of(self, refused: AccessRefused) -> str:
         """Return the id of the device that a command was for; empty where there is none, or several."""
@@ -100,3 +110,7 @@ class DeniedRequests:
             return ""
         own = [one.id for one in found if one.id == device] or [one.id for one in found]
         return own[0] if len(own) == 1 else ""
+
+
+def _request(refused: AccessRefused) -> _Request:
+    return refused.operation, refused.target, refused.subject, refused.wanted

@@ -98,20 +98,21 @@ class FileStore:
                 return ReadJournalResponse(success=False, message=str(exc))
 
     async def run(self) -> None:
-        """Write what is added until cancelled, then once more."""
-        try:
-            while True:
-                await self._has_news.wait()
-                await anyio.sleep(_RETRY_AFTER if self.problem else _WRITE_AFTER)
-                self._has_news = anyio.Event()
-                await self._write()
-                if self._waiting:
-                    self._has_news.set()
-        finally:
-            with anyio.move_on_after(_LAST_CHANCE, shield=True):
-                await self._write()
-                if self._file is not None:
-                    await to_thread.run_sync(self._file.close)
+        """Write what is added until cancelled."""
+        while True:
+            await self._has_news.wait()
+            await anyio.sleep(_RETRY_AFTER if self.problem else _WRITE_AFTER)
+            self._has_news = anyio.Event()
+            await self._write()
+            if self._waiting:
+                self._has_news.set()
+
+    async def close(self) -> None:
+        """Write what waits and close the file; give up after five seconds, cancelled or not."""
+        with anyio.move_on_after(_LAST_CHANCE, shield=True):
+            await self._write()
+            if self._file is not None:
+                await to_thread.run_sync(self._file.close)
 
     async def _write(self) -> None:
         async with self._turn:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal, TypeAlias, final
 
+import anyio
+
 from homebot.control.journal.explained_changes import ExplainedChanges
 from homebot.control.journal.journal_note import JournalNote
 from homebot.devices import FIND_DEVICES, FindDevices, RawCommand
@@ -66,12 +68,23 @@ class CommandJournal:
         self._number = 0
         self._store = store
         self._counters: dict[str, Callable[[], int]] = {}
+        self._last_notes: list[Callable[[], None]] = []
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._entries = node.create_publisher(JournalEntry, JOURNAL_ENTRIES, _DEPTH)
 
     async def run(self) -> None:
-        """Write what is noted until cancelled."""
-        await self._store.run()
+        """Write what is noted until cancelled, then the last notes."""
+        try:
+            await self._store.run()
+            await anyio.sleep_forever()
+        finally:
+            for note in self._last_notes:
+                note()
+            await self._store.close()
+
+    def add_last_note(self, note: Callable[[], None]) -> None:
+        """Call *note* when the journal ends, to note what was not noted until then."""
+        self._last_notes.append(note)
 
     def add_counter(self, name: str, read: Callable[[], int]) -> None:
         """Show in the health of the node what *read* returns, as *name*."""

@@ -58,6 +58,9 @@ class MemoryStore:
     async def run(self) -> None:
         """Do nothing: there is no file."""
 
+    async def close(self) -> None:
+        """Do nothing, as above."""
+
     def _fitting(self, request: ReadJournalRequest) -> Iterator[JournalNote]:
         since, until = request.since.to_seconds(), request.until.to_seconds()
         for note in reversed(self._entries):

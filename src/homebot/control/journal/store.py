@@ -34,3 +34,7 @@ class JournalStore(Protocol):
     async def run(self) -> None:
         """Write what is added until cancelled."""
         ...
+
+    async def close(self) -> None:
+        """Write what waits and close, within a few seconds; nothing is added afterwards."""
+        ...
