@@ -102,13 +102,20 @@ class Directory:
         settings: How long it remembers.
         file: Where it keeps the index over a restart; None for nowhere.
         owner: What the owner states of devices in the configuration; by default nothing.
+        needs_approval: Whether a device that can hurt waits for the owner's approval.
 
     Attributes:
         index: What it knows.
     """
 
     def __init__(
-        self, node: Node, settings: DirectorySettings, file: Path | None = None, owner: OwnerFacts | None = None
+        self,
+        node: Node,
+        settings: DirectorySettings,
+        file: Path | None = None,
+        owner: OwnerFacts | None = None,
+        *,
+        needs_approval: bool = True,
     ) -> None:
         self._node = node
         clock = node.graph.clock
@@ -119,6 +126,7 @@ class Directory:
             max_devices=settings.max_devices,
             owner=owner,
         )
+        self.index.postings.needs_approval = needs_approval
         self._clock = clock
         self._changes = node.create_publisher(DeviceChange, DEVICE_CHANGES, 10)
         self._states = node.create_publisher(StateChange, DEVICE_STATES, _STATES_QOS)

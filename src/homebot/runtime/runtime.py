@@ -287,7 +287,9 @@ class Runtime:
     async def _directory(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "discovery") as node:
             owner = OwnerFacts(self._plan.home, self._plan.places, self._clock.now())
-            directory = Directory(node, self._plan.discovery, self._index_file, owner)
+            control = self._plan.control  # None stands for its defaults, which are not loaded for this
+            needs_approval = not self._approves_all and (control is None or control.approvals)
+            directory = Directory(node, self._plan.discovery, self._index_file, owner, needs_approval=needs_approval)
             await run_as(node.full_name, partial(directory.serve, task_status=task_status))
 
     @cached_property

@@ -60,9 +60,14 @@ class _Posted:
 
 @final
 class Postings:
-    """Finds the devices that fit a query by sets, without looking at each."""
+    """Finds the devices that fit a query by sets, without looking at each.
+
+    Attributes:
+        needs_approval: Whether a device that can hurt waits for the owner's approval; otherwise none is unapproved.
+    """
 
     def __init__(self) -> None:
+        self.needs_approval = True
         self._posted: dict[str, _Posted] = {}
         self._mixed_ids: set[str] = set()  # those with upper case, which few have
         self._sets: dict[_Key, str | set[str]] = {}  # most keys, such as names, have one device: that alone
@@ -166,7 +171,7 @@ class Postings:
             case IsDisputed():
                 return self._devices(_DISPUTED)
             case IsUnapproved():
-                return self._devices(_UNAPPROVED)
+                return self._devices(_UNAPPROVED) if self.needs_approval else _NONE
             case CanDo(name, settable):
                 return self._devices(("set" if settable else "can", name))
             case AreaIs(area):
