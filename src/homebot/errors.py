@@ -153,12 +153,14 @@ class RefusedError(PeerError):
     """A device, broker or gateway refused a request.
 
     Attributes:
+        what: What was refused, for people.
         reason: The reason, for people; never contains a secret.
         code: The protocol's reason code where there is one.
     """
 
     def __init__(self, what: str, reason: str, code: int | None = None) -> None:
         super().__init__(f"{what} was refused: {reason}")
+        self.what = what
         self.reason = reason
         self.code = code
 

@@ -70,6 +70,7 @@ def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
     assert approved(run("find", "--json", "lock")[1]) == {"front_door": False}
     assert approved(f"[{run('show', '--json', 'Front door')[1]}]") == {"front_door": False}
     assert run("approve", "front door") == (0, "front_door is approved")
+    assert run("approve", "front door") == (0, "front_door is approved; it was not waiting for that")
     assert "unapproved" not in run("devices")[1]
     _, shown = run("show", "Front door")
     assert waits not in shown

@@ -64,7 +64,7 @@ def test_several_devices_end_with_how_many_obeyed(homebot: Any, capsys: Text) ->
     assert capsys.readouterr().out == (
         "Lamp 0: confirmed after 0.12 s (reported)\n"
         "Lamp 1: no answer within 10 s\n"
-        "1 of 2 are as they were told to be; the worst: no answer\n"
+        "1 of 2 succeeded; worst outcome: no answer\n"
     )
 
 
@@ -86,6 +86,8 @@ def test_json_is_the_whole_answer(homebot: Any, capsys: Text) -> None:
         (["on", "--level", "40", "--kelvin", "2700"], "on", {"level": "40", "color_temperature": "2700"}),
         (["level", "40"], "set", {"level": "40"}),
         (["color", "--color", "120,80"], "set", {"color": "120,80"}),
+        (["lock"], "lock", {}),
+        (["level"], "level", {}),
         (["heating_setpoint", "21", "°C"], "set", {"heating_setpoint": "21 °C"}),
     ],
 )
@@ -97,6 +99,13 @@ def test_the_request_is_what_the_arguments_say(
     (request,) = service.requests
     assert (request.target, request.command, request.transition) == ("Lamp 0", command, 3.0)
     assert request.values == tuple(KeyValue(key=name, value=value) for name, value in values.items())
+
+
+def test_a_missing_command_is_all_that_is_asked_for(homebot: Any, capsys: Text) -> None:
+    with pytest.raises(SystemExit) as ended:
+        Service(homebot, answer(CONFIRMED)).run("Lamp 0")
+    assert ended.value.code == 2
+    assert capsys.readouterr().err.endswith("error: the following arguments are required: COMMAND\n")
 
 
 def test_seconds_that_are_none_are_refused(homebot: Any, capsys: Text) -> None:

@@ -139,7 +139,7 @@ def test_a_device_that_is_to_come_is_placed_when_it_appears(placed: Homebot, ind
     code, problem = run("place", "Desk lmp", "Hall")
     assert code == 1
     assert "there is no device Desk lmp; did you mean Desk lamp" in problem
-    assert "say --new" in problem
+    assert "add --new" in problem
     assert run("place", "Desk lmp", "Hall", "--new")[0] == 0
     assert run("place", "mac:000000000008", "kitchen")[1].endswith(
         "mac:000000000008 will be in Kitchen when it appears\n"

@@ -85,11 +85,15 @@ async def test_words_and_values_are_settings(
     ("word", "values", "problem"),
     [
         ("banana", {}, "this part takes on, off"),
-        ("on", {"level": "x"}, "'x' as level of lamp was refused: it takes a number in %"),
-        ("on", {"level": "300"}, "300 as level of lamp was refused: it takes 0 to 100 %"),
-        ("on", {"level": "40 lx"}, "'40 lx' as level of lamp was refused"),
+        ("on", {"level": "x"}, "'x' as level of Lamp: it takes a number in %"),
+        ("on", {"level": "300"}, "300 as level of Lamp: it takes 0 to 100 %"),
+        ("on", {"level": "40 lx"}, "'40 lx' as level of Lamp: "),
         ("set", {"on_off": "maybe"}, "it takes on or off"),
-        ("set", {"position": "4"}, "position of lamp was refused: it takes on_off, level"),
+        ("set", {"position": "4"}, "position of Lamp: it takes on_off, level"),
+        ("level", {}, "level without a value: it takes 0 to 100 %"),
+        ("brightness", {}, "brightness without a value: it takes 0 to 100 %"),
+        ("on_off", {}, "on_off without a value: it takes on or off"),
+        ("set", {}, "set without values: give one, such as level 40"),
     ],
 )
 async def test_what_makes_no_sense_is_refused_and_not_sent(
@@ -101,6 +105,7 @@ async def test_what_makes_no_sense_is_refused_and_not_sent(
         (one,) = answer.results
         assert (answer.success, answer.outcome, one.result.policy) == (False, "refused", "device")
         assert problem in one.result.text
+        assert answer.message == f"Lamp: {one.result.text}"
         assert home.commands == []
 
 
@@ -109,6 +114,8 @@ async def test_what_makes_no_sense_is_refused_and_not_sent(
     [
         ("", "give the id or the name of a device"),
         ("lmp", "no device fits 'lmp'"),
+        ("lmap", "no device fits 'lmap'; did you mean Lamp?"),
+        ("light lmap", "no device fits 'light lmap'; did you mean Lamp?"),
         ("big twin", "2 devices are called big twin; give the id of one: "),
         ("lamp#left", "lamp has no part left"),
         ("light in (", ""),
@@ -125,6 +132,22 @@ async def test_a_target_that_is_none_or_several_is_told(open_home: OpenHome, tar
         assert problem in answer.message
         assert answer.message
         assert home.commands == []
+
+
+@pytest.mark.parametrize("target", ["light hall", "lights hall", "hall"])
+async def test_a_name_that_is_a_typo_away_is_not_commanded_along(open_home: OpenHome, target: str) -> None:
+    async with open_home() as home:
+        home.put("hall", "light", "on_off")
+        home.put("hill", "light", "on_off")
+        assert (await command(home, target, "on")).success
+        assert sent(home) == [("hall", "on_off", True)]
+
+
+async def test_a_word_that_is_a_capability_too_is_a_word_where_no_value_is_given(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lock", "door_lock", "lock")
+        await command(home, "lock", "lock")
+        assert sent(home) == [("lock", "lock", "locked")]
 
 
 async def test_a_sensor_refuses(open_home: OpenHome) -> None:

@@ -108,9 +108,9 @@ def name_text(device: str, names: Mapping[str, str]) -> str:
 
 
 def ago_text(seconds: float, now: float) -> str:
-    """Return a time in seconds since 1970 as ``4 min ago, at 10:03:12``."""
+    """Return a time in seconds since 1970 as ``4 min ago, at 10:03:12`` or ``just now, at 10:03:12``."""
     time = from_seconds(seconds)
-    return f"{ago(time, now)}, at {clock_text(time, now).rpartition('.')[0]}"
+    return f"{ago(time, now).replace('now', 'just now')}, at {clock_text(time, now).rpartition('.')[0]}"
 
 
 def clock_text(time: TimeRecord, now: float) -> str:

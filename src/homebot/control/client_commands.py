@@ -28,11 +28,11 @@ def client_refusal(request: CommandRequest, device: Device, part: DevicePart) ->
     if rights.may_command(device, part):
         return ""
     asks = always_asks(device, part)
-    has = ", ".join(request.scope) or "no token"
-    query = f'id="{device.id}"' if asks else part.part.service_type
-    why = "it always asks, and" if asks else "it is not among what it may command:"
-    hint = f"'act: {query}' in the scope of a token allows it"
-    return f"{request.issuer} may not command {device.id}: {why} the client has {has}; {hint}"
+    right = f"""act: {f'id="{device.id}"' if asks else part.part.service_type}"""
+    why = "such a device takes a right that names it" if asks else "it is not among what the client may command"
+    has = f"the scope of the client is {', '.join(request.scope)}" if request.scope else "the client has no token"
+    advice = f"add {right!r} to that" if request.scope else f"give it one with the scope {right!r}"
+    return f"{request.issuer} may not command {device.id}: {why}, and {has}; {advice}"
 
 
 @lru_cache(maxsize=256)

@@ -20,7 +20,8 @@ from homebot.devices.command_messages import (
     result_of,
 )
 from homebot.devices.outcomes import Refused, worst
-from homebot.devices.query import HasText, NameIs, Or, PartFacets, Query, fits, parse_query, query_terms
+from homebot.devices.query import And, HasText, NameIs, Or, PartFacets, Query, fits, parse_query, query_terms
+from homebot.devices.query.facets import facets_of
 from homebot.devices.query.terms import FactIs
 from homebot.devices.services import FindDevicesRequest, QueryDevicesRequest
 from homebot.devices.value import Value
@@ -73,20 +74,23 @@ class CommandService:
                     tasks.start_soon(self._command, request, device, part, commanded)
         commanded.sort(key=lambda one: (one.device, one.part))
         outcomes = tuple(outcome_of(one.result) for one in commanded)
+        worst_one = commanded[outcomes.index(worst(outcomes))]
+        is_done = all(one.succeeded for one in outcomes)
         return CommandDevicesResponse(
-            success=all(one.succeeded for one in outcomes),
-            outcome=result_of(worst(outcomes)).outcome,
+            success=is_done,
+            message="" if is_done else f"{worst_one.name}: {worst_one.result.text}",
+            outcome=worst_one.result.outcome,
             results=tuple(commanded),
         )
 
     async def _command(
         self, request: CommandDevicesRequest, device: Device, part: DevicePart, commanded: list[CommandedPart]
     ) -> None:
-        target = f"{device.id}#{part.id}" if part.id else device.id
+        name = f"{device.name} {part.part.name}" if part.part.name and len(device.parts) > 1 else device.name
         try:
-            settings = spoken_settings(request.command, request.values, part.part, target)
+            settings = spoken_settings(request.command, request.values, part.part, name)
         except RefusedError as exc:
-            result = result_of(Refused("device", str(exc)))
+            result = result_of(Refused("device", f"{exc.what}: {exc.reason}"))
         else:
             result = await self._perform(
                 CommandRequest(
@@ -100,7 +104,6 @@ class CommandService:
                     cause=request.cause,
                 )
             )
-        name = f"{device.name} {part.part.name}" if part.part.name and len(device.parts) > 1 else device.name
         commanded.append(CommandedPart(device=device.id, name=name, part=part.id, result=result))
 
     async def _targets(self, target: str) -> list[_Target]:
@@ -135,12 +138,30 @@ class CommandService:
             raise _NoTargetError(f"no device fits {text!r}; `homebot find` shows what does")
         if answer.total > MOST_DEVICES:
             raise _NoTargetError(f"{answer.total:,} devices fit {text!r}; at most {MOST_DEVICES:,} may be commanded")
-        if isinstance(query, HasText) and answer.total > 1:
-            raise _NoTargetError(f"{answer.total} devices mention {text!r}; give the name of one, or a type")
-        return [(device, _parts(device, query)) for device in await self._devices(query)]
+        devices = await self._devices(query)
+        meant = [device for device in devices if _is_spelled(query, facets_of(device).words)]
+        if devices and not meant:
+            similar = " or ".join(device.name or device.id for device in devices[:3])
+            raise _NoTargetError(f"no device fits {text!r}; did you mean {similar}?")
+        if isinstance(query, HasText) and len(meant) > 1:
+            raise _NoTargetError(f"{len(meant)} devices mention {text!r}; give the name of one, or a type")
+        return [(device, _parts(device, query)) for device in meant]
 
     async def _devices(self, query: Query) -> tuple[Device, ...]:
         return (await self._find.call(FindDevicesRequest(query=query_terms(query)))).devices
+
+
+def _is_spelled(query: Query, words: tuple[str, ...]) -> bool:
+    """Return whether a device with these *words* fits *query* without a typo: a search may guess, a command may not."""
+    match query:
+        case And(terms):
+            return all(_is_spelled(term, words) for term in terms)
+        case Or(terms):
+            return any(_is_spelled(term, words) for term in terms)
+        case HasText(word):
+            return any(one.startswith(word) for one in words)
+        case _:
+            return True
 
 
 def _part(device: Device, part_id: str) -> tuple[DevicePart, ...]:

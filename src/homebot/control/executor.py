@@ -288,7 +288,7 @@ class CommandExecutor:
         except LinkError as exc:
             return NoAnswer(self._clock.monotonic() - began, str(exc), command_id=command.id)
         except RefusedError as exc:
-            return Refused("gateway", str(exc), command_id=command.id)
+            return Refused("gateway", exc.reason, command_id=command.id)
         self._judge.note_sent(command)
         return None
 

@@ -10,7 +10,7 @@ from typing import Final
 from homebot.devices import KeyValue
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
-from homebot.devices.setting_check import check_setting
+from homebot.devices.setting_check import accepted_values, check_setting
 from homebot.devices.text.commands import decode_command
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -38,23 +38,36 @@ def spoken_settings(command: str, values: Iterable[KeyValue], part: Part, target
         command: A word that the part takes, such as ``on``, ``close``, ``0.4`` or ``2700 K``; :data:`SET` for none.
         values: Further values by capability, as text: ``level`` is ``40``.
         part: The part.
-        target: Its id, for errors.
+        target: Its name, for errors.
 
     Raises:
-        RefusedError: It takes no such word, capability or value; the message names those that it takes.
+        RefusedError: It takes no such word, capability or value, or there is none; the message names those that it
+            takes.
     """
     word = command.strip()
     word = _SAME_WORDS.get(word, word)
     found: dict[str, PlainValue] = {}
     given = [(_ALIASES.get(one.key, one.key), one.value) for one in values]
     if word != SET and not (word == "on" and given and part.service_type == "light"):  # a level turns a lamp on
-        capability, value = decode_command(word, part)
+        capability, value = _decoded(word, part)
         found[capability] = value
     for name, text in given:
         found[name] = _value(name, text, part, target)
     for name, value in found.items():
         check_setting(target, part, name, value)
+    if not found:
+        raise RefusedError(f"{SET} without values", "give one, such as level 40")
     return found
+
+
+def _decoded(word: str, part: Part) -> tuple[str, PlainValue]:
+    try:
+        return decode_command(word, part)
+    except RefusedError:
+        accepted = accepted_values(part, _ALIASES.get(word, word))
+        if not accepted:
+            raise
+        raise RefusedError(f"{word} without a value", f"it takes {accepted}") from None
 
 
 def _value(name: str, text: str, part: Part, target: str) -> PlainValue:

@@ -183,7 +183,7 @@ class CommandDevicesResponse(Message):
 
     Attributes:
         success: Whether at least one part was commanded, and all are as they were told to be.
-        message: Why nothing was commanded, as text; empty otherwise.
+        message: Why nothing was commanded, or name and text of the worst outcome; empty where all succeeded.
         outcome: The worst of all; empty where nothing was commanded.
         results: Each commanded part, sorted by device.
     """

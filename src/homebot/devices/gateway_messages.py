@@ -36,7 +36,7 @@ REACHABLE = "reachable"
 
 SENDS_NOTHING = "homebot runs with --dry-run, so nothing is sent"
 
-ONLY_OBSERVES = "the gateway only observes; start with --act, or set act = true"
+ONLY_OBSERVES = "the gateway only observes; start with --act, or set act = true in the gateway's table"
 
 
 class Sighting(Message):

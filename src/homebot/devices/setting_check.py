@@ -9,7 +9,7 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
-__all__ = ["check_setting"]
+__all__ = ["accepted_values", "check_setting"]
 
 
 def check_setting(target: str, part: Part, capability: str, value: PlainValue) -> None:
@@ -33,9 +33,27 @@ def check_setting(target: str, part: Part, capability: str, value: PlainValue) -
     raise RefusedError(f"{capability} of {target}", f"it takes {known}" if known else "it takes no commands")
 
 
+def accepted_values(part: Part, capability: str) -> str:
+    """Return the values that *part* accepts for *capability*, in words; empty where it cannot be set."""
+    for one in part.capabilities:
+        if one.name == capability and one.settable:
+            return _accepted(one)
+    return ""
+
+
+def _accepted(capability: Capability) -> str:
+    known = CAPABILITIES.get(capability.name)
+    kind = "text" if known is None else known.kind
+    if capability.options:
+        return ", ".join(capability.options)
+    if kind == "bool":
+        return "on or off"
+    return _span(_bounds(capability), capability) if kind == "number" else "a value"
+
+
 def _check_value(target: str, capability: Capability, value: PlainValue) -> None:
     name = capability.name
-    bounds = capability.bounds or (CAPABILITIES[name].bounds if name in CAPABILITIES else ())
+    bounds = _bounds(capability)
     if isinstance(value, float) and not (math.isfinite(value) and (not bounds or bounds[0] <= value <= bounds[1])):
         raise RefusedError(f"{value:g} as {name} of {target}", f"it takes {_span(bounds, capability)}")
     if isinstance(value, str) and capability.options and value not in capability.options:
@@ -45,3 +63,7 @@ def _check_value(target: str, capability: Capability, value: PlainValue) -> None
 def _span(bounds: tuple[float, ...], capability: Capability) -> str:
     unit = capability.unit or (CAPABILITIES[capability.name].unit if capability.name in CAPABILITIES else "")
     return f"{bounds[0]:g} to {bounds[1]:g} {unit}".rstrip() if bounds else "a finite number"
+
+
+def _bounds(capability: Capability) -> tuple[float, ...]:
+    return capability.bounds or (CAPABILITIES[capability.name].bounds if capability.name in CAPABILITIES else ())

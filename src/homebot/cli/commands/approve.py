@@ -6,7 +6,7 @@ import argparse
 from typing import cast
 
 from homebot.cli.arguments import set_client_command
-from homebot.cli.device_queries import named_device
+from homebot.cli.device_queries import named_device, unapproved
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.places_records import ApproveResponseRecord
 from homebot.cli.table import printable
@@ -37,11 +37,18 @@ def _approve(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         device = named_device(door, options.device)["id"]
+        waited = device in unapproved(door, device)
         request = {"device": device, "remove": options.undo}
         answer = cast("ApproveResponseRecord", door.call(APPROVE_DEVICE, request))
         if not answer["success"]:
             raise PeerError(answer["message"])
-        print(f"{printable(device)} is {'not approved any more' if options.undo else 'approved'}")
+        print(f"{printable(device)} {_told(waited=waited, undo=options.undo)}")
         return 0
 
     return with_client(options, run)
+
+
+def _told(*, waited: bool, undo: bool) -> str:
+    if undo:
+        return "is not approved any more"
+    return "is approved" if waited else "is approved; it was not waiting for that"

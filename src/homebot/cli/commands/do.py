@@ -12,7 +12,6 @@ from homebot.cli.command_records import CommandDevicesRecord
 from homebot.cli.device_json import json_text
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.table import printable
-from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.names import COMMAND_DEVICES
 from homebot.errors import PeerError
 
@@ -25,8 +24,8 @@ _EXAMPLES = """\
   homebot do Heating heating_setpoint 21
   homebot do 'Front door' unlock --ask-code
 
-Exit code 0 means that every device is as it was told to be: it confirmed that, or it was so already. Of several devices
-the last line has the worst outcome.
+Exit code 0 means that every device did as it was told, or was so already; 1 that one did not. Of several devices the
+last line has the worst outcome.
 """
 
 _LONGEST: Final = 900.0
@@ -42,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "word", metavar="COMMAND", help="a word such as on, off, open, close, lock, or a capability such as level"
     )
-    parser.add_argument("values", metavar="VALUE", nargs="*", help="the value of a capability")
+    parser.add_argument("values", metavar="VALUE", nargs="*", default=[], help="the value of a capability")
     parser.add_argument("--level", metavar="PERCENT", help="brightness, above 0 and up to 100")
     parser.add_argument("--kelvin", metavar="K", help="colour temperature")
     parser.add_argument("--color", metavar="HUE,SATURATION", help="hue, 0 to 360, and saturation, 0 to 100")
@@ -74,7 +73,7 @@ def _request(options: argparse.Namespace) -> dict[str, object]:
     command = options.word
     if options.values:
         values[command] = " ".join(options.values)
-    if options.values or command in CAPABILITIES:
+    if command in values:
         command = "set"
     return {
         "target": options.target,
@@ -91,8 +90,8 @@ def _print(answer: CommandDevicesRecord) -> None:
     count = len(answer["results"])
     if count > 1:
         done = sum(one["result"]["outcome"] in {"confirmed", "already_so"} for one in answer["results"])
-        worst = f"; the worst: {answer['outcome'].replace('_', ' ')}" if done < count else ""
-        print(f"{done} of {count} are as they were told to be{worst}")
+        worst = f"; worst outcome: {answer['outcome'].replace('_', ' ')}" if done < count else ""
+        print(f"{done} of {count} succeeded{worst}")
 
 
 def _seconds(text: str) -> float:

@@ -54,7 +54,7 @@ def _place(options: argparse.Namespace) -> int:
     def run(door: DoorClient) -> int:
         known = device_or_similar(door, options.device)
         if isinstance(known, list) and known and options.room and not options.new:
-            hint = "if it is another one, which is to come, say --new"
+            hint = "For another one, which is not there yet, add --new"
             raise PeerError(f"there is no device {options.device}; did you mean {' or '.join(known)}? {hint}")
         device = options.device if isinstance(known, list) else known["id"]
         request = {

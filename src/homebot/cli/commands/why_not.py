@@ -62,7 +62,7 @@ def _why_not(options: argparse.Namespace) -> int:
             if len(asked) > _MOST:
                 print(f"  … the last {_MOST} of {len(asked)}; all: homebot journal --device '{name}'")
         elif history.begins["sec"]:
-            print(f"Nobody asked for {wanted} since the journal begins, {ago_text(to_seconds(history.begins), now)}.")
+            print(f"Nobody asked for {wanted} since the journal began, {ago_text(to_seconds(history.begins), now)}.")
         else:
             print(f"Nobody asked for {wanted}: the journal is empty.")
         return 0

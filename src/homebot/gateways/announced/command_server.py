@@ -52,8 +52,10 @@ class CommandServer:
 
     async def serve(self, command: Command) -> SendCommandResponse:
         """Answer the service: carry *command* out, and return what became of it."""
+        if not self._gateway.acts:
+            self._counters.commands_refused += 1
+            return SendCommandResponse(success=False, message=self._gateway.observes_because, problem="refused")
         try:
-            self._permit(command.key)
             if command.expires_after:
                 await self._perform_in_time(command)
             else:
@@ -82,10 +84,7 @@ class CommandServer:
             RefusedError: The gateway only observes, the part takes no such text, or as :data:`Perform`.
             UnableError, LinkError: As :data:`Perform`.
         """
-        self._permit(key)
-        capability, value = decode_command(text, self._find_part(key, part_id).described.part)
-        await self._perform(Command(key=key, part=part_id, capability=capability, value=Value.of(value)))
-
-    def _permit(self, key: str) -> None:
         if not self._gateway.acts:
             raise RefusedError(f"a command to {key[:100]}", self._gateway.observes_because)
+        capability, value = decode_command(text, self._find_part(key, part_id).described.part)
+        await self._perform(Command(key=key, part=part_id, capability=capability, value=Value.of(value)))
