@@ -133,9 +133,7 @@ class StateReader:
             for expiry in described.expiries:
                 self._schedule_expiry(part, expiry, values)
             if _is_brief(values) and not self._listeners.has_listeners(part.address):
-                stamp = self._reporter.stamp
-                make = partial(_late_text, part.stored.gateway, part.stored.key, part.address, values, stamp, retained)
-                part.keep_late(make, self._reporter.now)
+                self._keep_late(part, values, retained=retained)
                 continue
             has_events = has_events or not EVENTS.isdisjoint(values)
             text = self._as_text(part, values, retained=retained)
@@ -169,14 +167,19 @@ class StateReader:
         await self._listeners.deliver(raw, wait_if_full=wait_if_full)
 
     async def publish(self, part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool) -> None:
-        """Publish *values* of a part whose gateway has read them itself."""
+        """Publish *values* of a part whose gateway has read them itself, and which nobody changes any more."""
         name = part.described.part.id
-        readings = [Reading(part=name, capability=one, value=Value.of(value)) for one, value in values.items()]
+        readings = [
+            Reading.of_checked(part=name, capability=one, value=Value.of(value)) for one, value in values.items()
+        ]
         for expiry in part.described.expiries:
             self._schedule_expiry(part, expiry, values)
         # By what it has a value of: a report of one capability takes the place of no other's.
         stream = " ".join((name, *sorted(values)))
         self._report(part.stored, readings, "", retained=retained, stream=stream)
+        if _is_brief(values) and not self._listeners.has_listeners(part.address):
+            self._keep_late(part, values, retained=retained)
+            return
         text = self._as_text(part, values, retained=retained)
         if text is not None:
             await self._listeners.deliver(text, wait_if_full=True)
@@ -240,6 +243,12 @@ class StateReader:
             return
         stored.note_reachable(part, reachable)
         self._reporter.report_reachable(stored, part, address, reachable=reachable, retained=retained)
+
+    def _keep_late(self, part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool) -> None:
+        """Keep *values*, of which the text is made when somebody asks for it."""
+        stored, stamp = part.stored, self._reporter.stamp
+        make = partial(_late_text, stored.gateway, stored.key, part.address, values, stamp, retained)
+        part.keep_late(make, self._reporter.now)
 
     def _as_text(
         self, announced_part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool
