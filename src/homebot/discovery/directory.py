@@ -6,6 +6,7 @@ once.
 
 from __future__ import annotations
 
+import asyncio
 import math
 from collections.abc import Awaitable, Callable
 from functools import partial
@@ -138,7 +139,7 @@ class Directory:
         self._wakes_at = math.inf
         self._rejected = 0
         self._earlier_deadline = anyio.Event()
-        self._happened = anyio.Event()
+        self._happened = asyncio.Event()  # cleared after each report, where anyio's would be made anew
         self._settings_changed = anyio.Event()
         self._is_idle = True
         self._limit = LogLimit(clock)
@@ -262,7 +263,8 @@ class Directory:
         with isolated(self._node.full_name):
             while True:
                 await self._happened.wait()
-                self._happened, self._is_idle = anyio.Event(), True
+                self._happened.clear()
+                self._is_idle = True
                 while self.index.is_behind and (self._publish_some(_FEW) or await self._sort_some()):
                     await anyio.lowlevel.checkpoint()
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Awaitable, Callable, Iterable
 
 import anyio.lowlevel
 
@@ -109,8 +109,14 @@ class DirectoryServices:
             device_ids=tuple(device.id for device in devices),
         )
 
-    async def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse:
+    def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse | Awaitable[FindDevicesResponse]:
+        return self._find_later(request) if self._index.is_behind else self._found(request)
+
+    async def _find_later(self, request: FindDevicesRequest) -> FindDevicesResponse:
         await self._catch_up()
+        return self._found(request)
+
+    def _found(self, request: FindDevicesRequest) -> FindDevicesResponse:
         devices = []
         for device_id in self._ids_of(request):
             device = self._index.get(device_id)
