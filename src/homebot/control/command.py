@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 __all__ = ["IssuedCommand"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True, eq=False)
 class IssuedCommand:
-    """Command to one part of a device, with all that is known of it before it is sent.
+    """Command to one part of a device, with all that is known of it before it is sent; not changed any more.
 
     Attributes:
         id: The id of the command, unique in the home.
@@ -34,6 +34,9 @@ class IssuedCommand:
         issued_at: Seconds since the Unix epoch.
         transition: Seconds that the change takes.
         code: The code of an alarm or a lock.
+        place: The ids of the device and of the part.
+        places: The same with each capability that it sets.
+        target: The id of the device, with ``#`` and the id of the part where it has one.
     """
 
     id: str
@@ -47,6 +50,15 @@ class IssuedCommand:
     issued_at: float = 0.0
     transition: float = 0.0
     code: str = field(default="", repr=False)
+    place: tuple[str, str] = field(init=False)
+    places: list[tuple[str, str, str]] = field(init=False)
+    target: str = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Work out what it is about: everybody on its way asks for that."""
+        device, part = self.place = self.device.id, self.part.id
+        self.places = [(device, part, one) for one in self.settings]
+        self.target = f"{device}#{part}" if part else device
 
     @property
     def is_wish(self) -> bool:
@@ -69,19 +81,3 @@ class IssuedCommand:
     def told_by_device(self) -> list[str]:
         """The capabilities of the part that it reports, as lasting values."""
         return [one.name for one in self.part.part.capabilities if one.readable and one.name not in MOMENTARY]
-
-    @property
-    def places(self) -> list[tuple[str, str, str]]:
-        """The ids of the device and of the part with each capability."""
-        device, part = self.device.id, self.part.id
-        return [(device, part, one) for one in self.settings]
-
-    @property
-    def place(self) -> tuple[str, str]:
-        """The ids of the device and of the part."""
-        return self.device.id, self.part.id
-
-    @property
-    def target(self) -> str:
-        """The id of the device, with ``#`` and the id of the part where it has one."""
-        return f"{self.device.id}#{self.part.id}" if self.part.id else self.device.id

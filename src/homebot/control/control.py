@@ -5,7 +5,7 @@ What carries them out is loaded with the first one: most homes start without.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Awaitable, Mapping
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -149,9 +149,9 @@ class Control:
         self._node.create_service(ReadJournal, READ_JOURNAL, self.read_journal, concurrent=True)
         self._node.create_subscription(AccessRefused, ACCESS_REFUSALS, self._take_refusal, QoSProfile(depth=_REFUSALS))
 
-    async def perform(self, request: CommandRequest) -> CommandResult:
+    def perform(self, request: CommandRequest) -> Awaitable[CommandResult]:
         """Carry out a command to one part, and return what became of it."""
-        return await self._execution().perform(request)
+        return self._execution().perform(request)
 
     async def send_text(self, request: SendTextRequest) -> SendTextResponse:
         """Send a raw text to a device; return when its gateway has queued it."""

@@ -183,9 +183,9 @@ class CommandExecutor:
         known, recent = ({}, False) if self._witnesses.disproves(command) else self._known(command, echoes)
         changed = _Signal()
         pending = PendingCommand(command, known, command.told_by_device, self._clock.monotonic(), changed.set, echoes)
-        stop = self._watch.watch(command.part.routes, partial(self._take, pending))
+        watch = self._watch.watch(command.part.routes, partial(self._take, pending))
         self._answers.expect(pending)
-        places = command.places
+        places, is_settling = command.places, False
         is_at_rest = not any(one in self._pending for one in places)  # else the device may be about to change
         self._take_over(pending, places)
         try:
@@ -199,13 +199,15 @@ class CommandExecutor:
                 self._note_echoes(pending, outcome)
             if isinstance(outcome, NoAnswer | Contradicted):
                 self._note_unsure(places)
-            if isinstance(outcome, Confirmed):  # before the watch ends, which begins again at some cost
+            if isinstance(outcome, Confirmed):
                 self._note_confirmed(pending)
+                is_settling = self._settling.add(pending, watch)
         finally:
             for place in places:
                 if self._pending.get(place) is pending:
                     del self._pending[place]
-            stop()
+            if not is_settling:
+                watch.stop()
             self._answers.forget(pending)
         return result_of(outcome, pending.reported)
 
@@ -240,7 +242,6 @@ class CommandExecutor:
             self._unsure_since.pop(place, None)
         for capability, seconds in pending.response_times():
             self._times.note(pending.command.target, capability, seconds)
-        self._settling.add(pending, self._watch)
 
     async def _send_and_wait(self, pending: PendingCommand, changed: _Signal) -> Outcome:
         """Send the command, again where no answer comes, and wait until its outcome is known."""

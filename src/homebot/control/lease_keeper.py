@@ -101,7 +101,7 @@ class LeaseKeeper:
             return self._refused(request, lease)
         if lease not in self._kept:
             kept = self._kept[lease] = _WatchedLease(lambda: None)
-            kept.stop = self._watch.watch(part.routes, partial(self._take, lease))
+            kept.stop = self._watch.watch(part.routes, partial(self._take, lease)).stop
             self._changed.set()
         self._log("control.held", lease, f"is {lease.text(self._clock.monotonic())}")
         self._note_step("held", lease, request.issuer, request.by)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import TypeAlias, final
+from typing import Final, TypeAlias, final
 
 from homebot.devices import GatewayNames, Route
 from homebot.devices.gateway_messages import Report
@@ -11,15 +11,36 @@ from homebot.devices.value import PlainValue
 from homebot.errors import InvalidNameError
 from homebot.graph import Node, QoSProfile, Subscription
 
-__all__ = ["ReportWatch", "TakeReading"]
+__all__ = ["PartWatch", "ReportWatch", "TakeReading"]
 
 TakeReading: TypeAlias = Callable[[str, PlainValue], None]
 """Takes the capability and the value of a live report."""
 
 _Place: TypeAlias = tuple[str, str, str]
 
-_QOS = QoSProfile(depth=1000)
+_QOS: Final = QoSProfile(depth=1000)
 """The newest report of each stream survives a flood, older ones may be lost: the newest decides."""
+
+
+@final
+class PartWatch:
+    """A watch of one part, until it is stopped.
+
+    Attributes:
+        take: Called with each live reading of the part; whoever goes on to watch the part may put his own here.
+    """
+
+    __slots__ = ("_places", "_watch", "take")
+
+    def __init__(self, watch: ReportWatch, places: list[_Place], take: TakeReading) -> None:
+        self.take = take
+        self._watch = watch
+        self._places = places
+
+    def stop(self) -> None:
+        """Take no more readings; not to be called twice."""
+        self.take = _drop  # who takes them may hold this watch: the two would stay in memory
+        self._watch.remove(self, self._places)
 
 
 @final
@@ -32,26 +53,31 @@ class ReportWatch:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._watchers: dict[_Place, list[TakeReading]] = {}
+        self._watchers: dict[_Place, list[PartWatch]] = {}
         self._subscriptions: dict[str, Subscription[Report]] = {}
         self._users: dict[str, int] = {}
 
-    def watch(self, routes: Iterable[Route], take: TakeReading) -> Callable[[], None]:
-        """Call *take* with each live reading that comes by one of *routes*; return the function to stop."""
+    def watch(self, routes: Iterable[Route], take: TakeReading) -> PartWatch:
+        """Call *take* with each live reading that comes by one of *routes*, until the watch is stopped."""
         places = [(one.gateway, one.key, one.part) for one in routes]
+        watch = PartWatch(self, places, take)
         for place in places:
-            self._watchers.setdefault(place, []).append(take)
+            known = self._watchers.get(place)
+            if known is None:
+                self._watchers[place] = [watch]
+            else:
+                known.append(watch)
             self._listen(place[0])
+        return watch
 
-        def stop() -> None:
-            for place in places:
-                found = self._watchers[place]
-                found.remove(take)
-                if not found:
-                    del self._watchers[place]
-                self._release(place[0])
-
-        return stop
+    def remove(self, watch: PartWatch, places: Iterable[_Place]) -> None:
+        """Hand no more readings of *places* to *watch*; called by it."""
+        for place in places:
+            found = self._watchers[place]
+            found.remove(watch)
+            if not found:
+                del self._watchers[place]
+            self._release(place[0])
 
     def _listen(self, gateway: str) -> None:
         self._users[gateway] = self._users.get(gateway, 0) + 1
@@ -77,5 +103,9 @@ class ReportWatch:
         if report.retained:
             return
         for reading in report.readings:
-            for take in tuple(self._watchers.get((report.gateway, report.key, reading.part), ())):
-                take(reading.capability, reading.value.plain())
+            for watch in tuple(self._watchers.get((report.gateway, report.key, reading.part), ())):
+                watch.take(reading.capability, reading.value.plain())
+
+
+def _drop(_capability: str, _value: PlainValue) -> None:
+    pass

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias, final
@@ -12,7 +12,7 @@ import anyio
 from homebot.control.echoes import EchoHistory
 from homebot.control.journal import CommandJournal
 from homebot.control.pending import PendingCommand
-from homebot.control.report_watch import ReportWatch
+from homebot.control.report_watch import PartWatch
 from homebot.devices.command_messages import CommandEvent, result_of
 from homebot.devices.names import COMMAND_EVENTS
 from homebot.devices.outcomes import Reverted
@@ -31,7 +31,7 @@ REVERTED = "control.reverted"
 class _Settled:
     pending: PendingCommand
     confirmed_at: float
-    stop: Callable[[], None]
+    watch: PartWatch
 
 
 @final
@@ -56,18 +56,19 @@ class Settling:
         self._deadlines: TimerQueue[_Place, None] = TimerQueue()
         self._added = anyio.Event()
 
-    def add(self, pending: PendingCommand, watch: ReportWatch) -> None:
-        """Watch the device of *pending*, which was confirmed now."""
-        command, now = pending.command, self._clock.monotonic()
+    def add(self, pending: PendingCommand, watch: PartWatch) -> bool:
+        """Go on to watch the device of *pending*, which was confirmed now; return whether *watch* is taken for it."""
         if not self._seconds or not pending.is_verified:
-            return
-        settled = _Settled(pending, now, lambda: None)
-        settled.stop = watch.watch(command.part.routes, partial(self._take, settled))
-        for place in command.places:
+            return False
+        now = self._clock.monotonic()
+        settled = _Settled(pending, now, watch)
+        watch.take = partial(self._take, settled)
+        for place in pending.command.places:
             self._end(place)
             self._watched[place] = settled
             self._deadlines.set(place, now + self._seconds, None)
         self._added.set()
+        return True
 
     def supersede(self, places: Iterable[_Place]) -> None:
         """Watch no more what a newer command is about."""
@@ -78,8 +79,7 @@ class Settling:
         """End each watch in its time, until cancelled."""
         while True:
             while (due := self._deadlines.pop(self._clock.monotonic())) is not None:
-                self._note_kept(due[0])
-                self._end(due[0])
+                self._end_in_time(due[0])
             following = self._deadlines.next()
             if following is None:
                 self._added = anyio.Event()
@@ -105,10 +105,14 @@ class Settling:
             REVERTED, message=f"{command.target}: {outcome.text}", device=command.device.id, command=command.id
         )
 
-    def _note_kept(self, place: _Place) -> None:
-        pending, capability = self._watched[place].pending, place[2]
-        if capability in pending.fast:
-            self._echoes.note_fast(pending.command.target, capability, taken_back=False)
+    def _end_in_time(self, place: _Place) -> None:
+        """Watch *place* no more, as it kept its value; one that a newer command is about is not watched any more."""
+        settled = self._watched.get(place)
+        if settled is None:
+            return
+        if place[2] in settled.pending.fast:
+            self._echoes.note_fast(settled.pending.command.target, place[2], taken_back=False)
+        self._end(place)
 
     def _note_taken_back(self, pending: PendingCommand, capability: str) -> None:
         target = pending.command.target
@@ -118,10 +122,10 @@ class Settling:
             self._echoes.note_echo(target, capability, answered=True)
 
     def _end(self, place: _Place) -> None:
+        """Watch *place* no more; its deadline stays, as that of a newer command mostly takes its place soon."""
         settled = self._watched.pop(place, None)
         if settled is None:
             return
-        self._deadlines.discard(place)
         places = settled.pending.command.places
         if len(places) == 1 or all(self._watched.get(one) is not settled for one in places):
-            settled.stop()
+            settled.watch.stop()

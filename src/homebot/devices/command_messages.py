@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
-from typing import Annotated, ClassVar, Literal, TypeAlias
+from typing import Annotated, ClassVar, Final, Literal, TypeAlias
 
 from pydantic import ConfigDict, Field
 
@@ -199,43 +198,42 @@ class CommandDevicesResponse(Message):
 CommandDevices = ServiceType("homebot/srv/CommandDevices", CommandDevicesRequest, CommandDevicesResponse)
 
 
-_NO_FACTS: Mapping[str, object] = MappingProxyType(
-    {"latency": 0.0, "evidence": 0, "saw": "", "witness": "", "by": "", "policy": "", "reason": ""}
-)
+_NO_FACTS: Final[Mapping[str, object]] = {
+    "latency": 0.0,
+    "evidence": 0,
+    "saw": "",
+    "witness": "",
+    "by": "",
+    "policy": "",
+    "reason": "",
+}
 """What a result says that is about another outcome."""
 
 
 def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandResult:
     """Return the message that carries *outcome*, and what the device reported."""
-    fields = dict(_NO_FACTS)
+    fields = {"command_id": outcome.command_id, "text": outcome.text, "reported": reported, **_NO_FACTS}
     match outcome:
         case outcomes.Confirmed():
-            kind = "confirmed"
-            fields |= {
-                "latency": outcome.latency,
-                "evidence": int(outcome.evidence),
-                "witness": outcome.witness,
-            }
+            fields["outcome"] = "confirmed"
+            fields["latency"] = outcome.latency
+            fields["evidence"] = int(outcome.evidence)
+            fields["witness"] = outcome.witness
         case outcomes.AlreadySo():
-            kind = "already_so"
+            fields["outcome"] = "already_so"
         case outcomes.Contradicted():
-            kind = "contradicted"
-            fields |= {"saw": outcome.saw, "witness": outcome.witness}
+            fields |= {"outcome": "contradicted", "saw": outcome.saw, "witness": outcome.witness}
         case outcomes.Reverted():
-            kind, fields["latency"] = "reverted", outcome.after
+            fields |= {"outcome": "reverted", "latency": outcome.after}
         case outcomes.NoAnswer():
-            kind = "no_answer"
-            fields |= {"latency": outcome.waited, "reason": outcome.reason}
+            fields |= {"outcome": "no_answer", "latency": outcome.waited, "reason": outcome.reason}
         case outcomes.Superseded():
-            kind, fields["by"] = "superseded", outcome.by
+            fields |= {"outcome": "superseded", "by": outcome.by}
         case outcomes.Refused():
-            kind = "refused"
-            fields |= {"policy": outcome.policy, "reason": outcome.reason}
+            fields |= {"outcome": "refused", "policy": outcome.policy, "reason": outcome.reason}
         case _:
-            kind = "gone"
-    return CommandResult.of_checked(
-        command_id=outcome.command_id, outcome=kind, text=outcome.text, reported=reported, **fields
-    )
+            fields["outcome"] = "gone"
+    return CommandResult.of_checked(**fields)
 
 
 def outcome_of(result: CommandResult) -> Outcome:

@@ -37,7 +37,7 @@ class Evidence(IntEnum):
     @property
     def text(self) -> str:
         """The grade as one word, for example ``reported``."""
-        return self.name.lower()
+        return self._name_.lower()  # `name` is a function call more, for each command
 
 
 @dataclass(frozen=True, slots=True)

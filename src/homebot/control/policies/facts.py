@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from datetime import datetime, tzinfo
+from typing import NamedTuple
 
 from homebot.control.policies.house import House
 from homebot.control.policies.recent_commands import RecentCommands
@@ -12,8 +12,7 @@ from homebot.control.policies.recent_commands import RecentCommands
 __all__ = ["Facts"]
 
 
-@dataclass(frozen=True, slots=True)
-class Facts:
+class Facts(NamedTuple):
     """A read-only view of the house at one moment.
 
     Attributes:

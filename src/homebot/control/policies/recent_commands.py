@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict, deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
@@ -59,10 +59,14 @@ class RecentCommands:
                     self._sent.popitem(last=False)
                 continue
             self._sent.move_to_end(place)
-            if _turns(sent, value):
+            sent.at = now
+            if value == sent.value:
+                continue
+            direction = _direction(sent, value)
+            if not direction or direction * sent.direction < 0:
                 sent.turns.append(now)
-            sent.direction = _direction(sent, value) or sent.direction
-            sent.value, sent.at = value, now
+            sent.direction = direction or sent.direction
+            sent.value = value
 
     def explain(
         self, part: tuple[str, str], settable: Iterable[str], capability: str, value: PlainValue, at: float
@@ -87,12 +91,14 @@ class RecentCommands:
         return most
 
 
-def _values(command: IssuedCommand) -> Iterator[tuple[str, PlainValue]]:
-    """Yield what *command* sets, and whether that is on."""
+def _values(command: IssuedCommand) -> list[tuple[str, PlainValue]]:
+    """Return what *command* sets, and whether that is on."""
+    found: list[tuple[str, PlainValue]] = []
     for capability, value in command.settings.items():
-        yield capability, value
+        found.append((capability, value))
         if capability in POWERS:
-            yield _POWER, is_on(value)
+            found.append((_POWER, is_on(value)))
+    return found
 
 
 def _count_after(since: float, times: deque[float]) -> int:
