@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from homebot.devices.device import Device, DevicePart
-from homebot.devices.query.terms import And, FactIs, HasText, NameIs, Not, Or, Query, TypeIs
+from homebot.devices.query.terms import And, FactIs, NameIs, Or, Query, TypeIs
 from homebot.errors import UsageError
 from homebot.similar import did_you_mean
 
@@ -175,28 +175,9 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
 
 
 def _parse(text: str) -> Query:
-    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - for those who have scopes
+    from homebot.devices.query.exact import parse_exact_query  # noqa: PLC0415 - for those who have scopes
 
     try:
-        query = parse_query(text)
+        return parse_exact_query(text)
     except UsageError as exc:
         raise UsageError(f"'act: {text}': {exc}") from exc
-    if word := _free_text(query):
-        raise UsageError(
-            f"'act: {text}': {word!r} is neither a type nor a capability, and searched words may fit anything; write "
-            'name="…" or id="…" for one device'
-        )
-    return query
-
-
-def _free_text(query: Query) -> str:
-    """Return a word of *query* that is searched for in all texts of devices; empty where there is none."""
-    match query:
-        case HasText(word):
-            return word
-        case And(terms) | Or(terms):
-            return next(filter(None, map(_free_text, terms)), "")
-        case Not(term):
-            return _free_text(term)
-        case _:
-            return ""

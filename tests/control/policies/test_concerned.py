@@ -24,7 +24,9 @@ from homebot.messages import Time
 
 TABLE: dict[str, object] = {
     "presence_guard": {"commands": ["turn off in hall", "turn off on lights", "use stale plugs"]},
-    "quiet_hours": [{"start": "00:00", "end": "23:59", "commands": ["turn on lamp one", "use not fresh and not open"]}],
+    "quiet_hours": [
+        {"start": "00:00", "end": "23:59", "commands": ["turn on lamp name=one", "use not fresh and not open"]}
+    ],
     "interlocks": [{"commands": ["use tag=fragile", "use reachable locks"], "while": "open contact sensor"}],
 }
 SETTINGS = parse_settings(ControlSettings, TABLE, "homebot.toml", "control")

@@ -82,6 +82,19 @@ def test_a_condition_that_is_no_query_is_an_error() -> None:
         parse_settings(ControlSettings, {"interlocks": [{"commands": ["heat"], "while": "(open"}]}, "x", "control")
 
 
+@pytest.mark.parametrize(
+    ("table", "problem"),
+    [
+        ({"commands": ["heat"], "while": "opn window"}, "'opn window': 'opn' is neither a type nor a capability"),
+        ({"commands": ["heat heater_"], "while": "open window"}, "'heat heater_': 'heater' is neither a type nor"),
+        ({"commands": ["heat thermstat"], "while": "open window"}, "did you mean thermostat?"),
+    ],
+)
+def test_a_misspelt_word_is_an_error_as_it_would_stop_nothing(table: dict[str, object], problem: str) -> None:
+    with pytest.raises(ConfigError, match=problem):
+        parse_settings(ControlSettings, {"interlocks": [table]}, "x", "control")
+
+
 @pytest.mark.virtual_time
 async def test_the_control_layer_knows_the_windows(open_home: OpenHome) -> None:
     async with open_home(interlocks=WINDOW) as home:

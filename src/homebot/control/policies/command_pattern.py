@@ -72,15 +72,22 @@ def read_pattern(text: str) -> CommandPattern:
     Raises:
         UsageError: It does not begin with a verb, or the rest is no query; names the problem.
     """
-    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - only where the configuration has one
-
     words = text.split()
     for length in (2, 1):
         verb = " ".join(words[:length]).casefold()
         if verb in VERBS:
-            return CommandPattern(text, verb, parse_query(" ".join(words[length:])))
+            return CommandPattern(text, verb, _query(text, " ".join(words[length:])))
     known = f"it begins with one of {', '.join(VERBS)}"
     raise UsageError(f"{text[:80]!r} is no command; {did_you_mean(words[0] if words else '', VERBS, known)}")
+
+
+def _query(pattern: str, text: str) -> Query:
+    from homebot.devices.query.exact import parse_exact_query  # noqa: PLC0415 - only where the configuration has one
+
+    try:
+        return parse_exact_query(text)
+    except UsageError as exc:
+        raise UsageError(f"{pattern[:80]!r}: {exc}") from exc
 
 
 def pattern_of_type(verb: str, word: str) -> CommandPattern:

@@ -31,7 +31,8 @@ def judge_presence(settings: PresenceGuardSettings, command: IssuedCommand, fact
             NAME, allowed=False, reason="the room of the device is unknown, and so is whether somebody is there"
         )
     if (hand := _hand(command, facts, settings.absent_after)) is not None:
-        reason = f"somebody is in {room}: {command.target} was changed by hand {facts.age(hand.since):.0f} s ago"
+        changed = f"{command.target} changed {facts.age(hand.since):.0f} s ago, and no command explains it"
+        reason = f"somebody may be in {room}: {changed}"
         return Verdict(NAME, allowed=False, reason=reason, facts=(hand,))
     presence, used = presence_in(room, facts, settings.absent_after)
     return Verdict(NAME, presence == "absent", _reason(presence, room, used, facts), used)

@@ -61,14 +61,14 @@ class QuietHours(BaseModel):
 
 def _query_text(text: str) -> str:
     """Return *text*, which is a query."""
-    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - only where the configuration has one
+    from homebot.devices.query.exact import parse_exact_query  # noqa: PLC0415 - only where the configuration has one
 
     if not text.strip():
         raise ValueError("must be a query such as 'open contact sensor'")
     try:
-        parse_query(text)
+        parse_exact_query(text)
     except UsageError as exc:
-        raise ValueError(str(exc)) from exc
+        raise ValueError(f"{text[:80]!r}: {exc}") from exc
     return text
 
 
