@@ -50,6 +50,9 @@ _RECENT: Final = 60.0
 _REHEARSED: Final = 0.1
 """Seconds that a device is taken to need in a rehearsal: what is asked again at once is not asked without end."""
 
+_AT_ONCE: Final = 0.01
+"""Seconds within which a gateway has sent a command whose network is there."""
+
 _MOST_UNSURE: Final = 10_000
 
 _Place: TypeAlias = tuple[str, str, str]
@@ -272,6 +275,7 @@ class CommandExecutor:
         """Send the settings in their order, to be done in so many *seconds*; return the outcome where that fails."""
         began = self._clock.monotonic()
         self.leases.note_stop(command.place, command.settings, began)
+        self._judge.note_sent(command)  # before it waits: what is judged meanwhile must know of it
         try:
             for capability, value in command.settings.items():
                 if (refused := self._held(command)) is not None:
@@ -290,7 +294,8 @@ class CommandExecutor:
             return NoAnswer(self._clock.monotonic() - began, str(exc), command_id=command.id)
         except RefusedError as exc:
             return Refused("gateway", exc.reason, command_id=command.id)
-        self._judge.note_sent(command)
+        if self._clock.monotonic() - began > _AT_ONCE:
+            self._judge.note_sent(command)  # it may not have reached the device before
         return None
 
     def _held(self, command: IssuedCommand) -> Refused | None:

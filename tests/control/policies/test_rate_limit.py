@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.control.conftest import OpenHome
+from tests.control.conftest import Home, OpenHome, obey
 from tests.control.policies.houses import make_command, make_device
 
 from homebot.control.policies.recent_commands import RecentCommands
+from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
 from homebot.devices.outcomes import Outcome, Refused
 
@@ -53,6 +54,35 @@ def test_a_strobe_by_brightness_and_switch_in_turn_is_counted() -> None:
         recent.note(on if number % 2 else dark, float(number))
     assert recent.turns(dark, -1.0) == 9
     assert recent.turns(on, -1.0) == 0
+
+
+async def test_a_command_that_is_still_being_sent_counts(open_home: OpenHome) -> None:
+    """A gateway may first have to connect."""
+    async with open_home(rate_limit={"changes": 1, "seconds": 10}) as home:
+        home.put("lamp", "light", "on_off")
+        lamp = await home.handle(Light)
+        assert (await lamp.turn_on()).succeeded
+        home.behaviours["lamp"] = obey_slowly
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(lamp.turn_off)
+            await anyio.sleep(1)
+            assert isinstance(await lamp.turn_on(), Refused)
+
+
+async def obey_slowly(home: Home, command: Command) -> None:
+    """Be reached after three seconds."""
+    await anyio.sleep(3)
+    await obey(home, command)
+
+
+def test_a_turn_counts_from_the_last_try() -> None:
+    """The device may have missed those before."""
+    lamp, recent = make_device("lamp", "light", settable=("on_off",)), RecentCommands()
+    on, off = make_command(lamp, {"on_off": True}), make_command(lamp, {"on_off": False})
+    recent.note(on, 0.0)
+    recent.note(off, 1.0)
+    recent.note(off, 6.0)
+    assert (recent.turns(on, 5.0), recent.turns(on, 6.0)) == (1, 0)
 
 
 async def test_the_limit_is_the_owners(open_home: OpenHome) -> None:

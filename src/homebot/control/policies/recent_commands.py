@@ -32,8 +32,10 @@ _Place: TypeAlias = tuple[str, str, str]
 @dataclass(slots=True)
 class _Sent:
     value: PlainValue
-    at: float = 0.0
+    at: float
+    command: str
     direction: float = 0.0
+    is_turn: bool = False
     turns: deque[float] = field(default_factory=lambda: deque(maxlen=_MOST_TURNS))
 
 
@@ -49,24 +51,30 @@ class RecentCommands:
         self._sent: OrderedDict[_Place, _Sent] = OrderedDict()
 
     def note(self, command: IssuedCommand, now: float) -> None:
-        """Note that *command* was sent at *now*, in seconds of a clock that does not go back."""
+        """Note that *command* is sent, or was, at *now*, in seconds of a clock that does not go back.
+
+        A turn counts from when its command was last noted: the device may have got it only then.
+        """
         for capability, value in _values(command):
             place = (command.device.id, command.part.id, capability)
             sent = self._sent.get(place)
             if sent is None:
-                self._sent[place] = _Sent(value, now)
+                self._sent[place] = _Sent(value, now, command.id)
                 if len(self._sent) > _MOST:
                     self._sent.popitem(last=False)
                 continue
             self._sent.move_to_end(place)
             sent.at = now
             if value == sent.value:
+                if sent.is_turn and sent.command == command.id:
+                    sent.turns[-1] = now
                 continue
             direction = _direction(sent, value)
-            if not direction or direction * sent.direction < 0:
+            sent.is_turn = not direction or direction * sent.direction < 0
+            if sent.is_turn:
                 sent.turns.append(now)
             sent.direction = direction or sent.direction
-            sent.value = value
+            sent.value, sent.command = value, command.id
 
     def explain(
         self, part: tuple[str, str], settable: Iterable[str], capability: str, value: PlainValue, at: float
