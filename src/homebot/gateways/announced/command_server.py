@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sized
 from typing import Final, TypeAlias
 
 import anyio
+import anyio.lowlevel
 
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.text.commands import decode_command
@@ -30,6 +31,9 @@ FindPart: TypeAlias = Callable[[str, str], AnnouncedPart]
 """Returns the part of a device, by the device's key and its own id; raises :class:`UnableError` for none."""
 
 
+_TURNS: Final = 100
+"""Turns of the event loop for which a command waits for raw ones: where these pile up, it waits for no broker."""
+
 _ACCEPTED: Final = SendCommandResponse.of_checked(success=True, message="", problem="", unable=False)
 
 
@@ -41,6 +45,9 @@ class CommandServer:
         perform: Carries commands out.
         find_part: Finds the part that a text is for.
         counters: Its counters.
+
+    Attributes:
+        queued: Raw commands that nobody has begun to send; a command that comes after them does not overtake them.
     """
 
     def __init__(self, gateway: Gateway, perform: Perform, find_part: FindPart, counters: GatewayCounters) -> None:
@@ -48,6 +55,7 @@ class CommandServer:
         self._perform = perform
         self._find_part = find_part
         self._counters = counters
+        self.queued: Sized = ()
         gateway.node.create_service(SendCommand, gateway.names.send_command, self.serve, concurrent=True)
 
     async def serve(self, command: Command) -> SendCommandResponse:
@@ -56,6 +64,8 @@ class CommandServer:
             self._counters.commands_refused += 1
             return SendCommandResponse(success=False, message=self._gateway.observes_because, problem="refused")
         try:
+            if self.queued:
+                await self._await_queued()
             if command.expires_after:
                 await self._perform_in_time(command)
             else:
@@ -77,7 +87,7 @@ class CommandServer:
             return
         raise LinkError(f"{command.key[:100]} was not reached within {command.expires_after:.2g} s")
 
-    async def tell(self, key: str, part_id: str, text: str) -> None:
+    async def tell(self, key: str, part_id: str, text: str, command_id: str = "") -> None:
         """Carry out what *text* means to a part; see :mod:`homebot.devices.text.commands`.
 
         Raises:
@@ -87,4 +97,11 @@ class CommandServer:
         if not self._gateway.acts:
             raise RefusedError(f"a command to {key[:100]}", self._gateway.observes_because)
         capability, value = decode_command(text, self._find_part(key, part_id).described.part)
-        await self._perform(Command(key=key, part=part_id, capability=capability, value=Value.of(value)))
+        await self._perform(Command(key=key, part=part_id, capability=capability, value=Value.of(value), id=command_id))
+
+    async def _await_queued(self) -> None:
+        for _ in range(_TURNS):
+            await anyio.lowlevel.checkpoint()
+            if not self.queued:
+                await anyio.lowlevel.checkpoint()  # the task that took the last one begins
+                return

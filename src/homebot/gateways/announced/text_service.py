@@ -85,7 +85,8 @@ class TextService:
         self._keeps_states = keeps_states
         self._clock = gateway.node.graph.clock
         node, names = gateway.node, gateway.names
-        node.create_subscription(RawCommand, names.out, self._send, _OUT_DEPTH, concurrent=True)
+        out = node.create_subscription(RawCommand, names.out, self._send, _OUT_DEPTH, concurrent=True)
+        commands.queued = out.mailbox.queue
         node.create_service(SubscribeToTopic, names.subscribe, self.subscribe)
 
     def subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
@@ -109,7 +110,7 @@ class TextService:
         address = command.address
         try:
             if address.startswith(TEXT_SCHEME) and (part := read_text_address(address)) is not None:
-                await self._commands.tell(*part, command.payload)
+                await self._commands.tell(*part, command.payload, command.command_id)
             elif not self._gateway.acts:
                 raise RefusedError("the command", self._gateway.observes_because)
             else:
