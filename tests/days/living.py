@@ -15,10 +15,11 @@ from tests.days.truth import GroundTruth, TruthfulCommand
 from homebot.devices import DEVICE_CHANGES, DEVICE_STATES, DeviceChange, Devices, StateChange
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.handles import Handle
-from homebot.devices.journal_messages import JournalEntry
-from homebot.devices.names import JOURNAL_ENTRIES, PERFORM_COMMAND
+from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest
+from homebot.devices.names import JOURNAL_ENTRIES, PERFORM_COMMAND, READ_JOURNAL
 from homebot.devices.value import PlainValue, Value
 from homebot.graph import Node
+from homebot.house import World
 from homebot.testing import VirtualHouse, VirtualTimeLoop, virtual_house_of
 from homebot.testing.virtual_house import START, parse_time
 
@@ -38,7 +39,10 @@ class LivedDay:
     Attributes:
         commands: The commands that reached devices, in truth.
         entries: The entries of the journal, in order.
+        presence: How many people were awake, and how many were there, in each room when each command was judged or sent
+            last.
         names: The names of devices by id.
+        rooms: The rooms of devices by name.
         reports: The numbers of the directory's changes and reports.
         midnight: Seconds since the Unix epoch at which the day of the house began.
         end: Seconds since the Unix epoch at which the last command was given that must have an outcome.
@@ -47,7 +51,9 @@ class LivedDay:
 
     commands: list[TruthfulCommand] = field(default_factory=list)
     entries: list[JournalEntry] = field(default_factory=list)
+    presence: dict[str, dict[str, tuple[int, int]]] = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)
+    rooms: dict[str, str] = field(default_factory=dict)
     reports: set[int] = field(default_factory=set)
     midnight: float = 0.0
     end: float = 0.0
@@ -62,7 +68,7 @@ def live(day: RandomDay, *apps: str, has_policies: bool = True) -> LivedDay:
         apps: Each a plug-in's name or ``module:Class``.
         has_policies: Whether its policies are on.
     """
-    ZoneInfo(day.control["time_zone"])  # is read from its file here, and kept: the loop must not
+    ZoneInfo(day.control.get("time_zone", "UTC"))  # is read from its file here, and kept: the loop must not
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
         return runner.run(_live(day, apps, has_policies=has_policies))
 
@@ -73,7 +79,8 @@ async def _live(day: RandomDay, apps: tuple[str, ...], *, has_policies: bool) ->
     world.event_log = truth
     world.run_until(day.day.start)
     truth.commands.clear()
-    config: dict[str, object] = {"places": day.places}
+    # with responses, a command carries its id
+    config: dict[str, object] = {"places": day.places, "gateways": {"mqtt": {"responses": True}}}
     if has_policies:
         config["control"] = day.control
     if not apps:
@@ -85,7 +92,8 @@ async def _live(day: RandomDay, apps: tuple[str, ...], *, has_policies: bool) ->
         Node(house.runtime.graph, "observer") as observer,
         anyio.create_task_group() as tasks,
     ):
-        _observe(lived, observer)
+        _observe(lived, observer, world)
+        await _read_begin(lived, observer)
         if not apps:
             tasks.start_soon(_command, day, observer, tasks)
         await day.day.live(house)
@@ -95,13 +103,29 @@ async def _live(day: RandomDay, apps: tuple[str, ...], *, has_policies: bool) ->
     return lived
 
 
+async def _read_begin(lived: LivedDay, observer: Node) -> None:
+    """Read what was in the journal before anybody looked."""
+    read = observer.create_client(ReadJournal, READ_JOURNAL)
+    await read.wait_for_service()
+    found = (await read.call(ReadJournalRequest())).entries
+    lived.entries[:0] = [one for one in found if one not in lived.entries]
+
+
 async def _end(lived: LivedDay, house: VirtualHouse, observer: Node) -> None:
     await house.run_for(_LONGEST_COMMAND)
     lived.names.update({one.id: one.name for one in await Devices(observer).find()})
     lived.crashed = tuple(house.crashed)
 
 
-def _observe(lived: LivedDay, observer: Node) -> None:
+def _observe(lived: LivedDay, observer: Node, world: World) -> None:
+    lived.rooms.update({name: placed.room for name, placed in world.devices.items()})
+    rooms = set(lived.rooms.values())
+
+    def take_entry(entry: JournalEntry) -> None:
+        lived.entries.append(entry)
+        if entry.kind in {"judged", "sent", "published"}:
+            lived.presence[entry.command] = {room: (world.awake_in(room), len(world.people_in(room))) for room in rooms}
+
     def take_change(change: DeviceChange) -> None:
         lived.names.setdefault(change.device.id, change.device.name)
         lived.reports.add(change.sequence)
@@ -109,7 +133,7 @@ def _observe(lived: LivedDay, observer: Node) -> None:
     def take_state(change: StateChange) -> None:
         lived.reports.add(change.sequence)
 
-    observer.create_subscription(JournalEntry, JOURNAL_ENTRIES, lived.entries.append, _ALL)
+    observer.create_subscription(JournalEntry, JOURNAL_ENTRIES, take_entry, _ALL)
     observer.create_subscription(DeviceChange, DEVICE_CHANGES, take_change, _ALL)
     observer.create_subscription(StateChange, DEVICE_STATES, take_state, _ALL)
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from tests.days.living import LivedDay, live
-from tests.days.oracle import broken_chains, is_wish, violations
+from tests.days.oracle import broken_chains, is_wish, issuers_of, violations
 from tests.days.random_day import RandomDay, random_days
 from tests.days.truth import is_off
 from tests.thesis_light_service import THESIS_LIGHT_SERVICE
@@ -23,7 +23,19 @@ from tests.thesis_light_service import THESIS_LIGHT_SERVICE
 from homebot.log import configure_logging
 from homebot.testing import Day
 
-_HEADINGS = ("day", "days", "offs", "over somebody awake", "in empty rooms", "by people", "violations", "broken chains")
+_HEADINGS = (
+    "day",
+    "days",
+    "offs",
+    "over somebody awake",
+    "nobody awake",
+    "by people",
+    "violations",
+    "refused",
+    "though nobody awake",
+    "though nobody there",
+    "broken chains",
+)
 _THESIS = "thesis's light service, no policies"
 _JUDGED = "random apps, with policies"
 _FAMILY = Path(__file__).parents[2] / "examples" / "houses" / "family.toml"
@@ -64,10 +76,11 @@ def family() -> dict[str, Counter[str]]:
 def lives(days: int, number: int, max_length: str, counts: dict[str, Counter[str]]) -> bool:
     """Live random days and add them to *counts*; print each problem, and return whether there was any."""
     thesis, judged = (counts.setdefault(f"random: {name}", Counter()) for name in (_THESIS, _JUDGED))
+    lived_days: set[str] = set()
+    most = judged["days"] + days
 
-    @seed(number)
     @settings(
-        max_examples=days,
+        max_examples=2 * days,
         deadline=None,
         database=None,
         phases=[Phase.generate],
@@ -75,25 +88,37 @@ def lives(days: int, number: int, max_length: str, counts: dict[str, Counter[str
     )
     @given(random_days(max_length=max_length))
     def one(day: RandomDay) -> None:
+        if judged["days"] >= most or repr(day) in lived_days:
+            return  # Hypothesis makes some examples twice
+        lived_days.add(repr(day))
         _add(thesis, live(day, THESIS_LIGHT_SERVICE, has_policies=False))
         lived = live(day)
         violated, broken = violations(day, lived), broken_chains(lived)
         _add(judged, lived)
         judged.update(violations=len(violated), broken=len(broken))
+        judged.update(f"violates {one.policy}" for one in violated)
         if judged["days"] % _SHOWN == 0:
             _print(counts)
         if violated or broken:
             print(*violated, *broken, repr(day), sep="\n", file=sys.stderr, flush=True)
 
-    one()
+    while judged["days"] < most:
+        seed(number)(one)()
+        number += 1_000_000
     return judged["violations"] + judged["broken"] > 0
 
 
 def _add(counts: Counter[str], lived: LivedDay) -> None:
     offs = [one for one in lived.commands if is_off(one)]
-    wishes = [one for one in offs if is_wish(one, lived)]
+    issuers = issuers_of(lived)
+    wishes = [one for one in offs if is_wish(one, issuers)]
     refused = [
         one.results[0].policy for one in lived.entries if one.kind == "outcome" and one.results[0].outcome == "refused"
+    ]
+    guarded = [
+        lived.presence[one.command][lived.rooms[lived.names[one.device]]]
+        for one in lived.entries
+        if one.kind == "outcome" and one.results[0].policy == "presence_guard"
     ]
     counts.update(
         days=1,
@@ -101,6 +126,9 @@ def _add(counts: Counter[str], lived: LivedDay) -> None:
         over=sum(1 for one in offs if one.awake and one not in wishes),
         empty=sum(1 for one in offs if not one.awake and one not in wishes),
         wishes=len(wishes),
+        guarded=sum(1 for _ in guarded),
+        unneeded=sum(1 for awake, _ in guarded if not awake),
+        alone=sum(1 for _, there in guarded if not there),
         commands=sum(1 for one in lived.entries if one.kind == "requested"),
         refused=len(refused),
     )
@@ -117,12 +145,15 @@ def _print(counts: Mapping[str, Counter[str]]) -> None:
     total = counts[f"random: {_JUDGED}"]
     by = {name.removeprefix("by "): count for name, count in total.items() if name.startswith("by ")}
     refused = ", ".join(f"{count:,} by {name}" for name, count in sorted(by.items(), key=lambda one: -one[1]))
+    violated = {name.removeprefix("violates "): count for name, count in total.items() if name.startswith("violates ")}
+    print(f"\nviolated: {violated or 'no policy'}")
     print(f"\n{total['commands']:,} commands of random apps, {total['refused']:,} refused: {refused}\n", flush=True)
 
 
 def _row(name: str, counts: Counter[str]) -> tuple[str, ...]:
     figures = [f"{counts[one]:,}" for one in ("days", "offs", "over", "empty", "wishes")]
-    judged = [f"{counts[one]:,}" if name.endswith(_JUDGED) else "-" for one in ("violations", "broken")]
+    of_policies = ("violations", "guarded", "unneeded", "alone", "broken")
+    judged = [f"{counts[one]:,}" if name.endswith(_JUDGED) else "-" for one in of_policies]
     return (name, *figures, *judged)
 
 

@@ -28,7 +28,7 @@ async def test_it_may_be_cancelled_at_any_step_of_a_lost_link() -> None:
             )
             dialect = DIALECTS["homeassistant"]
             info = SimulatedDeviceInfo("home", "lamp", "lamp", "lights", "hall")
-            device = MqttDevice(info, dialect, connection, lambda _: None, HouseCounters(), LogLimit(clock))
+            device = MqttDevice(info, dialect, connection, lambda _, __: None, HouseCounters(), LogLimit(clock))
             device.begin(DeviceState(text="on"), has_power=True)
             app = broker.make_client(MqttOptions.from_url(url, client_id="app"))
             async with app.connected(), anyio.create_task_group() as tasks:

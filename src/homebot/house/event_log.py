@@ -24,12 +24,14 @@ class Event:
         verb: A device ``says`` a report, is ``told`` a command, hands ``switch`` it, or its ``power`` goes ``off`` or
             ``on``; a person ``enters`` a room or ``sleeps`` there.
         what: The report, command, state or room.
+        command: The id that a command carried on its way, where it did.
     """
 
     at: float
     who: str
     verb: Verb
     what: str
+    command: str = ""
 
     def __str__(self) -> str:
         milliseconds = round(self.at * 1000)

@@ -149,13 +149,13 @@ class SimulatedHouse:
         if self._is_served:
             self._show(self.world.run_until(self._within_reach()))
 
-    def command(self, device_id: str, command: str) -> None:
-        """Give *command* to a device, as its radio does.
+    def command(self, device_id: str, command: str, command_id: str = "") -> None:
+        """Give *command*, which may carry an id, to a device, as its radio does.
 
         Raises:
             UsageError: There is no such device.
         """
-        self._show(self.world.command(device_id, command, self._within_reach()))
+        self._show(self.world.command(device_id, command, self._within_reach(), command_id))
         self._stirred.set()
 
     def press(self, device_id: str, command: str) -> None:

@@ -30,6 +30,8 @@ REFUSED = "house.publish_refused"
 QUEUED = 100
 """Messages of one device that wait for the broker; the oldest goes, because a newer one is nearer to the present."""
 
+_COMMAND_ID = "command"
+
 _log = get_logger()
 
 
@@ -60,7 +62,7 @@ class MqttDevice(ConnectedDevice):
         device: Its name and kind.
         dialect: Its family.
         connection: Its way to the broker.
-        on_command: Gets each command for it.
+        on_command: Gets each command for it, and its id where the message has the user property ``command``.
         counters: Shared by the house.
         lines: Paces log lines.
     """
@@ -70,7 +72,7 @@ class MqttDevice(ConnectedDevice):
         device: SimulatedDeviceInfo,
         dialect: Dialect,
         connection: MqttConnection,
-        on_command: Callable[[str], None],
+        on_command: Callable[[str, str], None],
         counters: HouseCounters,
         lines: LogLimit,
     ) -> None:
@@ -179,8 +181,9 @@ class MqttDevice(ConnectedDevice):
             except ClosedError:
                 return  # it was closed while what came last was handled
             for message in messages:
+                command_id = dict(message.properties.user).get(_COMMAND_ID, "")
                 for command in self._dialect.parse_command(self._device, message.topic, message.payload):
                     self._counters.commands += 1
-                    self._on_command(command)
+                    self._on_command(command, command_id)
                 self._enqueue(self._dialect.replies(self._device, self._state, message.topic, message.payload))
             self._connection.ack(messages)

@@ -180,8 +180,8 @@ class World:
         self._run(now)
         return self.event_log.since(mark)
 
-    def command(self, device_id: str, command: str, now: float) -> tuple[Event, ...]:
-        """Run until *now*, then give *command* to a device; return all that happened.
+    def command(self, device_id: str, command: str, now: float, command_id: str = "") -> tuple[Event, ...]:
+        """Run until *now*, then give *command*, which may have an id, to a device; return all that happened.
 
         Raises:
             UsageError: There is no such device, or *now* is no finite number.
@@ -189,7 +189,7 @@ class World:
         entry = self._find(device_id)
         mark = self.event_log.count
         self.run_until(now)
-        self._command(entry, command)
+        self._command(entry, command, command_id)
         return self.event_log.since(mark)
 
     def press(self, device_id: str, command: str, now: float) -> tuple[Event, ...]:
@@ -312,9 +312,9 @@ class World:
         else:
             self._switch(entry, "lock")
 
-    def _command(self, entry: _PlacedDevice, command: str) -> None:
+    def _command(self, entry: _PlacedDevice, command: str, command_id: str = "") -> None:
         command = command[:LONGEST_COMMAND]
-        self._note(entry.placed.device.device_id, "told", command)
+        self._note(entry.placed.device.device_id, "told", command, command_id)
         self._act(entry, lambda device: device.handle_command(command, self.now))
 
     def _switch(self, entry: _PlacedDevice, command: str) -> None:
@@ -392,8 +392,8 @@ class World:
             self._was_dark[room] = is_dark
         self._queue.set(object(), self.now + SAMPLE, self._sample)
 
-    def _note(self, who: str, verb: Verb, what: str) -> None:
-        self.event_log.add(Event(self.now, who, verb, what))
+    def _note(self, who: str, verb: Verb, what: str, command_id: str = "") -> None:
+        self.event_log.add(Event(self.now, who, verb, what, command_id))
 
 
 def _drive(device: SimulatedDevice) -> _Drive:

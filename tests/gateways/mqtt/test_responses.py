@@ -56,6 +56,7 @@ def test_a_response_is_matched_with_its_command_once() -> None:
     asked = Asked()
     first, second = asked.ask("1"), asked.ask("2")
     assert (first.response_topic, first.expiry) == ("homebot/responses/test", 10)
+    assert first.user == (("command", "1"),)  # its id in the journal
     assert first.correlation_data is not None
     assert first.correlation_data.isalnum()  # which a shell script can repeat
     asked.answer(second)

@@ -42,7 +42,7 @@ from homebot.gateways.mqtt.state_topics import StateTopics, prefix_of
 from homebot.gateways.mqtt.subscriber import Subscriber
 from homebot.isolation import run_as
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.message import MqttMessage
+from homebot.mqtt.message import NO_PROPERTIES, MqttMessage
 from homebot.mqtt.topics import validate_topic
 
 if TYPE_CHECKING:
@@ -262,7 +262,8 @@ class AnnouncedDevices:
         route = self.route(address)
         if route is not None and route.conventions:
             return self._send_announcement(MqttMessage(address, payload, command.qos, command.retain), route)
-        return self._connection.publish(address, payload, qos=command.qos, retain=command.retain)
+        properties = NO_PROPERTIES if self._responses is None else self._responses.named(command.command_id)
+        return self._connection.publish(address, payload, qos=command.qos, retain=command.retain, properties=properties)
 
     def find_source(self, address: str) -> tuple[str, str]:
         """Return key and name of the device that speaks on the topic *address*, which it need not have done yet.

@@ -1,6 +1,7 @@
 """Responses of devices to commands, by the request and response of MQTT 5.
 
-A command carries a topic for the response, and data by which the response is matched with it.
+A command carries a topic for the response, and data by which the response is matched with it; and its id in the
+journal, for people who look at the messages.
 
 Source: MQTT Version 5.0, section 4.10.
 """
@@ -17,9 +18,12 @@ from typing import Final, final
 from homebot.clock import Clock
 from homebot.conventions.command_response import problem_of
 from homebot.devices.gateway_messages import Command, CommandAnswer
-from homebot.mqtt.message import MessageProperties, MqttMessage
+from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 
-__all__ = ["ResponseCounters", "Responses"]
+__all__ = ["COMMAND_ID", "ResponseCounters", "Responses"]
+
+COMMAND_ID: Final = "command"
+"""The user property with the id of a command."""
 
 MOST_AWAITED: Final = 1000
 """Commands whose responses are awaited at once; the oldest is forgotten, and its response is then unknown."""
@@ -80,7 +84,12 @@ class Responses:
         self._awaited[token] = _Awaited(command, until)
         if len(self._awaited) > MOST_AWAITED:
             self._awaited.popitem(last=False)
-        return replace(properties, response_topic=self.topic, correlation_data=token)
+        return replace(self.named(command.id, properties), response_topic=self.topic, correlation_data=token)
+
+    @staticmethod
+    def named(command_id: str, properties: MessageProperties = NO_PROPERTIES) -> MessageProperties:
+        """Return *properties* of a message with the id of the command that it carries; the same where it has none."""
+        return replace(properties, user=((COMMAND_ID, command_id),)) if command_id else properties
 
     def take(self, message: MqttMessage) -> None:
         """Take a message on :attr:`topic`."""
