@@ -80,7 +80,7 @@ class Confirmed(Outcome):
     def text(self) -> str:
         """As for :class:`Outcome`."""
         by = f" by {self.witness}" if self.witness else ""
-        return f"confirmed after {self.latency:.2g} s ({self.evidence.text}{by})"
+        return f"confirmed after {_seconds_text(self.latency)} s ({self.evidence.text}{by})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,8 +113,12 @@ class Reverted(Outcome):
         after: Seconds after it had obeyed.
     """
 
-    _words: ClassVar[str] = "it obeyed and went back after {0.after:.2g} s"
     after: float
+
+    @property
+    def text(self) -> str:
+        """As for :class:`Outcome`."""
+        return f"it obeyed and went back after {_seconds_text(self.after)} s"
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +136,7 @@ class NoAnswer(Outcome):
     @property
     def text(self) -> str:
         """As for :class:`Outcome`."""
-        return f"not sent: {self.reason}" if self.reason else f"no answer within {self.waited:.2g} s"
+        return f"not sent: {self.reason}" if self.reason else f"no answer within {_seconds_text(self.waited)} s"
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,3 +192,10 @@ def worst(outcomes: tuple[Outcome, ...]) -> Outcome:
 def _badness(outcome: Outcome) -> tuple[int, int]:
     evidence = outcome.evidence if isinstance(outcome, Confirmed) else 0
     return _BEST_FIRST.index(type(outcome)), -evidence
+
+
+def _seconds_text(seconds: float) -> str:
+    """Return *seconds* with two digits, or all before the point."""
+    if 0 < seconds < 0.001:
+        return "less than 0.001"
+    return f"{seconds:.2g}" if seconds < 10 else f"{seconds:.0f}"
