@@ -12,6 +12,7 @@ from anyio.abc import TaskGroup
 
 from homebot.clock import Clock
 from homebot.control import Control, ControlSettings
+from homebot.control.journal.store import JournalStore
 from homebot.devices import Devices
 from homebot.devices.command_messages import CommandEvent
 from homebot.devices.gateway_messages import Command
@@ -138,17 +139,27 @@ class RecordingGateway(MemoryGateway):
 
 class OpenHome(Protocol):
     def __call__(
-        self, grants: Mapping[str, tuple[str, ...]] = NO_GRANTS, clock: Clock | None = None, **settings: object
+        self,
+        grants: Mapping[str, tuple[str, ...]] = NO_GRANTS,
+        clock: Clock | None = None,
+        store: JournalStore | None = None,
+        **settings: object,
     ) -> AbstractAsyncContextManager[Home]: ...
 
 
 @pytest.fixture
 def open_home() -> OpenHome:
-    """Give what opens a home without approvals; it takes ``grants``, ``clock`` and what `ControlSettings` takes."""
+    """Give what opens a home without approvals.
+
+    It takes ``grants``, ``clock``, ``store`` and what `ControlSettings` takes.
+    """
 
     @asynccontextmanager
     async def opened(
-        grants: Mapping[str, tuple[str, ...]] = NO_GRANTS, clock: Clock | None = None, **settings: object
+        grants: Mapping[str, tuple[str, ...]] = NO_GRANTS,
+        clock: Clock | None = None,
+        store: JournalStore | None = None,
+        **settings: object,
     ) -> AsyncIterator[Home]:
         graph = Graph(clock)
         async with (
@@ -159,7 +170,8 @@ def open_home() -> OpenHome:
             anyio.create_task_group() as tasks,
         ):
             gateway = RecordingGateway(gateway_node)
-            control = Control(control_node, ControlSettings.model_validate({"approvals": False, **settings}), grants)
+            checked = ControlSettings.model_validate({"approvals": False, **settings})
+            control = Control(control_node, checked, grants, store=store)
             await tasks.start(gateway.serve)
             await tasks.start(Directory(directory_node, DirectorySettings()).serve)
             await tasks.start(control.serve)

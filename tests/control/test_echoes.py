@@ -6,6 +6,7 @@ import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, ignore, report
 
+from homebot.control.echoes import EchoHistory
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
@@ -168,3 +169,63 @@ async def test_a_fast_honest_lamp_that_somebody_switched_by_hand_once_is_not_wai
             await anyio.sleep(20)
             await home.report("lamp", "on_off", False)
             await anyio.sleep(1)
+
+
+async def test_a_lamp_that_goes_back_by_a_timer_of_its_own_is_no_echo(open_home: OpenHome) -> None:
+    """It did obey, each time: that is told at once, and later that it went back."""
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=False)
+        for number in range(1, 6):
+            seconds, outcome = await seconds_and_outcome(home, lamp, (ECHO, True), (5.0 + 0.05 * number, False))
+            assert isinstance(outcome, Confirmed)
+            assert (outcome.evidence, seconds) == (Evidence.REPORTED, ECHO)
+            await anyio.sleep(20)
+            assert [one.result.outcome for one in home.events] == ["reverted"] * number
+
+
+async def test_echoes_that_are_found_out_now_and_then_are_learnt(open_home: OpenHome) -> None:
+    """As where a bridge asks its devices from time to time."""
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=False)
+        grades = []
+        for after in (4.0, 7.5, 3.5, 6.0):
+            _, outcome = await seconds_and_outcome(home, lamp, (ECHO, True), (after, False))
+            assert isinstance(outcome, Confirmed)
+            grades.append(outcome.evidence)
+            await anyio.sleep(20)
+        assert grades == [Evidence.REPORTED] * 3 + [Evidence.ACKNOWLEDGED]
+
+
+async def test_a_bridge_that_repeats_its_echo_is_no_better(open_home: OpenHome) -> None:
+    """As one does that tells again and again what it holds for the state."""
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=False)
+        grades = []
+        for _ in range(3):
+            _, outcome = await seconds_and_outcome(home, lamp, (ECHO, True), (0.7, True), (2.0, False))
+            grades.append(type(outcome))
+            await anyio.sleep(20)
+        assert grades == [Confirmed, Confirmed, Contradicted]
+        _, outcome = await seconds_and_outcome(home, lamp, (ECHO, True), (0.7, True))
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.ACKNOWLEDGED
+
+
+async def test_a_command_that_is_sent_again_is_no_repeated_echo(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_of(home, declared=False)
+        for _ in range(3):
+            await seconds_and_outcome(home, lamp, (ECHO, True), (1.5, False))
+            await anyio.sleep(20)
+        _, outcome = await seconds_and_outcome(home, lamp, (ECHO, True), (0.4, True))
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.REPORTED
+
+
+def test_the_longest_unused_is_forgotten_also_by_the_store() -> None:
+    kept: dict[str, str] = {}
+    history = EchoHistory(lambda name, record, _: kept.update({name: record}))
+    for number in range(10_001):
+        history.note_echo(f"lamp{number}", "on_off", "c-1", answered=True)
+    assert kept["lamp0 on_off"] == ""
+    assert all(record for name, record in kept.items() if name != "lamp0 on_off")

@@ -16,6 +16,7 @@ from homebot.clock import ManualClock
 from homebot.control import Control
 from homebot.control.journal.file_store import FileStore
 from homebot.control.journal.journal_note import JournalNote
+from homebot.control.journal.learnt_row import LearntRow
 from homebot.control.journal.memory_store import MemoryStore
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.command_messages import Setting
@@ -144,6 +145,80 @@ async def test_a_row_that_makes_no_sense_costs_itself_alone(tmp_path: Path) -> N
     connection.close()
     async with opened(path) as store:
         assert await read(store) == (entry(2),)
+
+
+def learnt(name: str, record: str = "{}", at: float = NOW) -> LearntRow:
+    return LearntRow("witness", name, record, at, "c-1")
+
+
+async def test_what_was_learnt_is_there_after_a_restart(tmp_path: Path) -> None:
+    async with opened(tmp_path / "journal.sqlite") as store:
+        assert await store.learnt() == ()
+        store.learn(learnt("lamp", "1"))
+        store.learn(learnt("lamp", "2", NOW + 1))
+        store.learn(learnt("plug"))
+    async with opened(tmp_path / "journal.sqlite") as store:
+        assert await store.learnt() == (learnt("plug"), learnt("lamp", "2", NOW + 1))
+        store.learn(learnt("plug", ""))
+    async with opened(tmp_path / "journal.sqlite") as store:
+        assert await store.learnt() == (learnt("lamp", "2", NOW + 1),)
+
+
+async def test_what_was_not_learnt_again_for_long_is_dropped(tmp_path: Path) -> None:
+    async with opened(tmp_path / "journal.sqlite", days=2) as store:
+        store.learn(learnt("lamp", at=NOW - 3 * DAY))
+        store.learn(learnt("plug", at=NOW - 1 * DAY))
+    async with opened(tmp_path / "journal.sqlite", days=2) as store:
+        assert await store.learnt() == (learnt("plug", at=NOW - 1 * DAY),)
+
+
+async def test_what_was_learnt_takes_no_place_of_the_entries(tmp_path: Path) -> None:
+    async with opened(tmp_path / "journal.sqlite", most_bytes=200_000) as store:
+        for number in range(100):
+            store.learn(learnt(f"lamp{number}", "x" * 5000))
+            store.add(note(number))
+        assert len(await read(store)) == 100
+        assert store.dropped == 0
+
+
+async def test_a_file_of_before_anything_was_learnt_is_brought_up_to_date(tmp_path: Path) -> None:
+    path = tmp_path / "journal.sqlite"
+    async with opened(path) as store:
+        store.add(note(1))
+    with sqlite3.connect(path) as connection:
+        connection.execute("DROP TABLE learnt")
+        connection.execute("PRAGMA user_version = 1")
+    connection.close()
+    async with opened(path) as store:
+        store.learn(learnt("lamp"))
+        assert await read(store) == (entry(1),)
+    async with opened(path) as store:
+        assert await store.learnt() == (learnt("lamp"),)
+
+
+async def test_a_damaged_row_of_what_was_learnt_has_no_record(tmp_path: Path) -> None:
+    path = tmp_path / "journal.sqlite"
+    async with opened(path) as store:
+        store.learn(learnt("lamp"))
+        store.learn(learnt("plug", at=NOW + 1))
+    with sqlite3.connect(path) as connection:
+        connection.execute("UPDATE learnt SET record = x'ff00' WHERE name = 'lamp'")
+    connection.close()
+    async with opened(path) as store:
+        assert await store.learnt() == (learnt("lamp", ""), learnt("plug", at=NOW + 1))
+
+
+async def test_a_flood_of_what_is_learnt_is_bounded_and_counted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("homebot.control.journal.file_store._MOST_WAITING", 10)
+    async with opened(tmp_path / "journal.sqlite") as store:
+        for number in range(25):
+            store.learn(learnt(f"lamp{number}"))
+            store.add(note(number))
+        assert store.failures == 30
+        assert await read(store) == tuple(entry(number) for number in range(15, 25))
+        assert {one.name for one in await store.learnt()} == {f"lamp{number}" for number in range(15, 25)}
 
 
 async def test_a_flood_while_the_disk_is_away_is_bounded_and_counted(

@@ -83,7 +83,8 @@ class Control:
         grants: The scope of each node that may not command everything, by its full name; see `CommandRequest`.
         trusts_apps: Whether nodes without a scope may command what always asks, as in a simulated house.
         approves_all: Whether no device needs an approval, whatever the settings say, as there.
-        journal_file: Where the journal is kept over a restart; None for nowhere.
+        journal_file: Where the journal, and what commands teach, is kept over a restart; None for nowhere.
+        store: Keeps them in place of a file.
         rehearsal: Answers commands in place of the devices; None where they are sent.
     """
 
@@ -96,12 +97,14 @@ class Control:
         trusts_apps: bool = False,
         approves_all: bool = False,
         journal_file: Path | None = None,
+        store: JournalStore | None = None,
         rehearsal: Rehearsal | None = None,
     ) -> None:
         self._node = node
         self._given_settings = settings
         self._approves_all = approves_all
         self._journal_file = journal_file
+        self._given_store = store
         self._changes = ExplainedChanges()
         self._rehearsal = rehearsal
         self._house_watch = HouseWatch(node, self._changes, lambda: self._journal)
@@ -220,7 +223,7 @@ class Control:
         from homebot.control.journal.journal import CommandJournal  # noqa: PLC0415 - see above
 
         self._noted.set()
-        return CommandJournal(self._node, self._store(self._journal_file), self._changes, self._settings.settle)
+        return CommandJournal(self._node, self._store, self._changes, self._settings.settle)
 
     @cached_property
     def _denied(self) -> DeniedRequests:
@@ -240,16 +243,21 @@ class Control:
 
         return Approvals(self._node, is_needed=self._settings.approvals)
 
-    def _store(self, file: Path | None) -> JournalStore:
+    @property
+    def _store(self) -> JournalStore:
+        if self._given_store is not None:
+            return self._given_store
         from homebot.control.journal.memory_store import MemoryStore  # noqa: PLC0415 - likewise
 
         longest = self._settings.journal_days * _DAY
         in_memory = MemoryStore(MOST_IN_MEMORY, longest)
-        if file is None:
+        if self._journal_file is None:
             return in_memory
         from homebot.control.journal.file_store import FileStore  # noqa: PLC0415 - for homes that are remembered
 
-        return FileStore(self._node, file, longest, self._settings.journal_megabytes * _MEGABYTE, in_memory)
+        return FileStore(
+            self._node, self._journal_file, longest, self._settings.journal_megabytes * _MEGABYTE, in_memory
+        )
 
     def _execution(self) -> CommandExecutor:
         if self._executor is None:

@@ -17,6 +17,7 @@ from homebot.control.command import IssuedCommand
 from homebot.control.echoes import NO_ECHOES, EchoHistory, ExpectedEchoes
 from homebot.control.journal import CommandJournal
 from homebot.control.judge import Judge
+from homebot.control.learnt_persistence import LearntPersistence
 from homebot.control.leases import LEASE_POLICY, Leases
 from homebot.control.pending import PendingCommand
 from homebot.control.report_watch import ReportWatch
@@ -28,7 +29,7 @@ from homebot.control.witnesses import WitnessVerification
 from homebot.devices import FIND_DEVICES, Device, DevicePart, FindDevices
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting, result_of
 from homebot.devices.command_sender import CommandSender
-from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Gone, NoAnswer, Outcome, Refused
+from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.services import FindDevicesRequest
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError
@@ -95,11 +96,13 @@ class CommandExecutor:
         self._watch = ReportWatch(node)
         self._answers = AnswerWatch(node)
         self._times = ResponseTimes(self._settings.timeout)
-        self._echoes = EchoHistory()
+        self._learnt = LearntPersistence(node, journal.store)
+        self._echoes = EchoHistory(self._learnt.keeper("echo"))
+        self._learnt.add("echo", self._echoes)
         self._unsure_since: OrderedDict[_Place, float] = OrderedDict()
         self._pending: dict[_Place, PendingCommand] = {}
         self._settling = Settling(node, self._settings.settle, journal, self._echoes)
-        self._witnesses = WitnessVerification(node, settings)
+        self._witnesses = WitnessVerification(node, settings, self._learnt)
         for name, read in self._witnesses.counters.items():
             journal.add_counter(name, read)
 
@@ -182,6 +185,8 @@ class CommandExecutor:
         refused = self.refusal(command)
         if refused is not None:
             return result_of(refused)
+        if not self._learnt.is_loaded:
+            await self._learnt.load()
         echoes = self._expected_echoes(command)
         known, recent = ({}, False) if self._witnesses.disproves(command) else self._known(command, echoes)
         changed = _Signal()
@@ -203,7 +208,7 @@ class CommandExecutor:
             if isinstance(outcome, NoAnswer | Contradicted):
                 self._note_unsure(places)
             if isinstance(outcome, Confirmed):
-                self._note_confirmed(pending)
+                self._note_confirmed(pending, outcome)
                 is_settling = self._settling.add(pending, watch)
         finally:
             for place in places:
@@ -240,7 +245,9 @@ class CommandExecutor:
         finally:
             self._witnesses.end(pending.command)
 
-    def _note_confirmed(self, pending: PendingCommand) -> None:
+    def _note_confirmed(self, pending: PendingCommand, outcome: Confirmed) -> None:
+        if outcome.evidence is Evidence.WITNESSED:
+            pending.is_witnessed = True
         for place in pending.command.places if self._unsure_since else ():
             self._unsure_since.pop(place, None)
         for capability, seconds in pending.response_times():
@@ -341,10 +348,11 @@ class CommandExecutor:
         target = pending.command.target
         if not isinstance(outcome, Confirmed | Contradicted):
             return
+        name = pending.command.id
         for capability, answered in pending.echo_answers():
-            self._echoes.note_echo(target, capability, answered=answered)
-        for capability in pending.taken_back:
-            self._echoes.note_fast(target, capability, taken_back=True)
+            self._echoes.note_echo(target, capability, name, answered=answered)
+        for capability, seconds in pending.taken_back:
+            self._echoes.note_fast(target, capability, name, seconds, is_repeated=capability in pending.repeated)
 
     def _known(self, command: IssuedCommand, echoes: ExpectedEchoes) -> tuple[dict[str, PlainValue], bool]:
         """Return the values that the part reported live, and whether all that are wanted were reported lately.

@@ -56,7 +56,9 @@ class PendingCommand:
         command: The command.
         echoes: The echoes that it may cause.
         echoed: The capabilities of which an echo came, each with the time of the last one.
-        fast: The capabilities of which a report came so fast that it may turn out to be an echo.
+        fast: The capabilities of which a report came so fast that it may turn out to be an echo, each with the time.
+        repeated: Those of them that were reported again later: by the device, or by a bridge that repeats what it told.
+        is_witnessed: Whether a witness saw that the device obeyed.
         moved_at: When the device was last seen on its way; None where it was not.
         must_answer: Whether the device answers commands, so that one of which it reports nothing waits for the answer.
         superseded_by: The id of the newer command that took its place; empty where there is none.
@@ -74,7 +76,9 @@ class PendingCommand:
         self.command = command
         self.echoes = echoes
         self.echoed: dict[str, float] = {}
-        self.fast: set[str] = set()
+        self.fast: dict[str, float] = {}
+        self.repeated: set[str] = set()
+        self.is_witnessed = False
         self.moved_at: float | None = None
         self.must_answer = False
         self.superseded_by = ""
@@ -87,6 +91,7 @@ class PendingCommand:
         self._wake = wake
         self._echoed_since_sent: dict[str, float] = {}
         self._answered: set[str] = set()
+        self._back_after: dict[str, float] = {}
         self._seen: dict[str, PlainValue] = {}
         self._fitting: dict[str, float] = {}
         self._moving: set[str] = set()
@@ -142,6 +147,8 @@ class PendingCommand:
         is_met = fits(capability, wanted, value)
         is_moving = not is_met and is_intermediate(capability, wanted, value)
         is_news = self._is_news(capability, value, is_moving=is_moving)
+        if is_met:
+            self.note_again(capability, value, now)
         if is_met and self.echoes is not NO_ECHOES and self._is_echo(capability, now):
             if capability not in self._answered:
                 self._seen.pop(capability, None)  # it was reported before the bridge had the command
@@ -152,10 +159,12 @@ class PendingCommand:
         self._seen[capability] = value
         if is_met:
             if now - self._sent_at <= FAST and capability not in self._fitting:
-                self.fast.add(capability)
+                self.fast[capability] = now
             self._fitting.setdefault(capability, now)
         else:
             self._fitting.pop(capability, None)
+            if capability in self.fast:
+                self._back_after.setdefault(capability, now - self.fast[capability])
             if is_moving:
                 self.moved_at = now
         self._wake()
@@ -189,12 +198,12 @@ class PendingCommand:
         """Return whether a report of what is wanted is the bridge's; each sending has one."""
         echoed_at = self._echoed_since_sent.get(capability)
         if echoed_at is not None:
-            return now - echoed_at <= _SAME
+            return now - echoed_at <= _SAME or capability in self.echoes.repeated
         is_fast = now - self._sent_at <= FAST
         if capability not in self.echoes.declared and not (is_fast and capability in self.echoes.suspected):
             return False
         if is_fast:
-            self.fast.add(capability)
+            self.fast[capability] = now
         self.echoed[capability] = self._echoed_since_sent[capability] = now
         return True
 
@@ -238,10 +247,21 @@ class PendingCommand:
         for capability, at in self._fitting.items():
             yield capability, at - self._began
 
+    def note_again(self, capability: str, value: PlainValue, now: float) -> None:
+        """Note that *value* is reported at *now*, which may repeat a fast report."""
+        reported_at = self.fast.get(capability)
+        if reported_at is not None and now - reported_at > FAST and fits(capability, self._wanted[capability], value):
+            self.repeated.add(capability)
+
     @property
-    def taken_back(self) -> set[str]:
-        """The capabilities of which a fast report was followed by another value."""
-        return self.fast & (self._seen.keys() - self._fitting.keys())
+    def taken_back(self) -> Iterable[tuple[str, float | None]]:
+        """The capabilities of which a fast report was followed by another value, each with the seconds until then.
+
+        None in place of the seconds where the device had obeyed.
+        """
+        for capability, seconds in self._back_after.items():
+            if capability not in self._fitting:
+                yield capability, None if self.is_witnessed else seconds
 
     def echo_answers(self) -> Iterable[tuple[str, bool]]:
         """Yield the capabilities with an expected echo, each with whether the device reported by itself, too."""

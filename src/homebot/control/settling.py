@@ -90,6 +90,7 @@ class Settling:
     def _take(self, settled: _Settled, capability: str, value: PlainValue) -> None:
         pending = settled.pending
         if not pending.departs(capability, value):
+            pending.note_again(capability, value, self._clock.monotonic())
             return
         self._note_taken_back(pending, capability)
         command = pending.command
@@ -111,15 +112,20 @@ class Settling:
         if settled is None:
             return
         if place[2] in settled.pending.fast:
-            self._echoes.note_fast(settled.pending.command.target, place[2], taken_back=False)
+            self._note_fast(settled.pending, place[2], None)
         self._end(place)
 
     def _note_taken_back(self, pending: PendingCommand, capability: str) -> None:
-        target = pending.command.target
-        if capability in pending.fast:
-            self._echoes.note_fast(target, capability, taken_back=True)
+        command = pending.command
+        if (reported_at := pending.fast.get(capability)) is not None:
+            seconds = self._clock.monotonic() - reported_at
+            self._note_fast(pending, capability, None if pending.is_witnessed else seconds)
         if capability in pending.echoed:
-            self._echoes.note_echo(target, capability, answered=True)
+            self._echoes.note_echo(command.target, capability, command.id, answered=True)
+
+    def _note_fast(self, pending: PendingCommand, capability: str, taken_back_after: float | None) -> None:
+        command, is_repeated = pending.command, capability in pending.repeated
+        self._echoes.note_fast(command.target, capability, command.id, taken_back_after, is_repeated=is_repeated)
 
     def _end(self, place: _Place) -> None:
         """Watch *place* no more; its deadline stays, as that of a newer command mostly takes its place soon."""

@@ -36,25 +36,3 @@ def test_the_swing_is_that_before_the_mark() -> None:
     lux = history((0.0, 10.0), (5.0, 14.0), (8.0, 12.0), (9.0, 500.0))
     assert lux.swing(1.0, 3) == 4.0
     assert lux.swing(6.0, 3) == 2.0
-
-
-def test_three_small_steps_show_how_finely_it_reports() -> None:
-    """From values as high, and within three days."""
-    lux = history((0.0, 100.0), (1.0, 110.0), (2.0, 100.0), (3.0, 110.0), (4.0, 0.0), (5.0, 150.0))
-    assert lux.is_finer_than(10.0, 100.0, 6.0)
-    assert not lux.is_finer_than(9.0, 100.0, 6.0)
-    assert not lux.is_finer_than(10.0, 105.0, 6.0)
-    assert not lux.is_finer_than(10.0, 100.0, 300_000.0)
-
-
-def test_great_steps_do_not_push_small_ones_out() -> None:
-    steps = [(0.0, 100.0), (1.0, 110.0), (2.0, 100.0), (3.0, 110.0), (4.0, 100.0)]
-    steps += [(5.0 + turn, 400.0 if turn % 2 == 0 else 100.0) for turn in range(100)]
-    assert history(*steps).is_finer_than(10.0, 100.0, 200.0)
-
-
-def test_a_meter_of_one_load_knows_two_values() -> None:
-    one = [(float(at), 9.0 if at % 2 else 0.0) for at in range(20)]
-    assert history(*one).has_two_levels(9.0)
-    assert not history(*one).has_two_levels(4.0)
-    assert not history(*one, (21.0, 4.0)).has_two_levels(9.0)

@@ -5,70 +5,16 @@ from __future__ import annotations
 import anyio
 import pytest
 from tests.control.conftest import Behaviour, Home, OpenHome, ignore, obey, obey_after
+from tests.control.witnesses.rooms import room, shining, toggle
 
-from homebot.devices import FIND_DEVICES, FindDevices
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light, WindowCovering
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, Outcome, Superseded
-from homebot.devices.services import FindDevicesRequest
 
 pytestmark = pytest.mark.virtual_time
 
 WITNESSED = ("Lux", Evidence.WITNESSED)
 REPORTED = ("", Evidence.REPORTED)
-
-
-def shining(sensor: str, lux: float, after: float = 0.2, capability: str = "illuminance") -> Behaviour:
-    """Obey, and let a sensor measure so much more, or nothing, so many seconds later."""
-
-    async def behaviour(home: Home, command: Command) -> None:
-        await obey(home, command)
-        home.later(after, sensor, capability, lux if command.value.plain() else 0.0)
-
-    return behaviour
-
-
-async def repeat(home: Home, sensor: str, capability: str) -> None:
-    """Let a sensor say every two seconds what it measures, as many do, until it is told to ignore everything."""
-    find = home.app.create_client(FindDevices, FIND_DEVICES)
-    while home.behaviours.get(sensor) is not ignore:
-        for device in (await find.call(FindDevicesRequest())).devices:
-            for state in device.states:
-                if device.name == sensor.title() and state.capability == capability:
-                    await home.report(sensor, capability, state.value.plain())
-        await anyio.sleep(2)
-
-
-async def room(home: Home, **behaviours: Behaviour) -> Light:
-    """Put lamps and a light sensor into a room with daylight that was seen to change a little; return the lamp."""
-    for name, behaviour in {"lamp": shining("lux", 150.0), **behaviours}.items():
-        home.put(name, "light", "on_off", area="Hall")
-        home.behaviours[name] = behaviour
-        await home.report(name, "on_off", False)
-    home.put("lux", "light_sensor", readable=("illuminance",), area="Hall")
-    await home.report("lux", "illuminance", 0.0)
-    home.tasks.start_soon(repeat, home, "lux", "illuminance")
-    lamp = await home.handle(Light, "lamp")
-    home.behaviours["lamp"], learnt = obey, home.behaviours["lamp"]
-    await lamp.turn_off()  # with the first command control begins to watch
-    await anyio.sleep(1)
-    for lux in (160.0, 170.0, 180.0, 190.0, 160.0, 0.0, 1.0, 2.0, 1.0, 0.0):
-        await home.report("lux", "illuminance", lux)
-        await anyio.sleep(10)
-    home.behaviours["lamp"] = learnt
-    await anyio.sleep(120)
-    return lamp
-
-
-async def toggle(lamp: Light, times: int, gap: float = 40.0) -> list[tuple[str, Evidence]]:
-    """Switch a lamp on and off; return the grades."""
-    found = []
-    for number in range(times):
-        outcome = await (lamp.turn_off() if number % 2 else lamp.turn_on())
-        assert isinstance(outcome, Confirmed)
-        found.append((outcome.witness, outcome.evidence))
-        await anyio.sleep(gap)
-    return found
 
 
 async def test_a_sensor_is_trusted_after_five_observations_in_each_direction(open_home: OpenHome) -> None:
@@ -124,6 +70,95 @@ async def test_a_silent_sensor_contradicts_nobody(open_home: OpenHome) -> None:
         home.behaviours["lux"] = ignore
         home.behaviours["lamp"] = obey
         assert await toggle(lamp, 1) == [REPORTED]
+
+
+def telling_changes(lux: float = 150.0) -> Behaviour:
+    """Obey, and let a sensor tell what it measures then, and nothing else."""
+    return shining("lux", lux)
+
+
+async def dark_room(home: Home, behaviour: Behaviour) -> Light:
+    """Put a lamp and a light sensor that reports only changes into a room without windows; return the lamp."""
+    home.put("lamp", "light", "on_off", area="Cellar")
+    home.put("lux", "light_sensor", readable=("illuminance",), area="Cellar")
+    home.behaviours["lamp"] = behaviour
+    await home.report("lamp", "on_off", False)
+    await home.report("lux", "illuminance", 0.0)
+    lamp = await home.handle(Light, "lamp")
+    home.behaviours["lamp"] = obey
+    await lamp.turn_off()  # with the first command control begins to watch
+    home.behaviours["lamp"] = behaviour
+    await anyio.sleep(120)
+    return lamp
+
+
+async def test_a_sensor_that_reports_only_changes_contradicts_after_sixteen_in_a_row(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await dark_room(home, telling_changes())
+        await toggle(lamp, 14)
+        home.behaviours["lamp"] = obey
+        assert await toggle(lamp, 2) == [REPORTED] * 2  # not for sure yet, and nothing is learnt from it
+        home.behaviours["lamp"] = telling_changes()
+        await toggle(lamp, 20)
+        home.behaviours["lamp"] = obey
+        outcome = await lamp.turn_on()
+        assert isinstance(outcome, Contradicted)
+        assert outcome.witness == "Lux"
+
+
+async def test_a_sensor_that_reports_only_changes_and_missed_one_has_to_show_it_again(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await dark_room(home, telling_changes())
+        await toggle(lamp, 14)
+        home.behaviours["lamp"] = obey
+        await toggle(lamp, 2)  # it may be the lamp, or the sensor
+        home.behaviours["lamp"] = telling_changes()
+        await toggle(lamp, 14)
+        home.behaviours["lamp"] = obey
+        assert await toggle(lamp, 1) == [REPORTED]
+
+
+async def test_a_sensor_that_reports_only_changes_and_is_unreachable_contradicts_nobody(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await dark_room(home, telling_changes())
+        await toggle(lamp, 20)
+        home.gateway.devices.report_reachable("lux", reachable=False)
+        home.behaviours["lamp"] = obey
+        assert await toggle(lamp, 1) == [REPORTED]
+
+
+async def test_a_coarse_sensor_contradicts_in_the_dark_and_not_by_light(open_home: OpenHome) -> None:
+    """The sun may have risen unreported while the lamp was on: what a fall then leaves is less than it reports."""
+    async with open_home() as home:
+        lamp = await dark_room(home, telling_changes())
+        await toggle(lamp, 21)
+        home.behaviours["lamp"] = obey
+        outcome = await lamp.turn_off()
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.REPORTED
+        await home.report("lux", "illuminance", 0.0)
+        await anyio.sleep(40)
+        assert isinstance(await lamp.turn_on(), Contradicted)
+
+
+async def test_a_lamp_that_a_witness_saw_obey_is_no_echo(open_home: OpenHome) -> None:
+    """Although it goes back soon, again and again."""
+    async with open_home() as home:
+        lamp = await room(home)
+        await toggle(lamp, 12)
+
+        async def obey_for_a_while(home: Home, command: Command) -> None:
+            await shining("lux", 150.0)(home, command)
+            home.later(1.5, "lamp", "on_off", False)
+            home.later(1.5, "lux", "illuminance", 0.0)
+
+        home.behaviours["lamp"] = obey_for_a_while
+        for _ in range(5):
+            outcome = await lamp.turn_on()
+            assert isinstance(outcome, Confirmed)
+            assert (outcome.witness, outcome.evidence) == WITNESSED
+            await anyio.sleep(40)
+        assert [one.result.outcome for one in home.events] == ["reverted"] * 5
 
 
 async def test_a_lamp_that_shines_by_daylight_is_not_contradicted(open_home: OpenHome) -> None:

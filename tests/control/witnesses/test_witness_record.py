@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from homebot.control.witnesses.effect import Effect
 from homebot.control.witnesses.witness_record import ENOUGH, Expected, Observation, WitnessRecord
 
@@ -57,6 +59,26 @@ def test_one_that_it_missed_where_that_was_as_easy_ends_the_trust() -> None:
     known = [*[seen(UP, before=20.0)] * 5, *[seen(DOWN)] * 5]
     assert not record(*known, seen(UP, change=0.0, before=10.0)).has_seen_as_hard(UP, 20.0)
     assert record(*known, seen(UP, change=0.0, before=300.0)).has_seen_as_hard(UP, 20.0)
+
+
+def test_what_it_missed_while_it_moved_by_itself_does_not_count() -> None:
+    known = [*[seen(UP, before=20.0)] * 5, *[seen(DOWN)] * 5]
+    assert record(*known, Observation(UP, 10.0, 0.0, 1.0, swing=60.0)).has_seen_as_hard(UP, 20.0)
+
+
+def test_a_sensor_that_reports_changes_alone_is_unfailing_after_sixteen_in_a_row() -> None:
+    ups, downs = [replace(seen(one), fell_silent=True) for one in (UP, DOWN)]
+    known = record(*[ups, downs] * 7, ups)
+    assert not known.is_unfailing
+    known.note(downs)
+    assert known.is_unfailing
+    known.note_silence()
+    assert not known.is_unfailing
+
+
+def test_a_sensor_that_repeats_its_readings_is_never_unfailing() -> None:
+    """Its silence tells that it is out of order."""
+    assert not record(*[seen(UP), seen(DOWN)] * 16).is_unfailing
 
 
 def test_old_observations_are_forgotten() -> None:

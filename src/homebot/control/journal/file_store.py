@@ -1,4 +1,7 @@
-"""Entries of the journal in a file: written by a worker thread, a second's worth at a time."""
+"""Entries of the journal, and what was learnt from commands, in a file.
+
+Written by a worker thread, a second's worth at a time.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ import anyio
 from anyio import to_thread
 
 from homebot.control.journal.journal_note import JournalNote
+from homebot.control.journal.learnt_row import LearntRow
 from homebot.control.journal.memory_store import MemoryStore
 from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
 from homebot.errors import LinkError, UsageError, WireError
@@ -31,7 +35,7 @@ _RETRY_AFTER: Final = 5.0
 _LAST_CHANCE: Final = 5.0
 _BATCH: Final = 2000
 _MOST_WAITING: Final = 10_000
-"""Entries that wait to be written; the oldest are lost and counted where the disk is away for long."""
+"""Entries that wait to be written, and things learnt; the oldest are lost and counted where the disk is long away."""
 
 
 @final
@@ -50,7 +54,7 @@ class FileStore:
 
     Attributes:
         dropped: Entries that were dropped because they were too many or too old.
-        failures: Entries that could not be kept.
+        failures: Entries, and things learnt, that could not be kept.
         problem: The trouble of the file, as text; empty where there is none.
     """
 
@@ -63,10 +67,12 @@ class FileStore:
         self._memory = in_memory
         self._file: JournalFile | None = None
         self._waiting: deque[JournalNote] = deque()
+        self._learnt: dict[tuple[str, str], LearntRow] = {}
         self._has_news = anyio.Event()
         self._turn = anyio.Lock()
         self._limit = LogLimit(self._clock)
         self._is_unusable = False
+        self._overrun = 0
         self.dropped = 0
         self.failures = 0
         self.problem = ""
@@ -79,8 +85,31 @@ class FileStore:
         self._waiting.append(note)
         if len(self._waiting) > _MOST_WAITING:
             self._waiting.popleft()
+            self._overrun += 1
             self.failures += 1
         self._has_news.set()
+
+    def learn(self, row: LearntRow) -> None:
+        """Keep what was learnt; it is written a second later. Where the file cannot be used it ends with the run."""
+        if self._is_unusable:
+            return
+        self._learnt[row.kind, row.name] = row
+        if len(self._learnt) > _MOST_WAITING:
+            del self._learnt[next(iter(self._learnt))]
+            self.failures += 1
+        self._has_news.set()
+
+    async def learnt(self) -> tuple[LearntRow, ...]:
+        """Return what an earlier run learnt; nothing where the file cannot be read."""
+        async with self._turn:
+            file = None if self._is_unusable else await self._opened()
+            if file is None:
+                return ()
+            try:
+                return await to_thread.run_sync(file.read_learnt)
+            except (LinkError, WireError) as exc:
+                self._note_failure(exc)
+                return ()
 
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
         """Return the newest entries that fit, those that were not written yet among them."""
@@ -104,7 +133,7 @@ class FileStore:
             await anyio.sleep(_RETRY_AFTER if self.problem else _WRITE_AFTER)
             self._has_news = anyio.Event()
             await self._write()
-            if self._waiting:
+            if self._waiting or self._learnt:
                 self._has_news.set()
 
     async def close(self) -> None:
@@ -116,7 +145,7 @@ class FileStore:
 
     async def _write(self) -> None:
         async with self._turn:
-            while self._waiting and not self._is_unusable:
+            while (self._waiting or self._learnt) and not self._is_unusable:
                 batch = tuple(islice(self._waiting, _BATCH))
                 file = await self._opened()
                 if file is None or not await self._write_batch(file, batch):
@@ -124,9 +153,9 @@ class FileStore:
 
     async def _write_batch(self, file: JournalFile, batch: tuple[JournalNote, ...]) -> bool:
         oldest = self._clock.now() - self._longest
-        before = self.failures
+        before, learnt = self._overrun, tuple(self._learnt.values())
         try:
-            self.dropped += await to_thread.run_sync(file.write, batch, oldest, self._most_bytes)
+            self.dropped += await to_thread.run_sync(file.write, batch, learnt, oldest, self._most_bytes)
         except WireError as exc:
             self._note_failure(exc)
             await self._set_aside(file)
@@ -135,7 +164,10 @@ class FileStore:
             self._note_failure(exc)
             return False
         self.problem = ""
-        for _ in range(len(batch) - (self.failures - before)):  # those of it that were lost meanwhile are gone
+        for row in learnt:
+            if self._learnt.get((row.kind, row.name)) is row:
+                del self._learnt[row.kind, row.name]
+        for _ in range(len(batch) - (self._overrun - before)):  # those of it that were lost meanwhile are gone
             self._waiting.popleft()
         return True
 
@@ -173,6 +205,7 @@ class FileStore:
         for note in self._waiting:
             self._memory.add(note)
         self._waiting.clear()
+        self._learnt.clear()
 
     def _note_failure(self, exc: LinkError | WireError) -> None:
         self.problem = str(exc)

@@ -58,6 +58,9 @@ class CommandJournal:
         store: Keeps them.
         changes: Is told of commands, which explain changes.
         settle: Seconds after a command in which a change of the part is taken for its effect.
+
+    Attributes:
+        store: Keeps them, and what is learnt from commands.
     """
 
     def __init__(self, node: Node, store: JournalStore, changes: ExplainedChanges, settle: float) -> None:
@@ -66,7 +69,7 @@ class CommandJournal:
         self._settle = max(settle, _SHORTEST_SETTLE)
         self._session = f"{round(self._clock.now()):x}"
         self._number = 0
-        self._store = store
+        self.store = store
         self._counters: dict[str, Callable[[], int]] = {}
         self._last_notes: list[Callable[[], None]] = []
         self._find = node.create_client(FindDevices, FIND_DEVICES)
@@ -75,12 +78,12 @@ class CommandJournal:
     async def run(self) -> None:
         """Write what is noted until cancelled, then the last notes."""
         try:
-            await self._store.run()
+            await self.store.run()
             await anyio.sleep_forever()
         finally:
             for note in self._last_notes:
                 note()
-            await self._store.close()
+            await self.store.close()
 
     def add_last_note(self, note: Callable[[], None]) -> None:
         """Call *note* when the journal ends, to note what was not noted until then."""
@@ -92,7 +95,7 @@ class CommandJournal:
 
     def health(self) -> HealthResponse:
         """Return what became of the entries, and the further counters."""
-        store = self._store
+        store = self.store
         counts = {"journal_expired": store.dropped, "journal_failures": store.failures}
         counts |= {name: read() for name, read in self._counters.items()}
         return HealthResponse(
@@ -102,7 +105,7 @@ class CommandJournal:
 
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
         """Return the newest entries that fit, and the names of their devices."""
-        response = await self._store.read(request)
+        response = await self.store.read(request)
         ids = {one.device for one in response.entries} | {one.trigger.device for one in response.entries}
         return response.with_checked(names=await self._names(sorted(ids - {""})))
 
@@ -261,6 +264,6 @@ class CommandJournal:
         )
 
     def _keep(self, note: JournalNote) -> None:
-        self._store.add(note)
+        self.store.add(note)
         if self._entries.subscription_count:
             self._entries.publish(note.entry())

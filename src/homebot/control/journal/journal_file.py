@@ -1,4 +1,7 @@
-"""The journal's file: an SQLite database with a row for each entry. Blocking; called from a worker thread."""
+"""The journal's file: an SQLite database with a row for each entry, and for each thing learnt from commands.
+
+Blocking; called from a worker thread.
+"""
 
 from __future__ import annotations
 
@@ -10,29 +13,41 @@ from typing import Final, final
 from pydantic import ValidationError
 
 from homebot.control.journal.journal_note import JournalNote
+from homebot.control.journal.learnt_row import LearntRow
 from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
 from homebot.messages import Time
 from homebot.sqlite_file import SqliteFile, SqliteSchema
 
 __all__ = ["JournalFile"]
 
+_LEARNT: Final = (
+    "CREATE TABLE learnt (kind TEXT NOT NULL, name TEXT NOT NULL, record TEXT NOT NULL, at REAL NOT NULL, "
+    "command TEXT NOT NULL, PRIMARY KEY (kind, name))"
+)
+
 _JOURNAL: Final = SqliteSchema(
     "journal",
-    1,
+    2,
     (
         "CREATE TABLE entries (number INTEGER PRIMARY KEY, at REAL NOT NULL, device TEXT NOT NULL, "
         "command TEXT NOT NULL, entry TEXT NOT NULL)",
         "CREATE INDEX entries_at ON entries (at)",
         "CREATE INDEX entries_device ON entries (device, number)",
         "CREATE INDEX entries_command ON entries (command, number)",
+        _LEARNT,
     ),
-    ("SELECT number, at, device, command, entry FROM entries LIMIT 1",),
+    (
+        "SELECT number, at, device, command, entry FROM entries LIMIT 1",
+        "SELECT kind, name, record, at, command FROM learnt LIMIT 1",
+    ),
+    {1: (_LEARNT,)},  # version 1 kept nothing that was learnt
 )
 
 _SHARE: Final = 0.1
 """Of the entries, that are dropped at once where the file is full: to drop a few each time would cost more."""
 
 _ROUNDS: Final = 20
+_MOST_LEARNT: Final = 20_000
 
 
 @final
@@ -46,12 +61,13 @@ class JournalFile(SqliteFile):
     def __init__(self, path: Path) -> None:
         super().__init__(path, _JOURNAL)
 
-    def write(self, notes: Sequence[JournalNote], oldest: float, most_bytes: float) -> int:
-        """Write *notes* as entries in one transaction, and drop the oldest; return how many were dropped.
+    def write(self, notes: Sequence[JournalNote], learnt: Sequence[LearntRow], oldest: float, most_bytes: float) -> int:
+        """Write *notes* as entries in one transaction, and drop the oldest; return how many entries were dropped.
 
         Args:
             notes: What was noted, oldest first.
-            oldest: Seconds since the Unix epoch; what is older is dropped.
+            learnt: What was learnt, in place of what was there of it; a row without a record is removed.
+            oldest: Seconds since the Unix epoch; what is older is dropped, of the entries and of what was learnt.
             most_bytes: What the entries may take; where it is more, a tenth of them is dropped, the oldest first.
 
         Raises:
@@ -63,6 +79,8 @@ class JournalFile(SqliteFile):
         try:
             with connection:
                 connection.executemany("INSERT INTO entries (at, device, command, entry) VALUES (?, ?, ?, ?)", rows)
+                _write_learnt(connection, learnt)
+                connection.execute("DELETE FROM learnt WHERE at < ?", (oldest,))
                 dropped = connection.execute("DELETE FROM entries WHERE at < ?", (oldest,)).rowcount
                 for _ in range(_ROUNDS):
                     if _size(connection) <= most_bytes:
@@ -71,6 +89,20 @@ class JournalFile(SqliteFile):
         except sqlite3.Error as exc:
             raise self._failure(exc, "written") from exc
         return dropped
+
+    def read_learnt(self) -> tuple[LearntRow, ...]:
+        """Return the newest 20,000 things learnt, oldest first; a row of other types has an empty record.
+
+        Raises:
+            LinkError: It cannot be read now.
+            WireError: The file is damaged.
+        """
+        query = "SELECT kind, name, record, at, command FROM learnt ORDER BY at DESC LIMIT ?"
+        try:
+            rows = self._opened().execute(query, (_MOST_LEARNT,)).fetchall()
+        except sqlite3.Error as exc:
+            raise self._failure(exc, "read") from exc
+        return tuple([_learnt_row(*row) for row in reversed(rows)])
 
     def read_entries(self, request: ReadJournalRequest) -> ReadJournalResponse:
         """Return the newest entries that fit; a row that cannot be read is left out.
@@ -108,13 +140,31 @@ def _conditions(request: ReadJournalRequest) -> tuple[str, tuple[object, ...]]:
     return (f" WHERE {' AND '.join(conditions)}" if conditions else ""), tuple(values)
 
 
+def _write_learnt(connection: sqlite3.Connection, learnt: Sequence[LearntRow]) -> None:
+    gone = [(one.kind, one.name) for one in learnt if not one.record]
+    connection.executemany("DELETE FROM learnt WHERE kind = ? AND name = ?", gone)
+    rows = [(one.kind, one.name, one.record, one.at, one.command) for one in learnt if one.record]
+    connection.executemany("INSERT OR REPLACE INTO learnt VALUES (?, ?, ?, ?, ?)", rows)
+
+
+def _learnt_row(kind: object, name: object, record: object, at: object, command: object) -> LearntRow:
+    return LearntRow(
+        str(kind),
+        str(name),
+        record if isinstance(record, str) else "",
+        at if isinstance(at, float) else 0.0,
+        str(command),
+    )
+
+
 def _size(connection: sqlite3.Connection) -> float:
-    """Return the bytes of the pages that are in use."""
+    """Return the bytes of the pages that are in use, without what was learnt: that is bounded by itself."""
     pages, free, size = (
         int(connection.execute(f"PRAGMA {name}").fetchone()[0])
         for name in ("page_count", "freelist_count", "page_size")
     )
-    return (pages - free) * size
+    (learnt,) = connection.execute("SELECT total(length(record) + length(name)) FROM learnt").fetchone()
+    return (pages - free) * size - float(learnt)
 
 
 def _drop_oldest(connection: sqlite3.Connection) -> int:

@@ -8,6 +8,7 @@ from itertools import islice
 from typing import final
 
 from homebot.control.journal.journal_note import JournalNote
+from homebot.control.journal.learnt_row import LearntRow
 from homebot.devices.journal_messages import MOST_ENTRIES, ReadJournalRequest, ReadJournalResponse
 from homebot.messages import Time
 
@@ -54,6 +55,13 @@ class MemoryStore:
             complete=len(found) <= limit,
             begins=self._entries[0].stamp if self._entries else Time(sec=0, nanosec=0),
         )
+
+    def learn(self, row: LearntRow) -> None:
+        """Do nothing: what was learnt ends with the run."""
+
+    async def learnt(self) -> tuple[LearntRow, ...]:
+        """Return nothing: no earlier run is known."""
+        return ()
 
     async def run(self) -> None:
         """Do nothing: there is no file."""

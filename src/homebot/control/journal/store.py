@@ -1,10 +1,11 @@
-"""Port of the stores of the journal."""
+"""Port of the stores of the journal, which keep what was learnt from commands too."""
 
 from __future__ import annotations
 
 from typing import Protocol
 
 from homebot.control.journal.journal_note import JournalNote
+from homebot.control.journal.learnt_row import LearntRow
 from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
 
 __all__ = ["JournalStore"]
@@ -29,6 +30,14 @@ class JournalStore(Protocol):
 
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
         """Return the newest entries that fit, also those that were added a moment ago."""
+        ...
+
+    def learn(self, row: LearntRow) -> None:
+        """Keep *row* in place of the one of its kind and name; without a record, none; never blocks."""
+        ...
+
+    async def learnt(self) -> tuple[LearntRow, ...]:
+        """Return what an earlier run learnt, the longest unused first; a row that cannot be read has no record."""
         ...
 
     async def run(self) -> None:

@@ -75,8 +75,8 @@ def can_tell(
     rest = before if effect.rises else before - expected.least  # what is there without the effect
     if not -expected.least / 4 <= rest <= expected.least / 2 or swing > expected.least / 8:
         return False
-    if capability in {"illuminance", "power", "flow"} and not _is_fine(
-        history, expected, before, capability, times.began
+    if capability in {"illuminance", "power", "flow"} and not (
+        _is_dark(expected, effect, before) or _is_fine(history, expected, before, capability, times.began)
     ):
         return False
     return record.has_seen_as_hard(effect, before)
@@ -101,11 +101,19 @@ def _swing(history: SensorHistory, times: WatchTimes) -> float | None:
     return history.swing(max(times.quiet_since, times.began - QUIET), times.mark)
 
 
+def _is_dark(expected: Expected, effect: Effect, before: float) -> bool:
+    """Return whether nothing but the part could be measured: from 0 on it can only be more than what was seen before.
+
+    What a coarse sensor left out of its reports hides a fall, as the sun rises meanwhile, and no rise.
+    """
+    return effect.rises and abs(before) <= expected.least / _SHARE
+
+
 def _is_fine(history: SensorHistory, expected: Expected, before: float, capability: str, now: float) -> bool:
     """Return whether half of the change would be reported too.
 
     What a sensor leaves out of its reports may hide a slow change. Daylight always makes one; a meter that has known
     two values alone measures one load.
     """
-    is_alone = capability != "illuminance" and history.has_two_levels(expected.least)
-    return is_alone or history.is_finer_than(expected.least / 2, before, now)
+    is_alone = capability != "illuminance" and history.resolution.has_two_levels(expected.least)
+    return is_alone or history.resolution.is_finer_than(expected.least / 2, before, now)

@@ -48,13 +48,20 @@ class HomeState:
     def is_alive(self, sensor: Sensor, since: float) -> bool:
         """Return whether the device of a sensor can be reached and reported anything since *since*, monotonic."""
         device = self.devices.get(sensor.device.id)
-        if device is None or device.freshness != "fresh" or device.reachable.state == "no":
+        if device is None or not self.is_reachable(sensor):
             return False
         told = [one.told_at.to_seconds() for one in device.states if one.live]
         if len(device.states) == 1:  # a text that is repeated is no new report
             told.append(device.last_seen.to_seconds())
         ages = [self.wall - one for one in told]
-        return sensor.part.id not in device.offline_parts and any(0 <= age <= self.now - since for age in ages)
+        return any(0 <= age <= self.now - since for age in ages)
+
+    def is_reachable(self, sensor: Sensor) -> bool:
+        """Return whether nothing says that the device of a sensor, or the sensor's part, is away or stale."""
+        device = self.devices.get(sensor.device.id)
+        if device is None or device.freshness != "fresh" or device.reachable.state == "no":
+            return False
+        return sensor.part.id not in device.offline_parts
 
     def _near(self, watch: CommandWatch, sensor: Sensor, since: float) -> Iterator[tuple[float, Place]]:
         changes = self.activity.since(since, watch.command.id)

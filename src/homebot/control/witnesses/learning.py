@@ -7,12 +7,15 @@ from typing import Final, TypeAlias, final
 
 import anyio
 
+from homebot.control.echoes import KeepLearnt
 from homebot.control.witnesses.activity import Place
 from homebot.control.witnesses.command_watch import CommandWatch
+from homebot.control.witnesses.effect import Effect
 from homebot.control.witnesses.home_watch import HomeWatch
-from homebot.control.witnesses.sensor_findings import observed
+from homebot.control.witnesses.saved_witness import SavedWitness, read_witness, witness_name, witness_record
+from homebot.control.witnesses.sensor_findings import observed, was_silent
 from homebot.control.witnesses.sensors import Sensor
-from homebot.control.witnesses.witness_record import Expected, WitnessRecord
+from homebot.control.witnesses.witness_record import Expected, Observation, WitnessRecord
 from homebot.graph import Node
 from homebot.timer_queue import TimerQueue
 
@@ -23,6 +26,8 @@ LEARNT: Final = "control.witness_learnt"
 _MOST_RECORDS: Final = 1000
 _MOST_WATCHED: Final = 1000
 
+_Key: TypeAlias = tuple[str, tuple[str, str, str]]
+
 Trusted: TypeAlias = tuple[Sensor, WitnessRecord, Expected]
 """A sensor that is trusted, with its record and what it will see."""
 
@@ -31,27 +36,27 @@ Trusted: TypeAlias = tuple[Sensor, WitnessRecord, Expected]
 class WitnessLearning:
     """Compares, some seconds after each confirmed command, what its sensors did.
 
-    What is remembered is in memory alone, as the response times are: after a restart it is learnt anew.
-
     Args:
         node: The node that tells what was learnt.
         home: The sensors.
         seconds: How long the sensors are watched after a report.
+        keep: Keeps what is learnt over a restart.
 
     Attributes:
         forgotten: Pairs of a part and a sensor that were forgotten: 1,000 are kept, the longest unused goes first.
         missed: Confirmed commands from which nothing was learnt, since 1,000 were being watched.
     """
 
-    def __init__(self, node: Node, home: HomeWatch, seconds: float) -> None:
+    def __init__(self, node: Node, home: HomeWatch, seconds: float, keep: KeepLearnt) -> None:
         self._node = node
         self._clock = node.graph.clock
         self._home = home
         self._seconds = seconds
+        self._keep = keep
         self._watched: dict[Place, CommandWatch] = {}
         self._deadlines: TimerQueue[Place, None] = TimerQueue()
         self._added = anyio.Event()
-        self._records: OrderedDict[tuple[str, tuple[str, str, str]], WitnessRecord] = OrderedDict()
+        self._records: OrderedDict[_Key, WitnessRecord] = OrderedDict()
         self.forgotten = 0
         self.missed = 0
 
@@ -99,21 +104,53 @@ class WitnessLearning:
         if effect is None:
             return
         for sensor in watch.marks:
-            if (found := observed(watch, sensor, effect, at, self._seconds)) is None:
-                continue
-            record = self._record(watch.command.target, sensor)
-            was_trusted = record.expected(rises=effect.rises) is not None
-            record.note(found)
-            if not was_trusted and (expected := record.expected(rises=effect.rises)) is not None:
-                self._tell(watch, sensor, expected)
+            found = observed(watch, sensor, effect, at, self._seconds)
+            known = self._records.get((watch.command.target, sensor.place))
+            if found is not None:
+                self._note(watch, sensor, effect, found)
+            elif known is not None and was_silent(watch, sensor, known, effect, at):
+                known.note_silence()
+                self._save(watch, sensor, known)
 
-    def _record(self, target: str, sensor: Sensor) -> WitnessRecord:
-        key = (target, sensor.place)
+    def _note(self, watch: CommandWatch, sensor: Sensor, effect: Effect, found: Observation) -> None:
+        record = self._record((watch.command.target, sensor.place))
+        was_trusted = record.expected(rises=effect.rises) is not None
+        record.note(found)
+        if not was_trusted and (expected := record.expected(rises=effect.rises)) is not None:
+            self._tell(watch, sensor, expected)
+        self._save(watch, sensor, record)
+
+    def restore(self, name: str, record: str) -> None:
+        """Take over what an earlier run learnt, which :meth:`_save` kept; the readings that it has are none of now.
+
+        Raises:
+            WireError: It cannot be read, or is of another version.
+        """
+        saved = read_witness(name, record)
+        known = self._record((saved.target, saved.sensor))
+        for one in saved.observations:
+            known.note(one)
+        known.seen_in_row = saved.seen_in_row
+        ahead = self._clock.now() - self._clock.monotonic()
+        steps = (
+            (at - ahead, before, size) for at, before, size in saved.steps if at - ahead <= self._clock.monotonic()
+        )
+        self._home.sensors.remember(saved.sensor, steps, saved.levels)
+
+    def _save(self, watch: CommandWatch, sensor: Sensor, record: WitnessRecord) -> None:
+        target, resolution = watch.command.target, sensor.history.resolution
+        ahead = self._clock.now() - self._clock.monotonic()
+        steps = tuple((at + ahead, before, size) for at, before, size in resolution.steps)
+        saved = SavedWitness(target, sensor.place, record.observations, record.seen_in_row, steps, resolution.levels)
+        self._keep(witness_name(target, sensor.place), witness_record(saved), watch.command.id)
+
+    def _record(self, key: _Key) -> WitnessRecord:
         record = self._records.setdefault(key, WitnessRecord())
         self._records.move_to_end(key)
         if len(self._records) > _MOST_RECORDS:
-            self._records.popitem(last=False)
+            forgotten, _ = self._records.popitem(last=False)
             self.forgotten += 1
+            self._keep(witness_name(*forgotten), "", "")
         return record
 
     def _tell(self, watch: CommandWatch, sensor: Sensor, expected: Expected) -> None:

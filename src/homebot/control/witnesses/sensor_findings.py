@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from homebot.control.witnesses.command_watch import CommandWatch
@@ -12,11 +12,13 @@ from homebot.control.witnesses.home_state import HomeState
 from homebot.control.witnesses.sensors import Sensor
 from homebot.control.witnesses.witness_record import Expected, Observation, WitnessRecord
 
-__all__ = ["SensorFinding", "observed", "patience", "sees"]
-
+__all__ = ["SensorFinding", "observed", "patience", "sees", "was_silent"]
 
 _SPARE: Final = 0.1
 _LONGEST_SPARE: Final = 1.0  # seconds
+
+_TOGETHER: Final = 1.0
+"""Seconds within which a device tells its values one after the other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +64,10 @@ def patience(
 def sees(
     watch: CommandWatch, sensor: Sensor, record: WitnessRecord, expected: Expected, effect: Effect, at: HomeState
 ) -> SensorFinding:
-    """Return what *sensor* tells now; that it saw nothing only once its time is over and it is known to be alive."""
+    """Return what *sensor* tells now; that it saw nothing only once its time is over and it is known to be alive.
+
+    One that reports changes alone, and never missed one, is taken to be alive while nothing says otherwise.
+    """
     if at.is_disturbed(watch, sensor):
         return SensorFinding(sensor, Finding.UNCLEAR, at.now)
     times = _times(watch, sensor, at, expected.within)
@@ -71,7 +76,10 @@ def sees(
         changed = sensor.history.change(times.mark, at.now, rises=effect.rises)
         return SensorFinding(sensor, finding, at.now if changed is None else changed[1])
     is_over = at.now >= watch.reported + expected.within + watch.command.transition
-    is_sure = is_over and at.is_alive(sensor, watch.reported + expected.slowest) and not _is_in_doubt(watch, sensor)
+    is_awake = at.is_alive(sensor, watch.reported + expected.slowest) or (
+        record.is_unfailing and at.is_reachable(sensor)
+    )
+    is_sure = is_over and is_awake and not _is_in_doubt(watch, sensor)
     if finding is Finding.NOTHING and is_sure and would_see(watch, sensor, record, expected, effect, at):
         return SensorFinding(sensor, finding, at.now)
     return SensorFinding(sensor, Finding.UNCLEAR, at.now)
@@ -82,9 +90,19 @@ def observed(watch: CommandWatch, sensor: Sensor, effect: Effect, at: HomeState,
     if watch.command.transition or at.is_disturbed(watch, sensor):
         return None
     found = observe(sensor.history, effect, _times(watch, sensor, at, settle))
-    if found is not None and not found.change and not at.is_alive(sensor, watch.reported):
-        return None  # it may have been silent
-    return found
+    if found is None:
+        return None
+    if not found.change:
+        return found if at.is_alive(sensor, watch.reported) else None  # else it may have been silent
+    return replace(found, fell_silent=not at.is_alive(sensor, watch.reported + found.delay + _TOGETHER))
+
+
+def was_silent(watch: CommandWatch, sensor: Sensor, record: WitnessRecord, effect: Effect, at: HomeState) -> bool:
+    """Return whether *sensor*, which is trusted, showed nothing of an effect that it would have shown."""
+    expected = record.expected(rises=effect.rises)
+    if expected is None or watch.command.transition or not would_see(watch, sensor, record, expected, effect, at):
+        return False
+    return finding_of(sensor.history, expected, effect, _times(watch, sensor, at, expected.within)) is Finding.NOTHING
 
 
 def _times(watch: CommandWatch, sensor: Sensor, at: HomeState, settle: float) -> WatchTimes:

@@ -1,34 +1,30 @@
-"""Latest readings of one sensor, and how finely it reports. Pure."""
+"""Latest readings of one sensor. Pure."""
 
 from __future__ import annotations
 
 from collections import deque
 from typing import Final, final
 
+from homebot.control.witnesses.sensor_resolution import SensorResolution
+
 __all__ = ["SensorHistory"]
 
 _KEPT: Final = 512
-_ENOUGH_STEPS: Final = 3
-_STEPS_COUNT: Final = 259_200.0
-"""Seconds for which a step tells how finely the sensor reports: 3 days, in which daylight comes and goes."""
-
-_LEVELS_KEPT: Final = 16
 
 
 @final
 class SensorHistory:
     """The readings of one sensor that differ from the one before: the last 512; the oldest is forgotten.
 
-    Of the steps between them the last 3 are kept for each magnitude of the step and of the value from which it began.
-
     Attributes:
+        resolution: How finely it reports.
         count: How many there were; a *mark* is this number at some time, as several things may happen at one time.
     """
 
     def __init__(self) -> None:
         self.count = 0
         self._readings: deque[tuple[int, float, float]] = deque(maxlen=_KEPT)
-        self._steps: dict[tuple[int, int], deque[tuple[float, float, float]]] = {}
+        self.resolution = SensorResolution()
 
     @property
     def begins(self) -> float | None:
@@ -37,13 +33,10 @@ class SensorHistory:
 
     def note(self, value: float, at: float) -> None:
         """Take in a reading at *at*, in seconds of the monotonic clock, no earlier than the one before."""
-        if self._readings:
-            before = self._readings[-1][2]
-            if value == before:
-                return
-            size = abs(value - before)
-            key = (_magnitude(before), _magnitude(size))
-            self._steps.setdefault(key, deque(maxlen=_ENOUGH_STEPS)).append((at, before, size))
+        before = self._readings[-1][2] if self._readings else None
+        if value == before:
+            return
+        self.resolution.note(value, at, before)
         self.count += 1
         self._readings.append((self.count, at, value))
 
@@ -81,26 +74,3 @@ class SensorHistory:
         if most <= 0:
             return 0.0, until
         return most, next(at for at, change in changes if change >= most / 2)
-
-    def is_finer_than(self, step: float, level: float, now: float) -> bool:
-        """Return whether it lately reported three changes of *step* or less, from values of *level* or more.
-
-        A sensor that tells of great changes alone says nothing by its silence, and many take a share of the value.
-        """
-        steps = (one for kept in self._steps.values() for one in kept)
-        found = sum(start >= level and size <= step and now - at <= _STEPS_COUNT for at, start, size in steps)
-        return found >= _ENOUGH_STEPS
-
-    def has_two_levels(self, apart: float) -> bool:
-        """Return whether its last 16 readings were one of two values, about *apart*: it measures one thing alone."""
-        values = [value for _, _, value in self._readings][-_LEVELS_KEPT:]
-        if len(values) < _LEVELS_KEPT // 2:
-            return False
-        low, high, slack = min(values), max(values), apart / 8
-        are_two = all(value - low <= slack or high - value <= slack for value in values)
-        return are_two and abs(high - low - apart) <= 2 * slack
-
-
-def _magnitude(value: float) -> int:
-    """Return the power of two at which *value* lies, -1 to 24."""
-    return min(int(abs(value)).bit_length(), 24) if value >= 0 else -1

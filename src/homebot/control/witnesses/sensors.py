@@ -9,6 +9,7 @@ from typing import TypeAlias, final
 from homebot.control.command import IssuedCommand
 from homebot.control.witnesses.effect import SENSED, seen_by
 from homebot.control.witnesses.sensor_history import SensorHistory
+from homebot.control.witnesses.sensor_resolution import Step
 from homebot.devices import Device, DevicePart
 from homebot.devices.query import PartFacets, Query, fits
 from homebot.devices.value import PlainValue
@@ -18,6 +19,9 @@ __all__ = ["MOST_FOR_ONE", "Sensor", "WitnessSensors", "reading_of"]
 
 MOST_FOR_ONE = 4
 """Sensors that are compared for one part: of more, those of its room whose ids come first."""
+
+_MOST_REMEMBERED = 1000
+"""Sensors of an earlier run that are not there yet; of more, those remembered first are forgotten."""
 
 _Place: TypeAlias = tuple[str, str, str]
 
@@ -70,6 +74,7 @@ class WitnessSensors:
         self._named = tuple(named)
         self._sensors: dict[_Place, Sensor] = {}
         self.ids: set[str] = set()
+        self._remembered: dict[_Place, SensorHistory] = {}
         self._rooms: dict[str, list[Sensor]] = {}
         self._meters: list[Sensor] = []
 
@@ -85,10 +90,22 @@ class WitnessSensors:
             for capability in part.part.capabilities:
                 place = (device.id, part.id, capability.name)
                 if capability.name in SENSED and capability.readable and not capability.settable:
-                    sensor = self._sensors[place] = old.get(place) or Sensor(device, part, capability.name)
+                    sensor = old.get(place)
+                    if sensor is None:
+                        history = self._remembered.pop(place, None) or SensorHistory()
+                        sensor = Sensor(device, part, capability.name, history)
                     sensor.device, sensor.part = device, part
+                    self._sensors[place] = sensor
                     _begin(sensor, now)
         self._arrange()
+
+    def remember(self, place: _Place, steps: Iterable[Step], levels: Iterable[float]) -> None:
+        """Take over how finely the sensor at *place* reported in an earlier run, also of one that is not there yet."""
+        known = self._sensors.get(place)
+        history = self._remembered.setdefault(place, SensorHistory()) if known is None else known.history
+        history.resolution.restore(steps, levels)
+        if len(self._remembered) > _MOST_REMEMBERED:
+            del self._remembered[next(iter(self._remembered))]
 
     def remove(self, device_id: str) -> None:
         """Forget the sensors of a device."""

@@ -9,6 +9,7 @@ from typing import Final, TypeAlias, final
 import anyio
 
 from homebot.control.command import IssuedCommand
+from homebot.control.learnt_persistence import LearntPersistence
 from homebot.control.pending import PendingCommand
 from homebot.control.settings import ControlSettings
 from homebot.control.witnesses.activity import Place
@@ -38,12 +39,14 @@ class WitnessVerification:
     Args:
         node: The node that follows them.
         settings: The sensors that the owner names, and for how long at most they are waited for.
+        persistence: Keeps what is learnt over a restart.
     """
 
-    def __init__(self, node: Node, settings: ControlSettings) -> None:
+    def __init__(self, node: Node, settings: ControlSettings, persistence: LearntPersistence) -> None:
         self._clock = node.graph.clock
         self._home = HomeWatch(node, settings.named_witnesses, settings.timeout)
-        self._learning = WitnessLearning(node, self._home, settings.timeout)
+        self._learning = WitnessLearning(node, self._home, settings.timeout, persistence.keeper("witness"))
+        persistence.add("witness", self._learning)
         self._disproved: OrderedDict[Place, float] = OrderedDict()
         self._counts = {"commands_witnessed": 0, "commands_disproved": 0}
 

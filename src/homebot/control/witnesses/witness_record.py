@@ -11,12 +11,19 @@ from typing import Final, final
 
 from homebot.control.witnesses.effect import Effect
 
-__all__ = ["Expected", "Observation", "WitnessRecord"]
+__all__ = ["MOST_OBSERVATIONS", "Expected", "Observation", "WitnessRecord"]
 
 ENOUGH: Final = 5
 """Consistent observations in each direction before a sensor is trusted."""
 
 _KEPT: Final = 16
+
+MOST_OBSERVATIONS: Final = 2 * _KEPT
+"""Observations of one record, in both directions."""
+
+_UNFAILING: Final = 16
+"""Effects in a row that a sensor saw before its silence tells as much as a report."""
+
 _SIZE_SLACK: Final = 5.0  # of 100
 
 
@@ -30,6 +37,7 @@ class Observation:
         change: By how much it changed in the expected direction, at most.
         delay: Seconds from the device's report to that change; 0 where it came before.
         swing: By how much it went up and down in the time before the command.
+        fell_silent: Whether its device reported nothing more after that change, as one that reports only changes.
     """
 
     effect: Effect
@@ -37,6 +45,7 @@ class Observation:
     change: float
     delay: float
     swing: float
+    fell_silent: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,14 +67,35 @@ class Expected:
 
 @final
 class WitnessRecord:
-    """The last 16 observations of one sensor in each direction; the oldest is forgotten."""
+    """The last 16 observations of one sensor in each direction; the oldest is forgotten.
+
+    Attributes:
+        seen_in_row: How many effects the sensor saw in a row, without missing one that it would have shown.
+    """
 
     def __init__(self) -> None:
+        self.seen_in_row = 0
         self._kept: dict[bool, deque[Observation]] = {True: deque(maxlen=_KEPT), False: deque(maxlen=_KEPT)}
 
     def note(self, observation: Observation) -> None:
         """Take in an observation, whether or not the sensor saw anything."""
         self._kept[observation.effect.rises].append(observation)
+        self.seen_in_row = self.seen_in_row + 1 if observation.change else 0
+
+    def note_silence(self) -> None:
+        """Take in that it was silent at an effect that it would have shown, by whatever fault."""
+        self.seen_in_row = 0
+
+    @property
+    def observations(self) -> tuple[Observation, ...]:
+        """The observations, those of each direction oldest first."""
+        return (*self._kept[False], *self._kept[True])
+
+    @property
+    def is_unfailing(self) -> bool:
+        """True if its silence tells that there was no effect: it reports changes alone, and missed none for long."""
+        silent = [one.fell_silent for one in self.observations]
+        return self.seen_in_row >= _UNFAILING and 2 * sum(silent) > len(silent)
 
     def expected(self, *, rises: bool) -> Expected | None:
         """Return what it will see; None where it is not trusted.
@@ -86,11 +116,14 @@ class WitnessRecord:
     def has_seen_as_hard(self, effect: Effect, before: float) -> bool:
         """Return whether it saw such effects where they were as hard to see, and missed none that was as easy.
 
-        The higher the reading before, and the smaller the effect, the harder it is to see.
+        What it did while it moved by itself shows neither. The higher the reading before, and the smaller the effect,
+        the harder it is to see.
         """
-        slack = self._typical(rises=effect.rises) / 8
+        typical = self._typical(rises=effect.rises)
+        slack = typical / 8
         seen = self._seen(rises=effect.rises)
-        alike = [one for one in self._kept[effect.rises] if one.effect.looks == effect.looks]
+        calm = [one for one in self._kept[effect.rises] if one.swing <= typical / 4]
+        alike = [one for one in calm if one.effect.looks == effect.looks]
         as_hard = [
             one
             for one in alike

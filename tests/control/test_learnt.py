@@ -1,0 +1,146 @@
+"""What commands taught is known after a restart; in virtual time, with a store that outlives the control layer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import anyio
+import pytest
+from structlog.testing import capture_logs
+from tests.control.conftest import Home, OpenHome, obey, report
+from tests.control.witnesses.rooms import room, shining, toggle
+
+from homebot.clock import Clock, LoopClock
+from homebot.control.journal.journal_note import JournalNote
+from homebot.control.journal.learnt_row import LearntRow
+from homebot.control.journal.memory_store import MemoryStore
+from homebot.devices.handles import Light
+from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
+from homebot.devices.outcomes import Confirmed, Contradicted, Evidence
+
+pytestmark = pytest.mark.virtual_time
+
+ECHO = 0.005
+
+
+class KeptStore:
+    """A store of which what was learnt outlives a restart, without a file and its thread."""
+
+    def __init__(self) -> None:
+        self._entries = MemoryStore(1000, 86_400.0)
+        self.rows: dict[tuple[str, str], LearntRow] = {}
+        self.dropped, self.failures, self.problem = 0, 0, ""
+
+    def add(self, note: JournalNote) -> None:
+        self._entries.add(note)
+
+    async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
+        return await self._entries.read(request)
+
+    def learn(self, row: LearntRow) -> None:
+        self.rows[row.kind, row.name] = row
+        if not row.record:
+            del self.rows[row.kind, row.name]
+
+    async def learnt(self) -> tuple[LearntRow, ...]:
+        return tuple(self.rows.values())
+
+    async def run(self) -> None:
+        """Do nothing: there is no file."""
+
+    async def close(self) -> None:
+        """Do nothing: the next run goes on with it."""
+
+
+async def learn_a_witness(open_home: OpenHome, store: KeptStore, clock: Clock | None = None) -> None:
+    async with open_home(store=store, clock=clock) as home:
+        await toggle(await room(home), 12)
+
+
+async def lamp_after_restart(home: Home) -> Light:
+    """Put the lamp and the sensor there as they were, and let control begin to watch."""
+    home.put("lamp", "light", "on_off", area="Hall")
+    home.put("lux", "light_sensor", readable=("illuminance",), area="Hall")
+    home.behaviours["lamp"] = shining("lux", 150.0)
+    await home.report("lamp", "on_off", False)
+    await home.report("lux", "illuminance", 0.0)
+    lamp = await home.handle(Light, "lamp")
+    await toggle(lamp, 2)
+    return lamp
+
+
+async def test_a_witness_is_trusted_after_a_restart(open_home: OpenHome) -> None:
+    store = KeptStore()
+    await learn_a_witness(open_home, store)
+    async with open_home(store=store) as home:
+        lamp = await lamp_after_restart(home)
+        assert await toggle(lamp, 1) == [("Lux", Evidence.WITNESSED)]
+
+
+async def test_a_lie_is_contradicted_after_a_restart(open_home: OpenHome) -> None:
+    """The sensor has shown before how finely it reports."""
+    store, clock = KeptStore(), LoopClock()
+    await learn_a_witness(open_home, store, clock)
+    async with open_home(store=store, clock=clock) as home:
+        lamp = await lamp_after_restart(home)
+        await toggle(lamp, 1)
+
+        async def tell_again() -> None:
+            while True:
+                await home.report("lux", "illuminance", 150.0)
+                await anyio.sleep(2)
+
+        home.behaviours["lamp"] = obey
+        home.tasks.start_soon(tell_again)
+        assert isinstance(await lamp.turn_off(), Contradicted)
+
+
+async def test_each_row_says_when_and_from_which_command_it_was_learnt(open_home: OpenHome) -> None:
+    store = KeptStore()
+    async with open_home(store=store) as home:
+        lamp = await room(home)
+        await toggle(lamp, 11)
+        outcome = await lamp.turn_off()
+        await anyio.sleep(40)
+        (row,) = store.rows.values()
+        assert (row.kind, row.command) == ("witness", outcome.command_id)
+        assert home.graph.clock.now() - row.at == pytest.approx(30, abs=1)
+
+
+async def test_echoes_are_known_after_a_restart(open_home: OpenHome) -> None:
+    store = KeptStore()
+    for expected in (Confirmed, Confirmed, Contradicted):
+        async with open_home(store=store) as home:
+            home.put("lamp", "light", "on_off")
+            home.behaviours["lamp"] = report((ECHO, True), (1.5, False))
+            assert isinstance(await (await home.handle(Light)).turn_on(), expected)
+            await anyio.sleep(20)
+
+
+BAD_ROWS: Mapping[str, LearntRow] = {
+    "no JSON": LearntRow("witness", "attic by lux# illuminance", "nonsense", 0.0, ""),
+    "another version": LearntRow("echo", "lamp on_off", '{"version": 0, "target": "lamp"}', 0.0, ""),
+    "another name": LearntRow("echo", "lock lock", '{"target": "lamp", "capability": "on_off"}', 0.0, ""),
+    "not finite": LearntRow("echo", "lamp on_off", '{"target":"lamp","capability":"on_off","fast":[1e999]}', 0.0, ""),
+    "damaged": LearntRow("witness", "attic by lux# illuminance", "", 0.0, ""),
+    "of a newer version": LearntRow("habit", "lamp", "{}", 0.0, ""),
+}
+
+
+@pytest.mark.parametrize("bad", BAD_ROWS.values(), ids=BAD_ROWS.keys())
+async def test_a_row_that_cannot_be_read_is_dropped_and_the_others_are_used(
+    open_home: OpenHome, bad: LearntRow
+) -> None:
+    store = KeptStore()
+    await learn_a_witness(open_home, store)
+    (good,) = store.rows.values()
+    store.rows = {(one.kind, one.name): one for one in (bad, good)}
+    with capture_logs() as lines:
+        async with open_home(store=store) as home:
+            await toggle(await lamp_after_restart(home), 1)
+    (line,) = [one for one in lines if one["event"] == "control.learnt_dropped"]
+    assert line["log_level"] == "warning"
+    assert f"{bad.kind} {bad.name!r}" in line["message"]
+    assert (bad.kind, bad.name) not in store.rows
+    (used,) = [one for one in lines if one["event"] == "control.learnt_loaded"]
+    assert used["count"] == 1
