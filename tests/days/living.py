@@ -93,7 +93,7 @@ async def _live(day: RandomDay, apps: tuple[str, ...], *, has_policies: bool) ->
         anyio.create_task_group() as tasks,
     ):
         _observe(lived, observer, world)
-        await _read_begin(lived, observer)
+        await _read_begin(lived, observer, world)
         if not apps:
             tasks.start_soon(_command, day, observer, tasks)
         await day.day.live(house)
@@ -103,12 +103,15 @@ async def _live(day: RandomDay, apps: tuple[str, ...], *, has_policies: bool) ->
     return lived
 
 
-async def _read_begin(lived: LivedDay, observer: Node) -> None:
+async def _read_begin(lived: LivedDay, observer: Node, world: World) -> None:
     """Read what was in the journal before anybody looked."""
     read = observer.create_client(ReadJournal, READ_JOURNAL)
     await read.wait_for_service()
     found = (await read.call(ReadJournalRequest())).entries
-    lived.entries[:0] = [one for one in found if one not in lived.entries]
+    missed = [one for one in found if one not in lived.entries]
+    lived.entries[:0] = missed
+    for one in missed:
+        lived.presence.setdefault(one.command, _presence(lived, world))  # no time has passed since
 
 
 async def _end(lived: LivedDay, house: VirtualHouse, observer: Node) -> None:
@@ -119,12 +122,11 @@ async def _end(lived: LivedDay, house: VirtualHouse, observer: Node) -> None:
 
 def _observe(lived: LivedDay, observer: Node, world: World) -> None:
     lived.rooms.update({name: placed.room for name, placed in world.devices.items()})
-    rooms = set(lived.rooms.values())
 
     def take_entry(entry: JournalEntry) -> None:
         lived.entries.append(entry)
         if entry.kind in {"judged", "sent", "published"}:
-            lived.presence[entry.command] = {room: (world.awake_in(room), len(world.people_in(room))) for room in rooms}
+            lived.presence[entry.command] = _presence(lived, world)
 
     def take_change(change: DeviceChange) -> None:
         lived.names.setdefault(change.device.id, change.device.name)
@@ -136,6 +138,11 @@ def _observe(lived: LivedDay, observer: Node, world: World) -> None:
     observer.create_subscription(JournalEntry, JOURNAL_ENTRIES, take_entry, _ALL)
     observer.create_subscription(DeviceChange, DEVICE_CHANGES, take_change, _ALL)
     observer.create_subscription(StateChange, DEVICE_STATES, take_state, _ALL)
+
+
+def _presence(lived: LivedDay, world: World) -> dict[str, tuple[int, int]]:
+    """Return how many are awake, and how many there are, in each room that has a device."""
+    return {room: (world.awake_in(room), len(world.people_in(room))) for room in set(lived.rooms.values())}
 
 
 async def _command(day: RandomDay, observer: Node, tasks: TaskGroup) -> None:
