@@ -212,7 +212,13 @@ _NO_FACTS: Final[Mapping[str, object]] = {
 
 def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandResult:
     """Return the message that carries *outcome*, and what the device reported."""
-    fields = {"command_id": outcome.command_id, "text": outcome.text, "reported": reported, **_NO_FACTS}
+    fields = {  # in the order in which programs are shown them
+        "command_id": outcome.command_id,
+        "outcome": "gone",
+        "text": outcome.text,
+        "reported": reported,
+        **_NO_FACTS,
+    }
     match outcome:
         case outcomes.Confirmed():
             fields["outcome"] = "confirmed"
@@ -231,8 +237,6 @@ def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandRe
             fields |= {"outcome": "superseded", "by": outcome.by}
         case outcomes.Refused():
             fields |= {"outcome": "refused", "policy": outcome.policy, "reason": outcome.reason}
-        case _:
-            fields["outcome"] = "gone"
     return CommandResult.of_checked(**fields)
 
 
