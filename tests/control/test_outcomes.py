@@ -164,6 +164,62 @@ async def test_a_newer_command_takes_the_place_of_the_older_one(open_home: OpenH
         assert first == Superseded(last.command_id, command_id=first.command_id)
 
 
+async def test_off_takes_the_place_of_a_level_that_would_be_sent_again(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        home.behaviours["lamp"] = ignore
+        lamp = await home.handle(Light)
+        outcomes: list[Outcome] = []
+
+        async def dim() -> None:
+            outcomes.append(await lamp.set_level(40))
+
+        home.tasks.start_soon(dim)
+        await anyio.sleep(1)
+        home.behaviours["lamp"] = obey
+        last = await lamp.turn_off()
+        assert isinstance(last, Confirmed)
+        await anyio.sleep(60)
+        assert outcomes == [Superseded(last.command_id, command_id=outcomes[0].command_id)]
+        assert [(one.capability, one.value.plain()) for one in home.commands] == [("level", 40.0), ("on_off", False)]
+
+
+@pytest.mark.parametrize("newer", ["closed", "stopped"])
+async def test_a_movement_takes_the_place_of_a_position(open_home: OpenHome, newer: str) -> None:
+    async with open_home() as home:
+        home.put("blind", "window_covering", "movement", "position")
+        home.behaviours["blind"] = ignore
+        blind = await home.handle(WindowCovering)
+        outcomes: list[Outcome] = []
+
+        async def open_it() -> None:
+            outcomes.append(await blind.set_position(100))
+
+        home.tasks.start_soon(open_it)
+        await anyio.sleep(1)
+        await (blind.close() if newer == "closed" else blind.stop())
+        await anyio.sleep(60)
+        assert isinstance(outcomes[0], Superseded)
+        assert [one.capability for one in home.commands].count("position") == 1
+
+
+async def test_on_lets_a_level_go_on(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        home.behaviours["lamp"] = obey_after(0.5)
+        lamp = await home.handle(Light)
+        outcomes: list[Outcome] = []
+
+        async def dim() -> None:
+            outcomes.append(await lamp.set_level(40))
+
+        home.tasks.start_soon(dim)
+        await anyio.sleep(0.1)
+        assert isinstance(await lamp.turn_on(), Confirmed)
+        await anyio.sleep(1)
+        assert isinstance(outcomes[0], Confirmed)
+
+
 async def test_a_dimmer_may_round(open_home: OpenHome) -> None:
     async with open_home() as home:
         home.put("lamp", "light", "on_off", "level")

@@ -19,7 +19,7 @@ from homebot.control.journal import CommandJournal
 from homebot.control.judge import Judge
 from homebot.control.learnt_persistence import LearntPersistence
 from homebot.control.leases import LEASE_POLICY, Leases
-from homebot.control.pending import PendingCommand
+from homebot.control.pending import PendingCommand, PendingCommands
 from homebot.control.report_watch import ReportWatch
 from homebot.control.response_times import ResponseTimes
 from homebot.control.settings import ControlSettings
@@ -100,7 +100,7 @@ class CommandExecutor:
         self._echoes = EchoHistory(self._learnt.keeper("echo"))
         self._learnt.add("echo", self._echoes)
         self._unsure_since: OrderedDict[_Place, float] = OrderedDict()
-        self._pending: dict[_Place, PendingCommand] = {}
+        self._pending = PendingCommands()
         self._settling = Settling(node, self._settings.settle, journal, self._echoes)
         self._witnesses = WitnessVerification(node, settings, self._learnt)
         for name, read in self._witnesses.counters.items():
@@ -145,11 +145,8 @@ class CommandExecutor:
         """Note that *command* is sent as a text: nobody waits for its outcome, and older ones for the same are over."""
         self.leases.note_stop(command.place, command.settings, self._clock.monotonic())
         self._judge.note_sent(command)
-        places = command.places
-        for place in places:
-            if (older := self._pending.get(place)) is not None:
-                older.supersede(command.id)
-        self._settling.supersede(places)
+        self._pending.supersede(command)
+        self._settling.supersede(command.places)
 
     async def _perform(self, name: str, request: CommandRequest) -> CommandResult:
         try:
@@ -194,8 +191,9 @@ class CommandExecutor:
         watch = self._watch.watch(command.part.routes, partial(self._take, pending))
         self._answers.expect(pending)
         places, is_settling = command.places, False
-        is_at_rest = not any(one in self._pending for one in places)  # else the device may be about to change
-        self._take_over(pending, places)
+        is_at_rest = not self._pending.has_any(places)  # else the device may be about to change
+        self._pending.put(pending)
+        self._settling.supersede(places)
         try:
             if pending.was_so and recent and is_at_rest and not command.is_momentary:
                 return result_of(AlreadySo(command_id=command.id))
@@ -211,9 +209,7 @@ class CommandExecutor:
                 self._note_confirmed(pending, outcome)
                 is_settling = self._settling.add(pending, watch)
         finally:
-            for place in places:
-                if self._pending.get(place) is pending:
-                    del self._pending[place]
+            self._pending.remove(pending)
             if not is_settling:
                 watch.stop()
             self._answers.forget(pending)
@@ -313,14 +309,6 @@ class CommandExecutor:
     def _take(self, pending: PendingCommand, capability: str, value: PlainValue) -> None:
         if pending.take(capability, value, self._clock.monotonic()):
             self._journal.reported(pending.command, capability, value)
-
-    def _take_over(self, pending: PendingCommand, places: list[_Place]) -> None:
-        """Let *pending* take the place of older commands for the same."""
-        for place in places:
-            if (older := self._pending.get(place)) is not None:
-                older.supersede(pending.command.id)
-            self._pending[place] = pending
-        self._settling.supersede(places)
 
     def _note_unsure(self, places: Iterable[_Place]) -> None:
         """Note that these may have changed, although nothing says so: older reports of them count no more."""

@@ -9,7 +9,7 @@ from typing import Final
 from homebot.control.tolerance import fits, is_intermediate
 from homebot.devices.value import PlainValue
 
-__all__ = ["POWERS", "STOPPED", "changes", "departs", "is_on"]
+__all__ = ["POWERS", "STOPPED", "changes", "departs", "is_on", "related"]
 
 STOPPED: Final = "stopped"
 """The value of a command that stops; it always passes."""
@@ -19,6 +19,7 @@ POWERS: Final = frozenset({"on_off", "level", "fan_speed"})
 
 _POSITIONS: Final[Mapping[PlainValue, float]] = MappingProxyType({"open": 100.0, "closed": 0.0})
 _OPENINGS: Final = frozenset({"movement", "valve", "position"})
+_RELATED: Final = {one: tuple(sorted(group)) for group in (_OPENINGS, POWERS) for one in group}
 _PRESS: Final = "push"
 
 
@@ -35,6 +36,11 @@ def changes(held: str, value: PlainValue, capability: str, wanted: PlainValue) -
     if {held, capability} <= POWERS:
         return is_on(value) != is_on(wanted)
     return capability == _PRESS
+
+
+def related(capability: str) -> tuple[str, ...]:
+    """Return the capabilities, *capability* too, that set the same thing: :func:`changes` compares their values."""
+    return _RELATED.get(capability, (capability,))
 
 
 def departs(capability: str, value: PlainValue, seen: PlainValue) -> bool:

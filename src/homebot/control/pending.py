@@ -1,13 +1,14 @@
-"""A command whose outcome is not known yet, and the reports about it. Pure."""
+"""Commands whose outcome is not known yet, and the reports about each. Pure."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from typing import Final, final
+from typing import Final, TypeAlias, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.echoes import FAST, NO_ECHOES, ExpectedEchoes
+from homebot.control.held_values import changes, related
 from homebot.control.tolerance import fits, is_intermediate
 from homebot.control.value_text import value_text
 from homebot.devices.command_messages import Setting
@@ -22,7 +23,9 @@ from homebot.devices.outcomes import (
 )
 from homebot.devices.value import PlainValue, Value
 
-__all__ = ["PendingCommand"]
+__all__ = ["PendingCommand", "PendingCommands"]
+
+_Place: TypeAlias = tuple[str, str, str]
 
 _MOST_NOTED: Final = 20
 """Reports of one command that are worth a note, should a device report one value after the other."""
@@ -297,3 +300,47 @@ class PendingCommand:
 
     def _items(self) -> Iterable[tuple[str, PlainValue]]:
         return self._wanted.items() if self._wanted else self.command.settings.items()
+
+
+@final
+class PendingCommands:
+    """The newest command of each capability of a part that waits for its outcome; their number is ``len()``."""
+
+    def __init__(self) -> None:
+        self._newest: dict[_Place, PendingCommand] = {}
+
+    def __len__(self) -> int:
+        return len(self._newest)
+
+    def has_any(self, places: Iterable[_Place]) -> bool:
+        """Return whether a command for one of *places* waits: a device, a part and a capability each."""
+        return any(one in self._newest for one in places)
+
+    def put(self, pending: PendingCommand) -> None:
+        """Add *pending*, and let it take the place of older ones."""
+        self.supersede(pending.command)
+        for place in pending.command.places:
+            self._newest[place] = pending
+
+    def remove(self, pending: PendingCommand) -> None:
+        """Forget *pending*; a newer one stays."""
+        for place in pending.command.places:
+            if self._newest.get(place) is pending:
+                del self._newest[place]
+
+    def supersede(self, command: IssuedCommand) -> None:
+        """End the older commands for what *command* sets, and those whose values it changes.
+
+        A level that is sent again would turn on a lamp that *command* turned off, and a position would open what it
+        closed.
+        """
+        if not self._newest:
+            return
+        device, part = command.place
+        for capability, value in command.settings.items():
+            for other in related(capability):
+                older = self._newest.get((device, part, other))
+                if older is None:
+                    continue
+                if other == capability or changes(other, older.command.settings[other], capability, value):
+                    older.supersede(command.id)
