@@ -141,5 +141,5 @@ async def test_a_flood_of_garbage_silences_nobody(
     assert counts["announcements_rejected"] <= 1024 + 8 * 256
     assert counts["announcements_deferred"] > 0
     until(lambda: open_files(homebot.pid) <= before.files or None, PATIENCE)  # without opening one more to read it
-    assert after.left_open[1:] == before.left_open[1:]
+    until(lambda: homebot.toll().left_open[1:] == before.left_open[1:] or None, PATIENCE)  # a last read is a task
     assert after.rss < before.rss + 64

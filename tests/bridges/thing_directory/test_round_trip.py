@@ -39,7 +39,8 @@ async def follower(url: str, **settings: object) -> AsyncIterator[Devices]:
 async def light_of(devices: Devices, name: str, *, on: bool) -> Light:
     with anyio.fail_after(PATIENCE):
         async for change in devices.follow(Light, name=name, on=on):
-            return change.handle
+            if change.handle.level is not None:  # each value is read by itself
+                return change.handle
     raise AssertionError("the query ended")
 
 

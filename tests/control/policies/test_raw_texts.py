@@ -31,7 +31,7 @@ async def lamp_in_hall(home: Home, *, somebody_is_there: bool) -> Device:
 async def test_a_text_that_turns_a_lamp_off_is_refused_where_somebody_is(open_home: OpenHome, text: str) -> None:
     async with open_home(presence_guard=True) as home:
         lamp = await lamp_in_hall(home, somebody_is_there=True)
-        with pytest.raises(RefusedError, match=r"somebody may be in Hall: .* \(presence_guard\)"):
+        with pytest.raises(RefusedError, match=r"somebody is in Hall: .* \(presence_guard\)"):
             await home.devices.tell(lamp, text)
         assert home.commands == []
         found = await read(home)
