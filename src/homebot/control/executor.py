@@ -195,7 +195,7 @@ class CommandExecutor:
         self._pending.put(pending)
         self._settling.supersede(places)
         try:
-            if pending.was_so and recent and is_at_rest and not command.is_momentary:
+            if recent and is_at_rest and pending.was_so and not command.is_momentary:
                 return result_of(AlreadySo(command_id=command.id))
             if (assumed := self.rehearsed(command)) is not None:
                 await asyncio.sleep(_REHEARSED)
@@ -303,6 +303,8 @@ class CommandExecutor:
 
     def _held(self, command: IssuedCommand) -> Refused | None:
         """Return the refusal of a command that would change what somebody holds."""
+        if command.place not in self.leases.parts:  # as nearly always
+            return None
         reason = self.leases.refusal(command.place, command.settings, self._clock.monotonic())
         return Refused(LEASE_POLICY, reason, command_id=command.id) if reason else None
 
@@ -321,7 +323,7 @@ class CommandExecutor:
 
     def _limit(self, command: IssuedCommand) -> float:
         """Return for how many seconds to wait for the answer."""
-        return max(self._times.limit(command.target, one) for one in command.settings) + command.transition
+        return max([self._times.limit(command.target, one) for one in command.settings]) + command.transition
 
     def _expected_echoes(self, command: IssuedCommand) -> ExpectedEchoes:
         settings = command.settings

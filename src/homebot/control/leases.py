@@ -109,6 +109,7 @@ class Leases:
 
     Attributes:
         refused: Holders that were refused because there were :data:`MOST_HOLDERS`.
+        parts: The leases of each part that has any, by capability; for reading.
         on_outranked: Called with each lease that a hand or a stop command outranks from now on.
     """
 
@@ -119,11 +120,11 @@ class Leases:
         self.hand_time = hand_time
         self.on_outranked = _ignore
         self._ended: dict[HolderKey, tuple[float, str]] = {}
-        self._parts: dict[_Part, dict[str, Lease]] = {}
+        self.parts: dict[_Part, dict[str, Lease]] = {}
         self._of: dict[HolderKey, Lease] = {}
 
     def __iter__(self) -> Iterator[Lease]:
-        return (one for leases in self._parts.values() for one in leases.values())
+        return (one for leases in self.parts.values() for one in leases.values())
 
     def hold(
         self, part: _Part, capability: str, value: PlainValue, key: HolderKey, holder: LeaseHolder, now: float
@@ -138,7 +139,7 @@ class Leases:
         if len(self._of) >= MOST_HOLDERS:
             self.refused += 1
             return f"there are {MOST_HOLDERS:,} holders already"
-        lease = self._parts.setdefault(part, {}).setdefault(capability, Lease(part, capability, value))
+        lease = self.parts.setdefault(part, {}).setdefault(capability, Lease(part, capability, value))
         if now < lease.hand_until:
             return f"{lease.saw}, which outranks leases for {math.ceil(lease.hand_until - now)} s more"
         lease.holders[key] = holder
@@ -160,10 +161,10 @@ class Leases:
             return None
         del lease.holders[key]
         if not lease.holders:
-            leases = self._parts[lease.part]
+            leases = self.parts[lease.part]
             del leases[lease.capability]
             if not leases:
-                del self._parts[lease.part]
+                del self.parts[lease.part]
         return lease
 
     def end(self, device: str, by: str, now: float) -> list[tuple[Lease, HolderKey, LeaseHolder]]:
@@ -190,7 +191,7 @@ class Leases:
 
     def refusal(self, part: _Part, settings: Mapping[str, PlainValue], now: float) -> str:
         """Return why a command is refused at *now*; empty where no lease forbids it."""
-        leases = self._parts.get(part)
+        leases = self.parts.get(part)
         if leases is None:
             return ""
         for lease in leases.values():
@@ -203,7 +204,7 @@ class Leases:
 
     def note_stop(self, part: _Part, settings: Mapping[str, PlainValue], now: float) -> None:
         """Let a stop command outrank the leases of its part, as a hand does."""
-        leases = self._parts.get(part)
+        leases = self.parts.get(part)
         if leases is not None and STOPPED in settings.values():
             for lease in leases.values():
                 self.outrank(lease, "it was stopped", now)

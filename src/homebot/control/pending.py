@@ -125,7 +125,11 @@ class PendingCommand:
     @property
     def was_so(self) -> bool:
         """True if the device had reported before that all of it is so."""
-        return all(name in self._before and fits(name, value, self._before[name]) for name, value in self._items())
+        before = self._before
+        for name, value in (self._wanted or self.command.settings).items():
+            if name not in before or not fits(name, value, before[name]):
+                return False
+        return True
 
     def waits_until(self, until: float, began: float) -> float:
         """Return when waiting ends, by the rule at *until*: later on its way, sooner where only echoes come."""
@@ -298,9 +302,6 @@ class PendingCommand:
             return AlreadySo(command_id=name) if is_sure else Confirmed(waited, Evidence.ACKNOWLEDGED, command_id=name)
         return NoAnswer(now - self._began, command_id=name)
 
-    def _items(self) -> Iterable[tuple[str, PlainValue]]:
-        return self._wanted.items() if self._wanted else self.command.settings.items()
-
 
 @final
 class PendingCommands:
@@ -314,7 +315,7 @@ class PendingCommands:
 
     def has_any(self, places: Iterable[_Place]) -> bool:
         """Return whether a command for one of *places* waits: a device, a part and a capability each."""
-        return any(one in self._newest for one in places)
+        return bool(self._newest) and any(one in self._newest for one in places)
 
     def put(self, pending: PendingCommand) -> None:
         """Add *pending*, and let it take the place of older ones."""

@@ -17,14 +17,13 @@ from homebot.devices.command_messages import (
 )
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.current_trigger import current_trigger
-from homebot.devices.device import Device, DevicePart, State
+from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE
 from homebot.devices.outcomes import Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.setting_check import check_setting
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Node
-from homebot.messages import Time
 
 if TYPE_CHECKING:
     from homebot.devices.handles.tracked_device import TrackedDevice
@@ -113,16 +112,8 @@ class Commander:
         return hold_part(self._node, tracked, part_id, word, by, ttl)
 
     def _note_reported(self, tracked: TrackedDevice, part: str, result: CommandResult) -> None:
-        if not result.reported:
-            return
-        stamp = Time.from_seconds(self._clock.now())
         for one in result.reported:
-            value = one.value
-            tracked.take_reported(
-                State.of_checked(
-                    part=part, capability=one.capability, value=value, since=stamp, told_at=stamp, live=True
-                )
-            )
+            tracked.take_reported(part, one, self._clock.now())
 
     async def _send(
         self, device: Device, part: DevicePart, settings: tuple[Setting, ...], transition: float, code: str

@@ -152,7 +152,7 @@ class CommandJournal:
     def sent(self, command: IssuedCommand, attempt: int) -> None:
         """Note that a command is handed to its gateway, for the *attempt*-th time, from 0 on."""
         if not attempt:
-            self._changes.begin(command.device.id, command.part.id, command.id, self._clock.now())
+            self._changes.begin(*command.place, command.id, self._clock.now())
         self._note_step("sent", command, text="again" if attempt else "")
 
     def would(self, command: IssuedCommand) -> None:

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TypeAlias, cast
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias, cast
 
 from homebot.devices.device import Device, DevicePart, State, StateChange
-from homebot.devices.value import PlainValue, Reading
+from homebot.devices.value import PlainValue, Reading, Value
+from homebot.messages import Time
+
+if TYPE_CHECKING:
+    from homebot.devices.command_messages import Setting
 
 __all__ = ["TrackedDevice"]
 
@@ -49,11 +53,18 @@ class TrackedDevice:
             if known is None or known[0] <= sequence:
                 values[place] = sequence, reading, change
 
-    def take_reported(self, state: State) -> None:
-        """Store a value that is known to be reported, until the directory publishes it, or a newer one."""
-        place = state.part, state.capability
+    def take_reported(self, part_id: str, reported: Setting, now: float) -> None:
+        """Store what the part is known to have reported just *now*, in seconds since the Unix epoch.
+
+        It stands until the directory publishes it, or a newer value.
+        """
+        place = part_id, reported.capability
         known = self._values.get(place)
-        self._values[place] = (self._sequence if known is None else known[0], state, None)
+        self._values[place] = (
+            self._sequence if known is None else known[0],
+            _JustReported(*place, reported.value, now),
+            None,
+        )
 
     def part(self, part_id: str) -> DevicePart | None:
         """Return the part, or None where the device has none of that id, or no longer."""
@@ -90,9 +101,26 @@ class TrackedDevice:
                 self._values[place] = sequence, state, None
 
 
-_Told: TypeAlias = tuple[int, State | Reading, StateChange | None]
+class _JustReported(NamedTuple):
+    """A value that a command's result brought; most are replaced before anybody asks for their times."""
+
+    part: str
+    capability: str
+    value: Value
+    at: float
+
+    def state(self) -> State:
+        at = Time.from_seconds(self.at)
+        return State.of_checked(
+            part=self.part, capability=self.capability, value=self.value, since=at, told_at=at, live=True
+        )
+
+
+_Told: TypeAlias = tuple[int, State | Reading | _JustReported, StateChange | None]
 """Number of the change, the value, and the change that a reading is from."""
 
 
-def _state_of(told: State | Reading, change: StateChange | None) -> State:
+def _state_of(told: State | Reading | _JustReported, change: StateChange | None) -> State:
+    if isinstance(told, _JustReported):
+        return told.state()
     return change.state_of(told) if change is not None and isinstance(told, Reading) else cast("State", told)
