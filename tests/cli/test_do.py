@@ -17,7 +17,7 @@ from homebot.devices.command_messages import (
     result_of,
 )
 from homebot.devices.names import COMMAND_DEVICES
-from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome, worst
+from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome, Refused, worst
 from homebot.graph import Node
 
 Text = pytest.CaptureFixture[str]
@@ -57,6 +57,12 @@ class Service:
 def test_one_device_is_one_line(homebot: Any, capsys: Text) -> None:
     assert Service(homebot, answer(CONFIRMED)).run("Lamp 0", "on") == 0
     assert capsys.readouterr().out == "Lamp 0: confirmed after 0.12 s (reported)\n"
+
+
+def test_a_long_refusal_is_shown_to_its_end_where_the_advice_is(homebot: Any, capsys: Text) -> None:
+    refused = Refused("rights", f"{'word ' * 60}; give it a token")
+    assert Service(homebot, answer(refused)).run("Lamp 0", "on") == 1
+    assert capsys.readouterr().out.endswith("; give it a token\n")
 
 
 def test_several_devices_end_with_how_many_obeyed(homebot: Any, capsys: Text) -> None:

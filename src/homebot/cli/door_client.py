@@ -319,8 +319,11 @@ def _reason(response: Response) -> str:
 
 
 def _with_hint(problem: str) -> str:
-    """Return the server's *problem*; where a right is missing, with how to show the token that has it."""
-    return f"{problem}; then use --token-file FILE or HOMEBOT_DOOR_TOKEN" if problem.startswith(_NO_RIGHT) else problem
+    """Return the server's *problem*; where a right is missing, with what follows the change of the configuration."""
+    if not problem.startswith(_NO_RIGHT):
+        return problem
+    has_token = "; the token " in problem
+    return f"{problem}; then restart homebot{'' if has_token else ', and use --token-file FILE or HOMEBOT_DOOR_TOKEN'}"
 
 
 def _begin(text: bytes) -> str:

@@ -61,6 +61,12 @@ class IssuedCommand:
         self.target = f"{device}#{part}" if part else device
 
     @property
+    def label(self) -> str:
+        """The commanded device for people: its id, with the part where several parts take commands."""
+        parts = [one for one in self.device.parts if any(can.settable for can in one.part.capabilities)]
+        return self.device.id if len(parts) < 2 else self.target
+
+    @property
     def is_wish(self) -> bool:
         """True if a person gave it, at a client of the door, rather than an app by itself."""
         return is_client(self.issuer)

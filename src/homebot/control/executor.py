@@ -224,7 +224,7 @@ class CommandExecutor:
             self._journal.would(command)
             self._node.log.info(
                 WOULD_SEND,
-                message=f"{command.issuer.removeprefix('/')} would set {command.target}: {_settings_text(command)}",
+                message=f"{command.issuer.removeprefix('/')} would set {command.label}: {_settings_text(command)}",
                 device=command.device.id,
                 command=command.id,
             )

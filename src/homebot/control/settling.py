@@ -103,7 +103,7 @@ class Settling:
             CommandEvent(device=command.device.id, part=command.part.id, issuer=command.issuer, result=result)
         )
         self._node.log.warning(
-            REVERTED, message=f"{command.target}: {outcome.text}", device=command.device.id, command=command.id
+            REVERTED, message=f"{command.label}: {outcome.text}", device=command.device.id, command=command.id
         )
 
     def _end_in_time(self, place: _Place) -> None:

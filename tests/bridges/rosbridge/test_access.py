@@ -85,8 +85,8 @@ async def test_a_client_without_the_right_raw_publishes_on_no_topic_of_homebot(
         assert told == await refusal(peer, "publish", topic=topic, msg={})
         assert house.entities() - before == {("publisher", ACCESS_REFUSALS)}
     assert told == (
-        "the right raw is missing; a client without a token has: read, act, manage. To give it, write "
-        'scope = ["raw"] in the table [door.tokens.NAME], with a token_file, of homebot.toml'
+        "the right raw is missing; a client without a token has: read, act, manage. To give it, make a token: "
+        'a table [door.tokens.NAME] in homebot.toml with token_file and scope = ["read", "raw"]'
     )
 
 
@@ -129,8 +129,8 @@ async def test_a_client_that_may_only_read_publishes_nothing_and_commands_nothin
         told = await refusal(peer, "publish", topic="/chatter", msg={"data": "x"})
         answers = [await peer.call(name) for name in ("/app/go", "/control/perform", "/devices/command")]
     assert told == (
-        "the right act is missing; the token robot has: read. To give it, write "
-        'scope = ["act: all"] in the table [door.tokens.robot] of homebot.toml'
+        "the right act is missing; the token robot has: read. To give it, "
+        'add "act: harmless" to its scope, in the table [door.tokens.robot] of homebot.toml'
     )
     assert [(one["result"], one["values"]) for one in answers] == [(False, told)] * 3
 

@@ -93,7 +93,7 @@ async def test_a_lock_takes_no_text_of_others_but_to_lock(open_home: OpenHome) -
     async with open_home() as home:
         home.put("lock", "door_lock", "lock")
         lock = await home.handle(DoorLock)
-        with pytest.raises(RefusedError, match="has no right that names it"):
+        with pytest.raises(RefusedError, match="takes a right that names it"):
             await home.devices.tell(lock.device, "unlock")
         await home.devices.tell(lock.device, "lock")
         await anyio.sleep(1)

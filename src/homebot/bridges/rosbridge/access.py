@@ -6,6 +6,7 @@ services that only answer; on the others a client could pass for a gateway, the 
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -143,13 +144,15 @@ class ClientAccess:
             raise MissingRightError(right, self._problem(right))
 
     def _problem(self, right: Right) -> str:
-        wanted = "act: all" if right is Right.ACT else right.value
-        who = "a client without a token" if self.name == LOCAL_CLIENT else f"the token {self.name}"
-        table = "[door.tokens.NAME], with a token_file," if self.name == LOCAL_CLIENT else f"[door.tokens.{self.name}]"
-        return (
-            f"the right {right.value} is missing; {who} has: {self.rights.text}. To give it, write "
-            f'scope = ["{wanted}"] in the table {table} of homebot.toml'
-        )
+        wanted = "act: harmless" if right is Right.ACT else right.value
+        if self.name == LOCAL_CLIENT:
+            who = "a client without a token"
+            scope = json.dumps(list(dict.fromkeys(("read", wanted))))
+            advice = f"make a token: a table [door.tokens.NAME] in homebot.toml with token_file and scope = {scope}"
+        else:
+            who = f"the token {self.name}"
+            advice = f'add "{wanted}" to its scope, in the table [door.tokens.{self.name}] of homebot.toml'
+        return f"the right {right.value} is missing; {who} has: {self.rights.text}. To give it, {advice}"
 
 
 @lru_cache(maxsize=256)

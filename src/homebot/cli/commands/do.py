@@ -28,6 +28,9 @@ Exit code 0 means that every device did as it was told, or was so already; 1 tha
 last line has the worst outcome.
 """
 
+_WIDEST: Final = 1000
+"""Characters of an outcome: a refusal ends with what to do about it."""
+
 _LONGEST: Final = 900.0
 """Seconds; homebot answers sooner, when the time is over in which the slowest device usually does."""
 
@@ -86,7 +89,7 @@ def _request(options: argparse.Namespace) -> dict[str, object]:
 
 def _print(answer: CommandDevicesRecord) -> None:
     for one in answer["results"]:
-        print(f"{printable(one['name'])}: {printable(one['result']['text'])}")
+        print(f"{printable(one['name'])}: {printable(one['result']['text'], _WIDEST)}")
     count = len(answer["results"])
     if count > 1:
         done = sum(one["result"]["outcome"] in {"confirmed", "already_so"} for one in answer["results"])

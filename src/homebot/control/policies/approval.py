@@ -33,5 +33,5 @@ def judge_approval(command: IssuedCommand, _facts: Facts) -> Verdict:
         return Verdict(NAME, allowed=True, reason="it is to the safe side")
     used = FactUsed(f"{APPROVED} of {device.id}", value=False)
     hint = f"approve it with `homebot approve {shlex.quote(device.name or device.id)}`"
-    reason = f"{command.target} can hurt, and the owner has not approved it; {hint}"
+    reason = f"{command.label} can hurt, and the owner has not approved it; {hint}"
     return Verdict(NAME, allowed=False, reason=reason, facts=(used,))

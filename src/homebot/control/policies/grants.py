@@ -36,12 +36,10 @@ def judge_grants(command: IssuedCommand, _facts: Facts) -> Verdict:
         return _NOT_CONCERNED
     if not always_asks(command.device, command.part):
         own = ", ".join(command.rights.act_scope) or "nothing"
-        return Verdict(NAME, allowed=False, reason=f"{command.issuer} may not command {command.target}, only: {own}")
+        return Verdict(NAME, allowed=False, reason=f"{command.issuer} may not command {command.label}, only: {own}")
     if command.rights.acts_on_harmless and is_safe(command):
         return Verdict(ALWAYS_ASK, allowed=True, reason="it is to the safe side")
-    reason = (
-        f"{command.target} always asks, and {command.issuer} has no right that names it; {_hint(command)} gives one"
-    )
+    reason = f"{command.label} takes a right that names it, and {command.issuer} has none; {_hint(command)} gives one"
     return Verdict(ALWAYS_ASK, allowed=False, reason=reason)
 
 

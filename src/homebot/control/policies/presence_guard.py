@@ -32,7 +32,7 @@ def judge_presence(settings: PresenceGuardSettings, command: IssuedCommand, fact
         )
     presence, used = presence_in(room, facts, settings.absent_after)
     if presence != "present" and (hand := _hand(command, facts, settings.absent_after)) is not None:
-        changed = f"{command.target} changed {facts.age(hand.since):.0f} s ago, and no command explains it"
+        changed = f"{command.label} changed {facts.age(hand.since):.0f} s ago, and no command explains it"
         reason = f"somebody may be in {room}: {changed}"
         return Verdict(NAME, allowed=False, reason=reason, facts=(hand,))
     return Verdict(NAME, presence == "absent", _reason(presence, room, used, facts), used)

@@ -22,5 +22,5 @@ def judge_rate(settings: RateLimitSettings, command: IssuedCommand, facts: Facts
     if turns < settings.changes:
         return _NOT_CONCERNED
     used = FactUsed(f"changes of {command.target} in {settings.seconds:g} s", float(turns))
-    reason = f"{command.target} was switched to and fro {turns} times within {settings.seconds:g} s"
+    reason = f"{command.label} was switched to and fro {turns} times within {settings.seconds:g} s"
     return Verdict(NAME, allowed=False, reason=reason, facts=(used,))
