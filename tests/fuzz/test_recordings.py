@@ -24,7 +24,7 @@ AT = Time(sec=1_767_225_600, nanosec=0)
 APP = RecordedApp(name="lights_out", kind="homebot.apps.lights_out:LightsOut", settings='{"quiet_after": 60.0}')
 LAMP = Part(id="l", service_type="light", capabilities=(Capability(name="on_off", settable=True),), reads=("a",))
 MESSAGES = (
-    RecordingHeader(format=1, version="1", home="home", started_at=AT, control='{"settle": 5.0}', apps=(APP,)),
+    RecordingHeader(format=2, version="1", home="home", started_at=AT, control='{"settle": 5.0}', apps=(APP,)),
     Sighting(
         gateway="mqtt",
         key="lamp",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import re
 from pathlib import Path
 
 import pytest
@@ -24,7 +25,7 @@ from homebot.recording.lines import (
 )
 from homebot.recording.recording import load_recording, read_recording
 
-HEADER = RecordingHeader(format=1, version="1.0", home="home", started_at=Time(sec=1_767_225_600, nanosec=0))
+HEADER = RecordingHeader(format=2, version="1.0", home="home", started_at=Time(sec=1_767_225_600, nanosec=0))
 RAW = RawMessage(
     gateway="mqtt",
     key="lights/lamp",
@@ -67,7 +68,7 @@ def test_a_recording_is_sorted_by_time_and_outcomes_find_their_commands() -> Non
         ('{"at":"1","kind":"raw","message":{}}', "day, line 2: field 'at': must be a number of seconds, got '1'"),
         ('{"at":true,"kind":"raw","message":{}}', "day, line 2: field 'at'"),
         ('{"at":NaN,"kind":"raw","message":{}}', "day, line 2: field 'at'"),
-        ('{"at":1,"kind":"row","message":{}}', "day, line 2: field 'kind': must be one of recording, device"),
+        ('{"at":1,"kind":"row","message":{}}', "day, line 2: field 'kind': must be one of recording, index, device"),
         ('{"at":1,"kind":["raw"],"message":{}}', "day, line 2: field 'kind'"),
         ('{"at":1,"kind":"lost","message":{}}', "day, line 2: field 'message': .*field 'count' is missing"),
         ('{"at":1,"kind":"lost","message":{"count":-1}}', "day, line 2: field 'message': .*'count'.*got -1"),
@@ -86,8 +87,15 @@ def test_a_file_without_its_header_or_of_another_version_is_refused() -> None:
         read_recording([], "day")
     with pytest.raises(UsageError, match="day, line 1: field 'kind': the first line of a recording is its header"):
         read_recording(lines((0, RAW)), "day")
-    with pytest.raises(UsageError, match=r"day, line 1: field 'message\.format': is 2; this homebot reads 1"):
-        read_recording(lines((0, HEADER.with_checked(format=2))), "day")
+    problem = "day, line 1: field 'message.format': is 1, and this homebot reads 2 only: record again"
+    with pytest.raises(UsageError, match=rf"^{re.escape(problem)}$"):
+        read_recording(lines((0, HEADER.with_checked(format=1))), "day")
+
+
+def test_a_header_of_another_version_is_refused_for_its_version_whatever_else_it_holds() -> None:
+    header = b'{"at": 0, "kind": "recording", "message": {"format": 3, "a_field_to_come": true}}'
+    with pytest.raises(UsageError, match=r"line 1: field 'message\.format': is 3, and this homebot reads 2 only"):
+        read_recording([header], "day")
 
 
 def test_nothing_comes_after_the_end() -> None:

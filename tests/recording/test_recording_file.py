@@ -15,7 +15,7 @@ from homebot.recording.recording import load_recording
 from homebot.recording.recording_file import RecordingFile
 
 HEADER = line_text(
-    RecordingLine(0, RecordingHeader(format=1, version="1", home="h", started_at=Time(sec=1, nanosec=0)))
+    RecordingLine(0, RecordingHeader(format=2, version="1", home="h", started_at=Time(sec=1, nanosec=0)))
 )
 LINE = line_text(RecordingLine(1, LostLines(count=0)))
 

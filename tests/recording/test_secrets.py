@@ -7,6 +7,7 @@ import json
 import pytest
 from pydantic import BaseModel, SecretStr
 
+from homebot.devices.owner_services import OWNER_SERVICES
 from homebot.recording.secrets import is_secret_name, public_settings, without_secrets
 
 
@@ -23,6 +24,17 @@ def test_settings_are_those_that_were_set_without_the_secret_ones() -> None:
         quiet_after=60.0, alarm_code="1234", login=SecretStr("hidden"), services={"api_key": "x", "url": "http://a"}
     )
     assert public_settings(table) == {"quiet_after": 60.0, "services": {"api_key": "***", "url": "http://a"}}
+
+
+def test_a_login_in_a_url_is_hidden() -> None:
+    table = AppTable(services={"url": "mqtt://anna:geheim@broker:1883/a@b", "mail": "anna@example.org"})
+    assert public_settings(table) == {"services": {"url": "mqtt://***@broker:1883/a@b", "mail": "anna@example.org"}}
+
+
+def test_no_request_of_the_owner_has_a_secret_field() -> None:
+    """They are recorded as they are; the key of an announcement is none."""
+    names = [field for service in OWNER_SERVICES.values() for field in service.Request.model_fields]
+    assert [name for name in names if is_secret_name(name)] == ["key"]
 
 
 @pytest.mark.parametrize("name", ["code", "PIN", "wifi_password", "api-key", "action_code", "access token"])

@@ -3,14 +3,43 @@
 from __future__ import annotations
 
 import asyncio
+import json
 
+import anyio
+import pytest
 from tests.apps.houses import flat, lamp, motion
 from tests.replay.recorded_days import APPS, MemorySink, diff_of, recording_of, replayed, texts
 
-from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest
-from homebot.devices.names import COMMAND_DEVICES
+from homebot.devices.approval import is_approved
+from homebot.devices.approval_messages import ApproveDeviceRequest
+from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, Setting
+from homebot.devices.lease_messages import EndLeasesRequest, HolderRequest, HoldRequest
+from homebot.devices.names import (
+    ALIAS_DEVICE,
+    APPROVE_DEVICE,
+    COMMAND_DEVICES,
+    END_LEASES,
+    HOLD_PART,
+    IMPORT_PLACES,
+    PLACE_DEVICE,
+    RELEASE_LEASE,
+    RENEW_LEASE,
+    TAG_DEVICE,
+    TEACH_PLACE,
+)
+from homebot.devices.places_messages import (
+    AliasDeviceRequest,
+    ImportPlacesRequest,
+    OwnerRequest,
+    PlaceDeviceRequest,
+    TagDeviceRequest,
+    TeachPlaceRequest,
+)
+from homebot.devices.value import Value
 from homebot.graph import Node
+from homebot.messages import Message
 from homebot.recording.recording import Recording
+from homebot.replay.command_diff import CommandDiff
 from homebot.testing import virtual_house_of
 from homebot.virtual_time import VirtualTimeLoop
 
@@ -45,6 +74,125 @@ def test_a_command_of_a_person_is_recorded_and_given_again() -> None:
     assert [one.command.issuer for one in recording.commands] == ["client:anna", "/lights_out"]
     assert [one.result.outcome for one in recording.commands if one.result] == ["confirmed", "confirmed"]
     assert texts(recording, diff_of(recording)) == []
+
+
+def turn_on(device: str) -> CommandDevicesRequest:
+    return CommandDevicesRequest(target=device, command="on", issuer="client:anna", scope=("act: all",))
+
+
+STATED = (
+    ("08:10", PLACE_DEVICE, PlaceDeviceRequest(device="study_lamp", room="hall")),
+    ("08:15", COMMAND_DEVICES, turn_on("study_lamp")),
+    ("08:20", ALIAS_DEVICE, AliasDeviceRequest(device="study_lamp", alias="Reading lamp")),
+    ("08:30", TAG_DEVICE, TagDeviceRequest(device="study_lamp", tag="cosy")),
+    ("08:40", APPROVE_DEVICE, ApproveDeviceRequest(device="study_lamp")),
+    ("08:50", TEACH_PLACE, TeachPlaceRequest(device="kitchen_lamp", gateway="nfc", room="hall")),
+    ("09:40", PLACE_DEVICE, PlaceDeviceRequest(device="study_lamp", room="study")),
+    ("09:41", PLACE_DEVICE, PlaceDeviceRequest(device="nobody", room="hall")),
+    ("09:50", COMMAND_DEVICES, turn_on("study_lamp")),
+)
+
+
+def recorded_with(*doings: tuple[str, str, Message]) -> Recording:
+    """A morning in which somebody is in the hall twice, and people call services; no lamp announces its room."""
+    sink = MemorySink()
+    world = flat(
+        ("08:00", "hall"),
+        ("09:00", "outside"),
+        ("10:00", "hall"),
+        ("10:10", "outside"),
+        study_lamp=lamp("study", dialect="zigbee2mqtt"),
+        kitchen_lamp=lamp("kitchen", dialect="zigbee2mqtt"),
+        hall_motion=motion("hall"),
+    )
+
+    async def live() -> None:
+        tables = {"apps": {"lights_out": APPS["lights_out"]}}
+        async with (
+            virtual_house_of(world=world, config=tables, record_into=sink) as home,
+            Node(home.runtime.graph, "person") as node,
+            anyio.create_task_group() as calls,
+        ):
+            for at, name, request in doings:
+                await home.run_until(at)
+                service = home.runtime.graph.get_service_type(name)
+                assert service is not None
+                calls.start_soon(node.create_client(service, name).call, request)
+            await home.run_until("11:00")
+            calls.cancel_scope.cancel()
+
+    with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
+        runner.run(live())
+    return recording_of(sink.lines)
+
+
+def test_what_the_owner_states_on_the_day_is_stated_at_its_time() -> None:
+    """The lamp of the study is turned off with those of the hall while it is placed there, and not before or after."""
+    recording = recorded_with(*STATED)
+    assert [(one.command.issuer, round(one.at / 60)) for one in recording.commands] == [
+        ("client:anna", 495),
+        ("/lights_out", 551),
+        ("client:anna", 590),
+    ]
+    asked = [one.message for one in recording.events if isinstance(one.message, OwnerRequest)]
+    assert [one.service for one in asked] == [name for _, name, _ in STATED if name != COMMAND_DEVICES]
+    found = replayed(recording)
+    (one,) = (one for one in found.devices if one.id == "study_lamp")
+    assert (one.name, one.area, one.tags) == ("Reading lamp", "study", ("cosy",))
+    assert is_approved(one)
+    assert [one.area for one in found.devices if one.id == "kitchen_lamp"] == ["hall"]
+    assert diff_of(recording) == CommandDiff((), 1)
+
+
+def test_an_imported_file_is_imported_again_and_no_other_file_is_recorded() -> None:
+    """A configuration that somebody imports by mistake may hold passwords."""
+    rooms = '[places.devices.study_lamp]\nroom = "hall"'
+    mistake = '[gateways.mqtt]\npassword = "geheim"'
+    recording = recorded_with(*(("08:10", IMPORT_PLACES, ImportPlacesRequest(text=text)) for text in (mistake, rooms)))
+    (one,) = (one.message for one in recording.events if isinstance(one.message, OwnerRequest))
+    assert json.loads(one.request)["text"] == rooms
+    assert [one.area for one in replayed(recording).devices if one.id == "study_lamp"] == ["hall"]
+
+
+def hold() -> HoldRequest:
+    setting = Setting(capability="on_off", value=Value.of(True))
+    return HoldRequest(
+        device="study_lamp",
+        part="light",
+        setting=setting,
+        lease="1",
+        by="anna",
+        ttl=3600.0,
+        issuer="client:anna",
+        scope=("act: all",),
+    )
+
+
+PLACED = (STATED[0], ("08:15", HOLD_PART, hold()))
+RELEASED = ("09:05", RELEASE_LEASE, HolderRequest(lease="1", by="anna", issuer="client:anna"))
+ENDED = ("09:05", END_LEASES, EndLeasesRequest(device="study_lamp", issuer="client:owner"))
+
+
+@pytest.mark.parametrize(
+    ("doings", "outcomes"),
+    [
+        ((*PLACED, RELEASED), ["confirmed", "confirmed"]),
+        ((*PLACED, ENDED), ["confirmed", "confirmed"]),
+        (PLACED, ["confirmed", "refused", "confirmed"]),  # it dies; its time is over at 09:15
+        (
+            (*PLACED, *((at, RENEW_LEASE, RELEASED[2]) for at in ("09:00", "09:50"))),
+            ["confirmed", "refused", "refused"],
+        ),
+    ],
+)
+def test_what_a_person_held_is_held_again_for_as_long(
+    doings: tuple[tuple[str, str, Message], ...], outcomes: list[str]
+) -> None:
+    """The app wants the lamp off at 09:11 and at 10:21."""
+    recording = recorded_with(*doings)
+    assert [one.result.outcome for one in recording.commands if one.result] == outcomes
+    assert texts(recording, diff_of(recording)) == []
+    assert [one.result.outcome for one in replayed(recording).commands if one.result] == outcomes[1:]
 
 
 def test_only_commands_of_apps_are_the_result_of_a_replay() -> None:

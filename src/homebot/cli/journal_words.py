@@ -74,6 +74,8 @@ def trigger_text(trigger: TriggerRecord, names: Mapping[str, str]) -> str:
     """Return what led to a command as a clause; empty where that is not known."""
     name = name_text(trigger["device"], names)
     match trigger["kind"]:
+        case "lease":
+            return f"{printable(trigger['text'], 60)} holds it"
         case "report":
             return f"{name} reported {settings_text(trigger['readings'])}"
         case "message":

@@ -139,7 +139,9 @@ class CommandExecutor:
         """Return the refusal that *request* would get now for want of a right or by a policy; nothing is noted."""
         if problem := client_refusal(request, device, part):
             return Refused(POLICY, problem)
-        return self._judge.preview(self._issued("", request, device, part))
+        settings = {one.capability: one.value.plain() for one in request.settings}
+        command = IssuedCommand("", device, part, settings, request.issuer, self._judge.rights(request.issuer))
+        return self._judge.refusal(command, is_noted=False)
 
     def note_text(self, command: IssuedCommand) -> None:
         """Note that *command* is sent as a text: nobody waits for its outcome, and older ones for the same are over."""
@@ -158,10 +160,7 @@ class CommandExecutor:
             return result_of(Gone(command_id=name))
         if problem := client_refusal(request, device, part):
             return result_of(Refused(POLICY, problem, command_id=name))
-        return await self._carry_out(self._issued(name, request, device, part))
-
-    def _issued(self, name: str, request: CommandRequest, device: Device, part: DevicePart) -> IssuedCommand:
-        return IssuedCommand(
+        command = IssuedCommand(
             id=name,
             device=device,
             part=part,
@@ -174,6 +173,7 @@ class CommandExecutor:
             transition=request.transition,
             code=request.code,
         )
+        return await self._carry_out(command)
 
     async def _carry_out(self, command: IssuedCommand) -> CommandResult:
         if len(self._pending) >= MOST_PENDING:

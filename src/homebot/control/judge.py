@@ -15,7 +15,6 @@ from homebot.control.policies.house import House
 from homebot.control.policies.policies import Policies
 from homebot.control.policies.recent_commands import RecentCommands
 from homebot.control.policies.settings import PolicySettings
-from homebot.control.policies.verdict import Verdict
 from homebot.devices import DEVICE_STATES, FIND_DEVICES, FindDevices, Follow, StateChange
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
 from homebot.devices.names import DIRECTORY_NODE
@@ -69,25 +68,24 @@ class Judge:
         if settings.needs_house:
             node.create_task(self._follow)
 
-    def refusal(self, command: IssuedCommand) -> Refused | None:
-        """Return the refusal of *command*; None if it may be sent now."""
-        verdicts = self._verdicts(command)
-        for verdict in verdicts:
-            if verdict.reason or not verdict.allowed:
-                self._journal.judged(command, verdict)
-        return _refused(command, verdicts[-1])
+    def refusal(self, command: IssuedCommand, *, is_noted: bool = True) -> Refused | None:
+        """Return the refusal of *command*; None if it may be sent now.
 
-    def preview(self, command: IssuedCommand) -> Refused | None:
-        """Return the refusal that *command* would get now, and note nothing."""
-        return _refused(command, self._verdicts(command)[-1])
-
-    def _verdicts(self, command: IssuedCommand) -> tuple[Verdict, ...]:
+        Args:
+            command: The command.
+            is_noted: Whether the journal takes the verdicts; not for one that nobody gave yet.
+        """
         now, monotonic = self._clock.now(), self._clock.monotonic()
         if abs(now - monotonic - self._ahead) > _SET:
             self._clock_set_at = monotonic
         self._ahead = now - monotonic
         facts = Facts(now, monotonic, self._zone, self._house, self._recent, self._clock_set_at)
-        return self._policies.judge(command, facts)
+        verdicts = self._policies.judge(command, facts)
+        for verdict in verdicts:
+            if is_noted and (verdict.reason or not verdict.allowed):
+                self._journal.judged(command, verdict)
+        last = verdicts[-1]
+        return None if last.allowed else Refused(last.policy, last.reason, command_id=command.id)
 
     def rights(self, issuer: str) -> ClientRights:
         """Return the rights of *issuer*, by the configuration; those of a client of the door were checked before."""
@@ -122,10 +120,6 @@ class Judge:
         for device in found.devices:
             self._house.put(device, found.sequence)
         self._house.is_known = True
-
-
-def _refused(command: IssuedCommand, last: Verdict) -> Refused | None:
-    return None if last.allowed else Refused(last.policy, last.reason, command_id=command.id)
 
 
 @lru_cache(maxsize=256)

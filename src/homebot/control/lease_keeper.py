@@ -30,6 +30,7 @@ from homebot.devices.lease_messages import (
     LeasesResponse,
 )
 from homebot.devices.outcomes import Contradicted, Gone, NoAnswer, Outcome, Refused
+from homebot.devices.trigger import Trigger
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.graph import Node
@@ -106,7 +107,7 @@ class LeaseKeeper:
         self._log("control.held", lease, f"is {lease.text(self._clock.monotonic())}")
         self._note_step("held", lease, request.issuer, request.by)
         key = _key(request)
-        result = await self._command(lease, request.issuer, request.scope)
+        result = await self._command(lease, key, request.scope)
         if result is None:  # over, or a hand came, before its turn
             self._release(key)
             return self._refused(request, "a hand outranks it now, or its time is over")
@@ -159,7 +160,7 @@ class LeaseKeeper:
         self._changed.set()
         return lease
 
-    async def _command(self, lease: Lease, issuer: str, scope: tuple[str, ...]) -> CommandResult | None:
+    async def _command(self, lease: Lease, key: HolderKey, scope: tuple[str, ...]) -> CommandResult | None:
         """Command what is held, for one holder after the other; return what became of it, or None if nothing was."""
         kept = self._kept.get(lease)
         if kept is None:
@@ -168,9 +169,16 @@ class LeaseKeeper:
             if not lease.holders or self._clock.monotonic() < lease.hand_until:
                 return None
             kept.seen = None
-            device, part = lease.part
+            (device, part), (issuer, by, _) = lease.part, key
             kept.result = result = await self._executor.perform(
-                CommandRequest(device=device, part=part, settings=(held_setting(lease),), issuer=issuer, scope=scope)
+                CommandRequest(
+                    device=device,
+                    part=part,
+                    settings=(held_setting(lease),),
+                    issuer=issuer,
+                    trigger=Trigger(kind="lease", text=by),
+                    scope=scope,
+                )
             )
             self._note(lease, kept, outcome_of(result))
         self._changed.set()
@@ -216,8 +224,8 @@ class LeaseKeeper:
         result = self._kept[lease].result
         return result_of(NoAnswer(0.0, "it is being commanded")) if result is None else result
 
-    async def _command_again(self, lease: Lease, issuer: str, scope: tuple[str, ...]) -> None:
-        await self._command(lease, issuer, scope)
+    async def _command_again(self, lease: Lease, key: HolderKey, scope: tuple[str, ...]) -> None:
+        await self._command(lease, key, scope)
 
     def _begin_due(self, tasks: TaskGroup) -> None:
         """Begin to command again what is due."""
@@ -226,8 +234,8 @@ class LeaseKeeper:
             if lease.again_at <= now:
                 lease.again_at = math.inf
                 self._hand_back(lease)
-                (issuer, _, _), holder = next(iter(lease.holders.items()))
-                tasks.start_soon(self._command_again, lease, issuer, holder.scope)
+                key, holder = next(iter(lease.holders.items()))
+                tasks.start_soon(self._command_again, lease, key, holder.scope)
 
     def _expire(self) -> None:
         for lease, (issuer, _, _), holder in self._leases.expire(self._clock.monotonic()):

@@ -17,6 +17,7 @@ __all__ = [
     "DIRECTORY_NODE",
     "DISCOVERY_HEALTH",
     "END_LEASES",
+    "EXPORT_INDEX",
     "EXPORT_PLACES",
     "FIND_DEVICES",
     "FORGET_DEVICE",
@@ -30,6 +31,7 @@ __all__ = [
     "JOURNAL_ENTRIES",
     "MERGE_DEVICES",
     "OWNER",
+    "OWNER_REQUESTS",
     "PERFORM_COMMAND",
     "PLACE_DEVICE",
     "QUERY_DEVICES",
@@ -75,6 +77,8 @@ DEVICE_CHANGES = "/discovery/changes"
 DEVICE_STATES = "/discovery/states"
 DEVICE_SETTINGS = "/discovery/settings"
 DISCOVERY_HEALTH = "/discovery/health"
+EXPORT_INDEX = "/discovery/export_index"
+OWNER_REQUESTS = "/discovery/owner_requests"
 PERFORM_COMMAND = "/control/perform"
 SEND_TEXT = "/control/send_text"
 COMMAND_DEVICES = "/devices/command"

@@ -7,6 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from homebot.devices.device import KeyValue
+from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType
 
 __all__ = [
@@ -15,6 +16,7 @@ __all__ = [
     "ExportPlaces",
     "GetPlaces",
     "ImportPlaces",
+    "OwnerRequest",
     "PlaceDevice",
     "RoomInfo",
     "TagDevice",
@@ -243,6 +245,20 @@ class ImportPlacesResponse(Message):
     message: str = ""
     added: tuple[str, ...] = ()
     kept: tuple[str, ...] = ()
+
+
+class OwnerRequest(Message):
+    """A request to the directory that states something of devices or rooms, or decides on them.
+
+    Attributes:
+        at: When it came.
+        service: The name of the service, one of :data:`homebot.devices.owner_services.OWNER_SERVICES`.
+        request: The request, as the text of a JSON object.
+    """
+
+    at: Time
+    service: str
+    request: str
 
 
 PlaceDevice = ServiceType("homebot/srv/PlaceDevice", PlaceDeviceRequest, PlaceDeviceResponse)

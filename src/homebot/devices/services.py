@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal, TypeAlias
+
 from homebot.devices.device import Device, DeviceChange
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.query.terms import QueryTerm
@@ -10,12 +12,15 @@ from homebot.messages.message import Message, ServiceType, UInt32
 
 __all__ = [
     "AnnouncedOn",
+    "ExportIndex",
     "FindDevices",
     "ForgetDevice",
     "Found",
     "GetChanges",
     "GetIndexData",
     "IndexEntry",
+    "IndexRow",
+    "IndexTable",
     "QueryDevices",
     "SubscribeToTopic",
 ]
@@ -283,6 +288,37 @@ class SubscribeToTopicResponse(Message):
     missed: tuple[RawMessage, ...] = ()
 
 
+IndexTable: TypeAlias = Literal["devices", "tombstones", "owner"]
+
+
+class IndexRow(Message):
+    """A row of the index file.
+
+    Attributes:
+        table: Its table: ``devices``, ``tombstones`` for devices that went, or ``owner`` for what the owner decided.
+        id: The id of the device, or what the owner's record is about.
+        record: The record, as the text of a JSON object.
+    """
+
+    table: IndexTable
+    id: str
+    record: str
+
+
+class ExportIndexRequest(Message):
+    """A request for all rows that the index file would have now, whether there is one or not."""
+
+
+class ExportIndexResponse(Message):
+    """The rows of the index.
+
+    Attributes:
+        rows: The rows.
+    """
+
+    rows: tuple[IndexRow, ...]
+
+
 GetIndexData = ServiceType("homebot/srv/GetIndexData", GetIndexDataRequest, GetIndexDataResponse)
 FindDevices = ServiceType("homebot/srv/FindDevices", FindDevicesRequest, FindDevicesResponse)
 QueryDevices = ServiceType("homebot/srv/QueryDevices", QueryDevicesRequest, QueryDevicesResponse)
@@ -291,3 +327,4 @@ GetChanges = ServiceType("homebot/srv/GetChanges", GetChangesRequest, GetChanges
 SplitDevice = ServiceType("homebot/srv/SplitDevice", SplitDeviceRequest, SplitDeviceResponse)
 MergeDevices = ServiceType("homebot/srv/MergeDevices", MergeDevicesRequest, MergeDevicesResponse)
 SubscribeToTopic = ServiceType("homebot/srv/SubscribeToTopic", SubscribeToTopicRequest, SubscribeToTopicResponse)
+ExportIndex = ServiceType("homebot/srv/ExportIndex", ExportIndexRequest, ExportIndexResponse)

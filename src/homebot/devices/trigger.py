@@ -20,16 +20,16 @@ class Trigger(Message):
 
     Attributes:
         kind: ``report``: a device reported values, or an event; ``device``: a device appeared, changed or went;
-            ``message``: a raw message of a device; ``timer``: the time of a timer; empty where nothing is known, as for
-            a wish of a person.
+            ``message``: a raw message of a device; ``timer``: the time of a timer; ``lease``: somebody holds the part;
+            empty where nothing is known, as for a wish of a person.
         id: The id of it: for a report and a device the ``sequence`` of the change, for a message its stream and time.
         device: The id of the device; empty where it is none.
         readings: What was reported.
-        text: The raw message, what happened to the device, or the period of the timer, as text.
+        text: The raw message, what happened to the device, the period of the timer, or who holds the part, as text.
         at: When it happened; 0 where that is not known.
     """
 
-    kind: Literal["", "report", "device", "message", "timer"] = ""
+    kind: Literal["", "lease", "report", "device", "message", "timer"] = ""
     id: str = ""
     device: str = ""
     readings: Annotated[tuple[Reading, ...], Field(max_length=MOST_READINGS)] = ()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -32,6 +32,7 @@ from homebot.devices import (
 from homebot.devices.device import ChangedSettings
 from homebot.devices.gateway_messages import Report
 from homebot.devices.names import DEVICE_SETTINGS
+from homebot.devices.services import IndexRow
 from homebot.discovery.index import MAX_DEVICES, DeviceIndex
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.persistence import IndexPersistence
@@ -104,6 +105,7 @@ class Directory:
         file: Where it keeps the index over a restart; None for nowhere.
         owner: What the owner states of devices in the configuration; by default nothing.
         needs_approval: Whether a device that can hurt waits for the owner's approval.
+        known: What it knows at the start where it has no *file*.
 
     Attributes:
         index: What it knows.
@@ -117,6 +119,7 @@ class Directory:
         owner: OwnerFacts | None = None,
         *,
         needs_approval: bool = True,
+        known: Sequence[IndexRow] = (),
     ) -> None:
         self._node = node
         clock = node.graph.clock
@@ -132,7 +135,7 @@ class Directory:
         self._changes = node.create_publisher(DeviceChange, DEVICE_CHANGES, 10)
         self._states = node.create_publisher(StateChange, DEVICE_STATES, _STATES_QOS)
         self._settings = node.create_publisher(ChangedSettings, DEVICE_SETTINGS, 10)
-        self._persistence = IndexPersistence(node, self.index, file if settings.persist else None)
+        self._persistence = IndexPersistence(node, self.index, file if settings.persist else None, known)
         self._services = DirectoryServices(node, self.index, self._persistence, self._publish_some)
         self._sources: dict[str, Subscription[Sighting] | Subscription[Report]] = {}
         self._collects_states = self._collects_settings = False

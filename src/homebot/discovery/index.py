@@ -95,6 +95,11 @@ class DeviceIndex:
         }
 
     @property
+    def ids(self) -> tuple[str, ...]:
+        """The ids of all devices, and of those that went."""
+        return tuple(dict.fromkeys((*self._table.entries, *(one.id for one in self.tombstones))))
+
+    @property
     def sequence(self) -> int:
         """Number of the last change that was taken."""
         return self._table.changes.sequence

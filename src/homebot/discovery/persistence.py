@@ -5,7 +5,7 @@ All of SQLite happens in a worker thread. Without a file it does nothing.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
@@ -15,6 +15,7 @@ import anyio
 from anyio import to_thread
 
 from homebot.clock import TimeSlice
+from homebot.devices.services import IndexRow, IndexTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone
 from homebot.discovery.index import DeviceIndex
@@ -80,6 +81,7 @@ class IndexPersistence:
         node: For its log and clock.
         index: What is kept.
         path: Where; None for nowhere.
+        known: What is known where there is no file, as from a recording.
 
     Attributes:
         file: Where the file is; empty for nowhere.
@@ -88,11 +90,12 @@ class IndexPersistence:
         damaged: How many damaged files were set aside.
     """
 
-    def __init__(self, node: Node, index: DeviceIndex, path: Path | None) -> None:
+    def __init__(self, node: Node, index: DeviceIndex, path: Path | None, known: Sequence[IndexRow] = ()) -> None:
         self._node = node
         self._clock = node.graph.clock
         self._index = index
         self._file = _index_file(path) if path is not None else None
+        self._known = known
         self._limit = LogLimit(self._clock)
         self.failures = 0
         self.damaged = 0
@@ -103,13 +106,30 @@ class IndexPersistence:
 
     async def load(self) -> None:
         """Take in what the file holds, as unconfirmed; a file that cannot be used costs no more than its content."""
-        if self._file is None or not await self._open(self._file):
+        if self._file is None:
+            await self._take_in(_understood(_records_of(self._known)))
+            return
+        if not await self._open(self._file):
             return
         try:
             known = await to_thread.run_sync(_read, self._file)
         except LinkError as exc:
             await self._set_aside(self._file, str(exc))
             return
+        await self._take_in(known)
+
+    async def export(self) -> tuple[IndexRow, ...]:
+        """Return all that the file would have now, whether there is one or not."""
+        records = await self._records(self._index.ids)
+        owner = tuple((name, one.record()) for name, one in self._owner.items())
+        tables: tuple[tuple[IndexTable, tuple[tuple[str, str], ...]], ...] = (
+            ("devices", records.devices),
+            ("tombstones", records.tombstones),
+            ("owner", owner),
+        )
+        return tuple(IndexRow(table=table, id=name, record=text) for table, rows in tables for name, text in rows)
+
+    async def _take_in(self, known: _SavedState) -> None:
         for tombstone in known.tombstones:
             self._index.tombstones.put(tombstone)
         rejected = known.rejected + self._restore_owner(known.owner)
@@ -276,7 +296,17 @@ class _SavedState:
 
 def _read(file: IndexFile) -> _SavedState:
     """Read and understand the whole file; in a worker thread, for it takes a second for ten thousand devices."""
-    records = file.read()
+    return _understood(file.read())
+
+
+def _records_of(rows: Iterable[IndexRow]) -> Records:
+    tables: dict[str, list[tuple[str, str]]] = {}
+    for row in rows:
+        tables.setdefault(row.table, []).append((row.id, row.record))
+    return Records(*(tuple(tables.get(name, ())) for name in ("devices", "tombstones", "owner")))
+
+
+def _understood(records: Records) -> _SavedState:
     entries: list[Entry] = []
     tombstones: list[Tombstone] = []
     rejected = 0

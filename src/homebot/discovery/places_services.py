@@ -50,6 +50,7 @@ from homebot.devices.places_messages import (
     TeachPlaceResponse,
 )
 from homebot.discovery.index import DeviceIndex
+from homebot.discovery.owner_requests import OwnerRequests
 from homebot.errors import ConfigError, RefusedError, UsageError
 from homebot.graph import Node
 
@@ -77,17 +78,17 @@ class PlacesServices:
         self._index = index
         self._publish_all = publish_all
 
-    def register(self, node: Node) -> None:
-        """Begin to answer, as *node*."""
-        node.create_service(PlaceDevice, PLACE_DEVICE, self._place)
-        node.create_service(AliasDevice, ALIAS_DEVICE, self._add_alias)
-        node.create_service(TagDevice, TAG_DEVICE, self._add_tag)
-        node.create_service(ApproveDevice, APPROVE_DEVICE, self._approve)
+    def register(self, node: Node, owner: OwnerRequests) -> None:
+        """Begin to answer, as *node*; what the owner asks passes *owner*."""
+        owner.serve(PlaceDevice, PLACE_DEVICE, self._place)
+        owner.serve(AliasDevice, ALIAS_DEVICE, self._add_alias)
+        owner.serve(TagDevice, TAG_DEVICE, self._add_tag)
+        owner.serve(ApproveDevice, APPROVE_DEVICE, self._approve)
         node.create_service(GetPlaces, GET_PLACES, self._get_places)
-        node.create_service(TeachPlace, TEACH_PLACE, self._teach)
-        node.create_service(ChangeRoom, CHANGE_ROOM, self._change_room)
+        owner.serve(TeachPlace, TEACH_PLACE, self._teach)
+        owner.serve(ChangeRoom, CHANGE_ROOM, self._change_room)
         node.create_service(ExportPlaces, EXPORT_PLACES, self._export)
-        node.create_service(ImportPlaces, IMPORT_PLACES, self._import)
+        node.create_service(ImportPlaces, IMPORT_PLACES, partial(self._import, owner))
 
     def _place(self, request: PlaceDeviceRequest) -> PlaceDeviceResponse:
         places, absent, room = self._index.places, "", ""
@@ -165,13 +166,14 @@ class PlacesServices:
     async def _export(self, _: ExportPlacesRequest) -> ExportPlacesResponse:
         return ExportPlacesResponse(text=await self._in_turns(self._index.places_exchange.export_text()))
 
-    async def _import(self, request: ImportPlacesRequest) -> ImportPlacesResponse:
+    async def _import(self, owner: OwnerRequests, request: ImportPlacesRequest) -> ImportPlacesResponse:
         from homebot.discovery.places_exchange import parse_places  # noqa: PLC0415 - with the first file
 
         index = self._index
         try:
             parse = partial(parse_places, request.text, index.owner.plan.home, self._clock.now())
             places = parse() if len(request.text) <= _SHORT else await to_thread.run_sync(parse)
+            owner.publish(IMPORT_PLACES, request)  # no other file, which may hold passwords
             imported = await self._in_turns(index.places_exchange.take(places, replaces=request.replaces))
         except ConfigError as exc:
             return ImportPlacesResponse(success=False, message=f"{exc.key}: {exc.reason}" if exc.key else exc.reason)

@@ -19,10 +19,13 @@ from homebot.devices import (
     QueryDevices,
 )
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
-from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE, MERGE_DEVICES, SPLIT_DEVICE
+from homebot.devices.names import DISCOVERY_HEALTH, EXPORT_INDEX, FORGET_DEVICE, MERGE_DEVICES, SPLIT_DEVICE
 from homebot.devices.query import And, read_terms, type_is
 from homebot.devices.services import (
     AnnouncedOn,
+    ExportIndex,
+    ExportIndexRequest,
+    ExportIndexResponse,
     FindDevicesRequest,
     FindDevicesResponse,
     ForgetDevice,
@@ -44,6 +47,7 @@ from homebot.devices.services import (
 )
 from homebot.discovery.changes import ChangeLog
 from homebot.discovery.index import DeviceIndex
+from homebot.discovery.owner_requests import OwnerRequests
 from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.places_services import PlacesServices
 from homebot.errors import RefusedError, UsageError
@@ -81,16 +85,17 @@ class DirectoryServices:
 
     def register(self) -> None:
         """Begin to answer."""
-        node = self._node
+        node, owner = self._node, OwnerRequests(self._node)
         node.create_service(GetIndexData, GET_INDEX_DATA, self._get_index_data)
         node.create_service(FindDevices, FIND_DEVICES, self._find_devices)
         node.create_service(QueryDevices, QUERY_DEVICES, self._query)
         node.create_service(GetChanges, GET_CHANGES, self._get_changes)
-        node.create_service(ForgetDevice, FORGET_DEVICE, self._forget)
-        node.create_service(SplitDevice, SPLIT_DEVICE, self._split)
-        node.create_service(MergeDevices, MERGE_DEVICES, self._merge)
+        owner.serve(ForgetDevice, FORGET_DEVICE, self._forget)
+        owner.serve(SplitDevice, SPLIT_DEVICE, self._split)
+        owner.serve(MergeDevices, MERGE_DEVICES, self._merge)
+        node.create_service(ExportIndex, EXPORT_INDEX, self._export_index)
         node.create_service(GetHealth, DISCOVERY_HEALTH, self._get_health)
-        PlacesServices(self._clock, self._index, self._publish_all).register(node)
+        PlacesServices(self._clock, self._index, self._publish_all).register(node, owner)
 
     def remember(self, change: DeviceChange) -> None:
         """Keep a change that was published, for those who ask later."""
@@ -207,6 +212,9 @@ class DirectoryServices:
             return MergeDevicesResponse(success=False, message=str(exc))
         self._publish_all()
         return MergeDevicesResponse(success=True, device=device)
+
+    async def _export_index(self, _: ExportIndexRequest) -> ExportIndexResponse:
+        return ExportIndexResponse(rows=await self._persistence.export())
 
     def _get_health(self, _: HealthRequest) -> HealthResponse:
         counts = {

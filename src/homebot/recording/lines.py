@@ -8,6 +8,7 @@ moment stay as they are.
 kind            message                           meaning
 ==============  ================================  ==============================================================
 ``recording``   :class:`RecordingHeader`          the first line, and only that
+``index``       :class:`IndexRow`                 a row of the directory's index at the start
 ``device``      :class:`homebot.devices.Device`   a device as the directory knew it at the start
 ``gateway``     :class:`GatewayNews`              a gateway went online or offline
 ``sighting``    :class:`Sighting`                 a gateway sighted a device
@@ -15,6 +16,8 @@ kind            message                           meaning
 ``raw``         :class:`RawMessage`               a raw message of a device
 ``command``     :class:`RecordedCommand`          somebody gave a command
 ``outcome``     :class:`CommandResult`            what became of a command
+``owner``       :class:`OwnerRequest`             the owner placed, named, tagged, approved … a device, or a tag did
+``lease``       :class:`LeaseNews`                somebody began or ceased to hold a part
 ``lost``        :class:`LostLines`                lines that are missing here
 ``end``         :class:`RecordingEnd`             the last line; missing where the recorder was killed
 ==============  ================================  ==============================================================
@@ -28,11 +31,14 @@ from typing import Final
 from homebot.devices import Device, RawMessage, Sighting
 from homebot.devices.command_messages import CommandResult, Setting
 from homebot.devices.gateway_messages import GatewayState, Report
+from homebot.devices.places_messages import OwnerRequest
+from homebot.devices.services import IndexRow
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.errors import TypeMismatchError, UsageError
 from homebot.messages import Time
 from homebot.messages.json import message_from_json, message_to_text
 from homebot.messages.message import Message, UInt32
+from homebot.recording.lease_news import LeaseNews
 from homebot.strict_json import parse_strict
 
 __all__ = [
@@ -48,7 +54,7 @@ __all__ = [
     "read_line",
 ]
 
-FORMAT: Final = 1
+FORMAT: Final = 2
 """The version of the format; a reader refuses any other."""
 
 _LONGEST: Final = 100 * 366 * 86_400.0
@@ -79,7 +85,7 @@ class RecordingHeader(Message):
         started_at: When the recording began.
         trusts_apps: Whether apps may command what always asks without a grant, as in a simulated house.
         control: The table ``[control]``, as the text of a JSON object.
-        places: Rooms, and what the owner states of devices, as the text of a places file.
+        places: The table ``[places]``, as the text of a places file; empty for none.
         apps: The apps.
     """
 
@@ -162,6 +168,7 @@ class RecordingLine:
 
 _KINDS: Final[dict[str, type[Message]]] = {
     "recording": RecordingHeader,
+    "index": IndexRow,
     "device": Device,
     "gateway": GatewayNews,
     "sighting": Sighting,
@@ -169,6 +176,8 @@ _KINDS: Final[dict[str, type[Message]]] = {
     "raw": RawMessage,
     "command": RecordedCommand,
     "outcome": CommandResult,
+    "owner": OwnerRequest,
+    "lease": LeaseNews,
     "lost": LostLines,
     "end": RecordingEnd,
 }
@@ -198,7 +207,17 @@ def read_line(text: str | bytes) -> RecordingLine:
     message_type = _KINDS.get(kind) if isinstance(kind, str) else None
     if message_type is None:
         raise UsageError(f"field 'kind': must be one of {', '.join(_KINDS)}, got {str(kind)[:_SHOWN]!r}")
+    if message_type is RecordingHeader:
+        _check_format(message)
     try:
         return RecordingLine(float(at), message_from_json(message_type, message))
     except TypeMismatchError as exc:
         raise UsageError(f"field 'message': {exc}") from exc
+
+
+def _check_format(header: object) -> None:
+    """Refuse another version of the format before anything else in its header is read, which may differ."""
+    found = header.get("format") if isinstance(header, dict) else None
+    if type(found) is int and found != FORMAT:
+        problem = f"is {found}, and this homebot reads {FORMAT} only: record again"
+        raise UsageError(f"field 'message.format': {problem}")

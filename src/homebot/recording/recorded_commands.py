@@ -1,4 +1,4 @@
-"""Commands for a recording, from the entries of the journal. Pure."""
+"""Commands and leases for a recording, from the entries of the journal. Pure."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Final, final
 
 from homebot.devices.command_messages import CommandResult
 from homebot.devices.journal_messages import JournalEntry
+from homebot.recording.lease_news import LeaseNews
 from homebot.recording.lines import RecordedCommand
 from homebot.recording.secrets import without_secrets
 
@@ -19,7 +20,7 @@ _MOST: Final = 1_000
 
 @final
 class CommandNews:
-    """Finds in the journal which commands are given, and their outcomes.
+    """Finds in the journal which commands are given, their outcomes, and who holds what.
 
     A text of an app is in the journal as the command that it is, and then as what was published.
     """
@@ -27,8 +28,8 @@ class CommandNews:
     def __init__(self) -> None:
         self._requested: OrderedDict[str, None] = OrderedDict()
 
-    def of(self, entry: JournalEntry) -> RecordedCommand | CommandResult | None:
-        """Return the command that *entry* begins, or the outcome that it has; None where it is another step."""
+    def of(self, entry: JournalEntry) -> RecordedCommand | CommandResult | LeaseNews | None:
+        """Return the command that *entry* begins, the outcome or the step of a lease that it has; None for others."""
         match entry.kind:
             case "requested":
                 self._requested[entry.command] = None
@@ -39,6 +40,15 @@ class CommandNews:
                 return _command(entry)
             case "outcome":
                 return entry.results[0]
+            case "held" | "released" | "ended" | "expired" as step:
+                return LeaseNews(
+                    step=step,
+                    device=entry.device,
+                    part=entry.part,
+                    setting=entry.settings[0],
+                    issuer=entry.issuer,
+                    by=entry.text,
+                )
         return None
 
 

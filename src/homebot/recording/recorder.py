@@ -6,9 +6,10 @@ when it is noted.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Final, final
+from typing import Final, TypeAlias, final
 
 import anyio
 from anyio.abc import TaskStatus
@@ -17,13 +18,15 @@ import homebot
 from homebot.devices import FIND_DEVICES, Devices, FindDevices, GatewayNames, RawMessage, Sighting, gateway_of
 from homebot.devices.gateway_messages import GatewayState, Report
 from homebot.devices.journal_messages import JournalEntry
-from homebot.devices.names import EXPORT_PLACES, JOURNAL_ENTRIES
-from homebot.devices.places_messages import ExportPlaces, ExportPlacesRequest
-from homebot.devices.services import FindDevicesRequest
+from homebot.devices.lease_messages import GetLeases, GetLeasesRequest, HeldPart
+from homebot.devices.names import DIRECTORY_NODE, EXPORT_INDEX, GET_LEASES, JOURNAL_ENTRIES, OWNER_REQUESTS
+from homebot.devices.places_messages import OwnerRequest
+from homebot.devices.services import ExportIndex, ExportIndexRequest, FindDevicesRequest
 from homebot.errors import InvalidNameError, RefusedError, ServiceError
 from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile, Subscription
 from homebot.messages import Time
 from homebot.messages.message import Message
+from homebot.recording.lease_news import LeaseNews
 from homebot.recording.line_buffer import LineBuffer
 from homebot.recording.lines import (
     FORMAT,
@@ -47,6 +50,11 @@ _ALL_KEPT: Final = QoSProfile(depth=10_000, durability=DurabilityPolicy.TRANSIEN
 _ENTRIES: Final = QoSProfile(depth=10_000)
 
 
+_Source: TypeAlias = (
+    Subscription[JournalEntry] | Subscription[OwnerRequest] | Subscription[Sighting] | Subscription[Report]
+)
+
+
 @dataclass(frozen=True, slots=True)
 class RunFacts:
     """The run that is recorded; see :class:`RecordingHeader`."""
@@ -55,6 +63,7 @@ class RunFacts:
     apps: tuple[RecordedApp, ...] = ()
     control: str = "{}"
     trusts_apps: bool = False
+    places: str = ""
 
 
 @final
@@ -76,19 +85,22 @@ class Recorder:
         self._devices = Devices(node)
         self._commands = CommandNews()
         self._gateways: set[str] = set()
-        self._subscriptions: list[Subscription[JournalEntry] | Subscription[Sighting] | Subscription[Report]] = []
+        self._subscriptions: list[_Source] = []
         self._lost = 0
         self._started_at = self._clock.now()
         self._find = node.create_client(FindDevices, FIND_DEVICES)
-        self._export = node.create_client(ExportPlaces, EXPORT_PLACES)
+        self._export = node.create_client(ExportIndex, EXPORT_INDEX)
+        self._leases = node.create_client(GetLeases, GET_LEASES)
         self.lines = LineBuffer()
 
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Note until cancelled."""
         await self._begin()
         with self._node.graph.watch() as changes:
-            self._subscriptions.append(
-                self._node.create_subscription(JournalEntry, JOURNAL_ENTRIES, self._take_entry, _ENTRIES)
+            listen = self._node.create_subscription
+            self._subscriptions += (
+                listen(JournalEntry, JOURNAL_ENTRIES, self._take_entry, _ENTRIES),
+                listen(OwnerRequest, OWNER_REQUESTS, self._take_request, _ENTRIES, from_node=DIRECTORY_NODE),
             )
             self._follow_gateways()
             async with anyio.create_task_group() as tasks:
@@ -111,13 +123,14 @@ class Recorder:
         self._note(self._clock.now(), RecordingEnd(reason=reason))
 
     async def _begin(self) -> None:
-        """Note the run, and the devices as the directory knows them.
+        """Note the run, the devices as the directory knows them, and who holds what.
 
         Raises:
-            ServiceError: The directory does not answer.
+            ServiceError: The directory or the control layer does not answer.
         """
+        held = (await self._leases.call(GetLeasesRequest())).parts
         devices = (await self._find.call(FindDevicesRequest())).devices
-        places = (await self._export.call(ExportPlacesRequest())).text
+        rows = (await self._export.call(ExportIndexRequest())).rows
         self._started_at = self._clock.now()
         facts = self._facts
         header = RecordingHeader(
@@ -127,12 +140,12 @@ class Recorder:
             started_at=Time.from_seconds(self._started_at),
             trusts_apps=facts.trusts_apps,
             control=facts.control,
-            places=places,
+            places=facts.places,
             apps=facts.apps,
         )
         self._note(self._started_at, header)
-        for device in devices:
-            self._note(self._started_at, device)
+        for message in (*rows, *devices, *(news for part in held for news in _held(part))):
+            self._note(self._started_at, message)
 
     def _follow_gateways(self) -> None:
         for node in self._node.graph.get_node_names():
@@ -181,5 +194,20 @@ class Recorder:
         if (news := self._commands.of(entry)) is not None:
             self._note(entry.at.to_seconds(), news)
 
+    def _take_request(self, request: OwnerRequest) -> None:
+        self._note(request.at.to_seconds(), request)
+
     def _note(self, at: float, message: Message) -> None:
         self.lines.add(RecordingLine(at - self._started_at, message))
+
+
+def _held(part: HeldPart) -> Iterator[LeaseNews]:
+    for holder in part.holders:
+        yield LeaseNews(
+            step="held",
+            device=part.device,
+            part=part.part,
+            setting=part.setting,
+            issuer=holder.issuer,
+            by=holder.by,
+        )

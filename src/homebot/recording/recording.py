@@ -13,10 +13,12 @@ from typing import IO, Final, cast
 from homebot.devices import Device, RawMessage, Sighting
 from homebot.devices.command_messages import CommandResult
 from homebot.devices.gateway_messages import Report
+from homebot.devices.places_messages import OwnerRequest
+from homebot.devices.services import IndexRow
 from homebot.errors import UsageError
 from homebot.messages.message import Message
+from homebot.recording.lease_news import LeaseNews
 from homebot.recording.lines import (
-    FORMAT,
     GatewayNews,
     LostLines,
     RecordedCommand,
@@ -26,7 +28,7 @@ from homebot.recording.lines import (
     read_line,
 )
 
-__all__ = ["GatewayEvent", "Recording", "TimedCommand", "load_recording", "read_recording"]
+__all__ = ["RecordedEvent", "Recording", "TimedCommand", "TimedLease", "load_recording", "read_recording"]
 
 _LONGEST_LINE: Final = 16 * 1024 * 1024
 _MOST_BYTES: Final = 4 * 1024**3
@@ -52,8 +54,21 @@ class TimedCommand:
 
 
 @dataclass(frozen=True, slots=True)
-class GatewayEvent:
-    """Something that a gateway told.
+class TimedLease:
+    """A step of a lease, and when that was.
+
+    Attributes:
+        at: Seconds since the start of the recording.
+        news: The step.
+    """
+
+    at: float
+    news: LeaseNews
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedEvent:
+    """Something that a gateway told, or that the owner asked of the directory.
 
     Attributes:
         at: Seconds since the start of the recording.
@@ -72,20 +87,24 @@ class Recording:
 
     Attributes:
         header: The run.
+        index: The rows of the directory's index at the start.
         devices: The devices at the start, by id.
         before: What gateways had told before the start: their states, then sightings, reports and raw messages.
-        events: What they told then, in the order of time.
+        events: What they told then, and what the owner asked of the directory, in the order of time.
         commands: The commands that were given, in the order of time.
+        leases: What became of leases, likewise; those of the start are of time 0.
         lost: Lines that are missing.
         ends_at: Seconds since the start at which it ends.
         end: Why it ended, as text; empty where it was told to.
     """
 
     header: RecordingHeader
+    index: list[IndexRow] = field(default_factory=list)
     devices: dict[str, Device] = field(default_factory=dict)
     before: list[Message] = field(default_factory=list)
-    events: list[GatewayEvent] = field(default_factory=list)
+    events: list[RecordedEvent] = field(default_factory=list)
     commands: list[TimedCommand] = field(default_factory=list)
+    leases: list[TimedLease] = field(default_factory=list)
     lost: int = 0
     ends_at: float = 0.0
     end: str = ""
@@ -150,6 +169,7 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
     recording.before.sort(key=_rank)
     recording.events.sort(key=lambda one: one.at)  # of one moment in the order of the file: effects follow their causes
     recording.commands.sort(key=lambda one: one.at)
+    recording.leases.sort(key=lambda one: one.at)
     return recording
 
 
@@ -157,9 +177,6 @@ def _begun(line: RecordingLine, where: str) -> Recording:
     header = line.message
     if not isinstance(header, RecordingHeader):
         raise UsageError(f"{where}: field 'kind': the first line of a recording is its header, 'recording'")
-    if header.format != FORMAT:
-        problem = f"is {header.format}; this homebot reads {FORMAT}, version {header.version} wrote it"
-        raise UsageError(f"{where}: field 'message.format': {problem}")
     return Recording(header)
 
 
@@ -168,16 +185,20 @@ def _take(recording: Recording, line: RecordingLine, number: int) -> None:
     match line.message:
         case Device() as device:
             recording.devices[device.id] = device
+        case IndexRow() as row:
+            recording.index.append(row)
+        case LeaseNews() as news:
+            recording.leases.append(TimedLease(max(0.0, line.at), news))
         case RecordedCommand() as command:
             recording.commands.append(TimedCommand(line.at, command, line=number))
         case LostLines(count=count):
             recording.lost += count
         case RecordingEnd(reason=reason):
             recording.end = reason
-        case message if line.at <= 0:
+        case message if line.at <= 0 and not isinstance(message, OwnerRequest):
             recording.before.append(message)
         case _:
-            recording.events.append(GatewayEvent(line.at, line.message, number))
+            recording.events.append(RecordedEvent(line.at, line.message, number))
 
 
 def _rank(message: Message) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from typing import Final
 
 from pydantic import BaseModel, SecretBytes, SecretStr
@@ -18,6 +19,9 @@ _WORDS: Final = frozenset(
         *("credentials", "key", "apikey", "authorization"),
     }
 )
+_LOGIN: Final = re.compile(r"(?<=://)[^\s/@]+(?=@)")
+"""User and password in a URL."""
+
 _MOST_BYTES: Final = 256 * 1024
 
 
@@ -37,7 +41,7 @@ def public_settings(settings: BaseModel) -> dict[str, object]:
 
 
 def without_secrets(payload: bytes) -> bytes:
-    """Return a raw *payload*; in one that is JSON, the values of fields with the name of a secret are hidden.
+    """Return a raw *payload*; in one that is JSON, fields with the name of a secret and logins in URLs are hidden.
 
     A payload of more than 256 kB is not read, and so is left out.
     """
@@ -59,4 +63,6 @@ def _cleaned(value: object) -> object:
             return {name: HIDDEN if is_secret_name(str(name)) else _cleaned(one) for name, one in value.items()}
         case list():
             return [_cleaned(one) for one in value]
+        case str():
+            return _LOGIN.sub(HIDDEN, value)
     return value

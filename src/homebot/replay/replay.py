@@ -7,9 +7,9 @@ than the devices of the house and its clock: not on the network, on files, on ch
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from random import Random
 
 import anyio
@@ -17,28 +17,22 @@ import anyio
 from homebot.clock import LoopClock
 from homebot.config import UNNAMED, Config, Table, parse_config
 from homebot.devices import FIND_DEVICES, Device, FindDevices
-from homebot.devices.approval import APPROVED
-from homebot.devices.approval_messages import ApproveDevice, ApproveDeviceRequest
-from homebot.devices.client_rights import is_client
-from homebot.devices.command_messages import CommandRequest, CommandResult, PerformCommand
+from homebot.devices.command_messages import CommandResult
 from homebot.devices.journal_messages import JournalEntry
-from homebot.devices.names import APPROVE_DEVICE, IMPORT_PLACES, JOURNAL_ENTRIES, PERFORM_COMMAND
-from homebot.devices.places_messages import ImportPlaces, ImportPlacesRequest
+from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import UsageError
-from homebot.graph import Graph, Node
+from homebot.graph import Node
 from homebot.recording.lines import RecordedCommand
 from homebot.recording.recorded_commands import CommandNews
 from homebot.recording.recording import Recording, TimedCommand
-from homebot.replay.command_matcher import is_carried_out
 from homebot.replay.recorded_outcomes import RecordedOutcomes
 from homebot.replay.replay_apps import app_tables
 from homebot.replay.replay_feed import ReplayFeed
+from homebot.replay.replay_people import ReplayPeople
 from homebot.runtime import Runtime
 
 __all__ = ["Replayed", "replay", "replay_config"]
-
-_LONGEST = 900.0
 
 _GATEWAY = "homebot.replay.replay_gateway:ReplayGateway"
 
@@ -66,8 +60,8 @@ def replay_config(recording: Recording, apps: Sequence[str] = (), given: Config 
     Args:
         recording: The recording.
         apps: The apps to run, as for :func:`homebot.replay.replay_apps.app_tables`; by default the recorded ones.
-        given: A configuration: its table ``[control]``, where it has one, and ``[discovery]`` take the place of those
-            of the recording, and its tables of apps that of their settings.
+        given: A configuration: its tables ``[control]`` and ``[places]``, where it has them, and ``[discovery]`` take
+            the place of those of the recording, and its tables of apps that of their settings.
 
     Raises:
         UsageError: An app cannot be found, or the recording is damaged.
@@ -80,6 +74,7 @@ def replay_config(recording: Recording, apps: Sequence[str] = (), given: Config 
             "gateways": {name: {"class": _GATEWAY} for name in recording.gateways},
             "apps": app_tables(header.apps, apps, dict(base.apps)),
             "control": base.control or _table(header.control),
+            "places": base.places or _places(header.places),
             "discovery": base.discovery,
         },
         "the recording" if given is None else f"the recording and {base.source}",
@@ -111,7 +106,7 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
         random=Random(0),  # noqa: S311 - a replay has no secrets
         trusts_apps=recording.header.trusts_apps,
         rehearsal=outcomes,
-        prepare=partial(_prepare, recording),
+        known=recording.index,
     )
     async with Node(runtime.graph, "replay", namespace="/homebot") as node:
         began, news = clock.now(), CommandNews()
@@ -125,8 +120,9 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
 
         node.create_subscription(JournalEntry, JOURNAL_ENTRIES, take, 100_000)
         async with runtime, anyio.create_task_group() as people:
-            people.start_soon(_give_wishes, node, recording, feed)
-            await feed.play()
+            doings = ReplayPeople(node, recording, feed)
+            people.start_soon(doings.run)
+            await feed.play(doings.ask_directory)
             people.cancel_scope.cancel()
             devices = (await node.create_client(FindDevices, FIND_DEVICES).call(FindDevicesRequest())).devices
     issuers = tuple(f"/{name}" for name in config.apps)
@@ -136,47 +132,6 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
     return Replayed(tuple(commands), issuers, crashes, devices)
 
 
-async def _prepare(recording: Recording, graph: Graph) -> None:
-    """Let the directory know what the owner had stated."""
-    async with Node(graph, "replay_preparation", namespace="/homebot") as node:
-        if recording.header.places:
-            places = node.create_client(ImportPlaces, IMPORT_PLACES)
-            answer = await places.call(ImportPlacesRequest(text=recording.header.places, replaces=True))
-            if not answer.success:
-                raise UsageError(f"the places in the recording cannot be used: {answer.message}")
-        approve = node.create_client(ApproveDevice, APPROVE_DEVICE)
-        for device in recording.devices.values():
-            if _is_approved(device):
-                await approve.call(ApproveDeviceRequest(device=device.id))
-
-
-async def _give_wishes(node: Node, recording: Recording, feed: ReplayFeed) -> None:
-    """Give the commands of people, each at its time; those that were refused need no answer."""
-    perform = node.create_client(PerformCommand, PERFORM_COMMAND)
-
-    async def give(command: RecordedCommand) -> None:
-        await perform.call(
-            CommandRequest(
-                device=command.device,
-                part=command.part,
-                settings=command.settings,
-                issuer=command.issuer,
-                scope=("act: all", f'act: id="{command.device}"'),
-            ),
-            timeout=_LONGEST,
-        )
-
-    async with anyio.create_task_group() as calls:
-        for wish in recording.commands:
-            if is_client(wish.command.issuer) and wish.command.settings and is_carried_out(wish):
-                await anyio.sleep(max(0.0, wish.at - feed.now))
-                calls.start_soon(give, wish.command)
-
-
-def _is_approved(device: Device) -> bool:
-    return any(fact.name == APPROVED for fact in device.facts)
-
-
 def _table(text: str) -> Table:
     try:
         found = json.loads(text)
@@ -184,4 +139,14 @@ def _table(text: str) -> Table:
         raise UsageError("the table [control] in the recording is no JSON") from exc
     if not isinstance(found, dict):
         raise UsageError("the table [control] in the recording is no table")
+    return {**found}
+
+
+def _places(text: str) -> Table:
+    try:
+        found = tomllib.loads(text).get("places", {})
+    except (ValueError, RecursionError) as exc:
+        raise UsageError(f"the table [places] in the recording is no TOML: {exc}") from exc
+    if not isinstance(found, dict):
+        raise UsageError("the table [places] in the recording is no table")
     return {**found}

@@ -10,6 +10,7 @@ from typing import Final, TypeAlias, final
 import anyio
 
 from homebot.clock import Clock
+from homebot.devices.places_messages import OwnerRequest
 from homebot.messages.message import Message
 from homebot.recording.recording import Recording
 
@@ -26,8 +27,9 @@ Tell: TypeAlias = Callable[[Message], Awaitable[None]]
 class ReplayFeed:
     """The messages of gateways in a recording, each at its time.
 
-    Messages of one moment are handed over together, as a burst from the network is, unless somebody gave a command in
-    between: what comes after it may be its effect. What comes at the moment of a timer comes after the timer.
+    Messages of one moment are handed over together, as a burst from the network is, unless somebody gave a command or
+    stated something of a device in between: what comes after it may be its effect. What comes at the moment of a timer
+    comes after the timer.
 
     Args:
         recording: The recording, whose start is the present of *clock*.
@@ -54,16 +56,21 @@ class ReplayFeed:
                 await tell(message)
         self._gateways[gateway] = tell
 
-    async def play(self) -> None:
-        """Hand over all that happened; return where the recording ends."""
+    async def play(self, ask_directory: Callable[[OwnerRequest], Awaitable[None]]) -> None:
+        """Hand over all that happened, and *ask_directory* what the owner asked; return where the recording ends."""
         given = sorted(one.line for one in self._recording.commands)
         before, moment = 0, -math.inf
         for event in self._recording.events:
             is_effect = bisect(given, before) != bisect(given, event.line)
-            if is_effect or event.at - moment > _MOMENT:
+            is_asked = isinstance(event.message, OwnerRequest)
+            if is_effect or is_asked or event.at - moment > _MOMENT:
                 await self._wait_until(event.at)
                 moment = event.at
-            await self._tell(event.message)
+            if isinstance(event.message, OwnerRequest):
+                await ask_directory(event.message)
+                moment = -math.inf
+            else:
+                await self._tell(event.message)
             before = event.line
         await self._wait_until(self._recording.ends_at)
 

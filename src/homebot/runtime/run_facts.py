@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 from homebot.control import ControlSettings
+from homebot.places.text import places_text
 from homebot.recording.lines import RecordedApp
 from homebot.recording.recorder import RunFacts
 from homebot.recording.secrets import public_settings
@@ -24,4 +25,13 @@ def run_facts(plan: Plan, control: ControlSettings, *, trusts_apps: bool) -> Run
             settings[ACT] = [one.removeprefix(_SCOPE) for one in scope if one.startswith(_SCOPE)]
         kind = f"{app.kind.__module__}:{app.kind.__qualname__}"
         apps.append(RecordedApp(name=app.name, kind=kind, settings=json.dumps(settings)))
-    return RunFacts(plan.home, tuple(apps), json.dumps(public_settings(control)), trusts_apps)
+    return RunFacts(plan.home, tuple(apps), json.dumps(public_settings(control)), trusts_apps, _places(plan))
+
+
+def _places(plan: Plan) -> str:
+    """Return the table ``[places]`` as the text of a places file; empty where there is none."""
+    places = plan.places
+    if not places.rooms and not places.devices:
+        return ""
+    devices = ((names[0], facts, names) for names, facts in places.devices.items())
+    return places_text(plan.home, places.rooms, devices)

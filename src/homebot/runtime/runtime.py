@@ -5,7 +5,7 @@ The order is: broker (where it is ours), gateways, directory, apps, door, direct
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import replace
 from functools import cached_property, partial
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
     from homebot.control import ControlSettings
     from homebot.control.rehearsal import Rehearsal
+    from homebot.devices.services import IndexRow
     from homebot.house import World
     from homebot.recording.line_sink import LineSink
 
@@ -87,7 +88,7 @@ class Runtime:
         is_dry_run: Whether nothing is sent to any device: the gateways only observe, and commands are noted as what
             would have been sent.
         rehearsal: Answers commands in place of the devices, as in a replay; by default that of a dry run, if it is one.
-        prepare: Work to be done before the first app starts, such as to tell the directory what the owner stated.
+        known: What the directory knows at the start where there is no *index_file*, as in a replay.
 
     Attributes:
         graph: The graph on which everything meets.
@@ -114,7 +115,7 @@ class Runtime:
         record_into: LineSink | None = None,
         is_dry_run: bool = False,
         rehearsal: Rehearsal | None = None,
-        prepare: Callable[[Graph], Awaitable[None]] | None = None,
+        known: Sequence[IndexRow] = (),
     ) -> None:
         self._network = None if house is None else network_of(house)
         own_gateways = frozenset(config.gateways)
@@ -141,7 +142,7 @@ class Runtime:
         self._context = GatewayContext.of(self._installation, *services, random=random, is_dry_run=is_dry_run)
         self._is_dry_run = is_dry_run
         self._rehearsal = rehearsal
-        self._prepare = prepare
+        self._known = known
         self._index_file = index_file
         self._loop_watch = loop_watch
         self._lost_lines = lost_lines
@@ -216,8 +217,6 @@ class Runtime:
         yield from (("gateway", gateway.name, self._gateway(gateway)) for gateway in gateways)
         yield "", "discovery", self._directory
         yield "", "control", self._control
-        if self._prepare is not None:
-            yield "", "preparation", self._prepared_by(self._prepare)
         if self._record_into is not None:
             yield "", "recorder", self._record(self._record_into)
         yield from (("app", app.name, self._app(app)) for app in self._plan.apps)
@@ -289,7 +288,14 @@ class Runtime:
             owner = OwnerFacts(self._plan.home, self._plan.places, self._clock.now())
             control = self._plan.control  # None stands for its defaults, which are not loaded for this
             needs_approval = not self._approves_all and (control is None or control.approvals)
-            directory = Directory(node, self._plan.discovery, self._index_file, owner, needs_approval=needs_approval)
+            directory = Directory(
+                node,
+                self._plan.discovery,
+                self._index_file,
+                owner,
+                needs_approval=needs_approval,
+                known=self._known,
+            )
             await run_as(node.full_name, partial(directory.serve, task_status=task_status))
 
     @cached_property
@@ -321,14 +327,6 @@ class Runtime:
 
         settings = self._plan.control or ControlSettings()
         return settings.model_copy(update={"approvals": False}) if self._approves_all else settings
-
-    def _prepared_by(self, prepare: Callable[[Graph], Awaitable[None]]) -> Work:
-        async def work(*, task_status: TaskStatus[None]) -> None:
-            await prepare(self.graph)
-            task_status.started()
-            await anyio.sleep_forever()
-
-        return work
 
     def _record(self, sink: LineSink) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:

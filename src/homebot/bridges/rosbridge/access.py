@@ -34,11 +34,9 @@ from homebot.devices.names import (
     PERFORM_COMMAND,
     QUERY_DEVICES,
     READ_JOURNAL,
-    READ_RECORDING,
     RELEASE_LEASE,
     RENEW_LEASE,
     SEND_TEXT,
-    START_RECORDER,
 )
 from homebot.errors import PeerError
 from homebot.messages.definition import fields_of
@@ -77,8 +75,6 @@ _READING: Final = frozenset(
         GET_UNAPPROVED,
         QUERY_DEVICES,
         READ_JOURNAL,
-        READ_RECORDING,
-        START_RECORDER,
         "/subscribe_to_mqtt_topic",
     }
 )

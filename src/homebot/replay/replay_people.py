@@ -1,0 +1,161 @@
+"""People in a replay: the commands that they gave, what they held, and what they asked of the directory."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import Final, final
+
+import anyio
+
+from homebot.devices.client_rights import is_client
+from homebot.devices.command_messages import CommandRequest, PerformCommand
+from homebot.devices.lease_messages import (
+    LONGEST_TTL,
+    EndLeases,
+    EndLeasesRequest,
+    HolderRequest,
+    HoldPart,
+    HoldRequest,
+    ReleaseLease,
+    RenewLease,
+)
+from homebot.devices.names import END_LEASES, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE
+from homebot.devices.owner_services import OWNER_SERVICES
+from homebot.devices.places_messages import OwnerRequest
+from homebot.errors import TypeMismatchError, UsageError
+from homebot.graph import Node
+from homebot.messages.json import message_from_json
+from homebot.recording.lease_news import LeaseNews
+from homebot.recording.lines import RecordedCommand
+from homebot.recording.recording import Recording, TimedCommand
+from homebot.replay.command_matcher import is_carried_out
+from homebot.replay.replay_feed import ReplayFeed
+from homebot.strict_json import parse_strict
+
+__all__ = ["ReplayPeople"]
+
+_LONGEST: Final = 900.0
+_RENEWED_AFTER: Final = LONGEST_TTL / 3
+
+
+@final
+class ReplayPeople:
+    """Does what people did, each at its time; what was refused to them needs no answer.
+
+    Leases are held for as long as they were: they end when they were released, ended, or over in the recording. Those
+    of apps are their own.
+
+    Args:
+        node: The node that asks in their place.
+        recording: The recording.
+        feed: Tells the time.
+    """
+
+    def __init__(self, node: Node, recording: Recording, feed: ReplayFeed) -> None:
+        self._node = node
+        self._recording = recording
+        self._feed = feed
+        self._perform = node.create_client(PerformCommand, PERFORM_COMMAND)
+        self._hold = node.create_client(HoldPart, HOLD_PART)
+        self._renew = node.create_client(RenewLease, RENEW_LEASE)
+        self._release = node.create_client(ReleaseLease, RELEASE_LEASE)
+        self._end = node.create_client(EndLeases, END_LEASES)
+        self._held: defaultdict[tuple[str, ...], list[HolderRequest]] = defaultdict(list)
+        self._number = 0
+
+    async def run(self) -> None:
+        """Give commands, and hold and release parts, until cancelled."""
+        async with anyio.create_task_group() as calls:
+            calls.start_soon(self._renew_all)
+            for at, wish in sorted(self._wishes(), key=lambda one: one[0]):
+                await anyio.sleep(max(0.0, at - self._feed.now))
+                calls.start_soon(self._do, wish)
+
+    async def ask_directory(self, request: OwnerRequest) -> None:
+        """Ask the directory as the owner did.
+
+        Raises:
+            UsageError: The request is none; the recording is damaged.
+        """
+        service = OWNER_SERVICES.get(request.service)
+        if service is None:
+            known = ", ".join(OWNER_SERVICES)
+            raise UsageError(f"the recording is damaged: {request.service!r} is none of {known}")
+        try:
+            found = parse_strict(request.request)
+            wanted = message_from_json(service.Request, found if isinstance(found, dict) else {})
+        except (ValueError, RecursionError, TypeMismatchError) as exc:
+            raise UsageError(f"the recording is damaged: a request to {request.service}: {exc}") from exc
+        client = self._node.create_client(service, request.service)
+        try:
+            await client.call(wanted, timeout=_LONGEST)
+        finally:
+            client.close()
+
+    def _wishes(self) -> list[tuple[float, RecordedCommand | LeaseNews]]:
+        commands = [(one.at, one.command) for one in self._recording.commands if _is_given_again(one)]
+        return [*commands, *((one.at, one.news) for one in self._recording.leases if is_client(one.news.issuer))]
+
+    async def _do(self, wish: RecordedCommand | LeaseNews) -> None:
+        if isinstance(wish, RecordedCommand):
+            await self._give(wish)
+        else:
+            await self._change_lease(wish)
+
+    async def _give(self, command: RecordedCommand) -> None:
+        await self._perform.call(
+            CommandRequest(
+                device=command.device,
+                part=command.part,
+                settings=command.settings,
+                issuer=command.issuer,
+                scope=_scope(command.device),
+            ),
+            timeout=_LONGEST,
+        )
+
+    async def _change_lease(self, news: LeaseNews) -> None:
+        if news.step == "ended":
+            await self._end.call(EndLeasesRequest(device=news.device, issuer=news.issuer))
+            return
+        capability = news.setting.capability
+        held = self._held[news.device, news.part, capability, news.issuer, news.by]
+        if news.step != "held":
+            if held:
+                await self._release.call(held.pop(0))
+            return
+        self._number += 1
+        holder = HolderRequest(lease=f"replay-{self._number}", by=news.by, issuer=news.issuer)
+        held.append(holder)
+        await self._hold.call(
+            HoldRequest(
+                device=news.device,
+                part=news.part,
+                setting=news.setting,
+                lease=holder.lease,
+                by=holder.by,
+                ttl=LONGEST_TTL,
+                issuer=holder.issuer,
+                scope=_scope(news.device),
+            ),
+            timeout=_LONGEST,
+        )
+
+    async def _renew_all(self) -> None:
+        """Renew all leases for ever: that of a holder which died ends when it expired in the recording."""
+        while True:
+            await anyio.sleep(_RENEWED_AFTER)
+            for holder in [one for held in self._held.values() for one in held]:
+                await self._renew.call(holder)
+
+
+def _is_given_again(given: TimedCommand) -> bool:
+    """Return whether a person gave the command, and not to hold something, which is held again instead."""
+    command = given.command
+    is_for_lease = command.trigger.kind == "lease"
+    return is_client(command.issuer) and bool(command.settings) and not is_for_lease and is_carried_out(given)
+
+
+def _scope(device: str) -> tuple[str, ...]:
+    """Return a scope that refuses nothing: what was refused for want of a right is not done again."""
+    return "act: all", f'act: id="{device}"'
