@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from homebot.folding import fold
+
 __all__ = ["did_you_mean", "similar_to", "unknown_key"]
 
 _CUTOFF = 0.5
@@ -13,6 +15,8 @@ _MOST = 3
 def similar_to(name: str, known: Iterable[str], cutoff: float = _CUTOFF) -> list[str]:
     """Return up to three of the *known* names that somebody may have meant by *name*, the likeliest first.
 
+    Case and accents make no difference.
+
     Args:
         name: What was asked for.
         known: What there is.
@@ -20,11 +24,10 @@ def similar_to(name: str, known: Iterable[str], cutoff: float = _CUTOFF) -> list
     """
     from difflib import get_close_matches  # noqa: PLC0415 - somebody mistook a name
 
-    names = sorted(set(known))
-    return (
-        get_close_matches(name, names, n=_MOST, cutoff=cutoff)
-        or [one for one in names if name.strip("/") in one][:_MOST]
-    )
+    wanted = fold(name)
+    names = {fold(one): one for one in sorted(set(known), reverse=True)}
+    found = get_close_matches(wanted, names, n=_MOST, cutoff=cutoff)
+    return [names[one] for one in found or sorted(one for one in names if wanted.strip("/") in one)[:_MOST]]
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str, cutoff: float = _CUTOFF) -> str:

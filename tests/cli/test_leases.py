@@ -55,7 +55,7 @@ def test_a_lease_is_listed_and_ended(run: Run) -> None:
     assert held["outranked_until"] is None
     assert (holder["by"], holder["issuer"], holder["until"][-1]) == ("robot", "client:local", "Z")
     code, printed, _ = run("release", "Lamp")
-    assert (code, printed.splitlines()[-1]) == (0, "lamp is no more held on by robot (the client local)")
+    assert (code, printed.splitlines()[-1]) == (0, "lamp is no longer held on by robot (the client local)")
     assert run("leases")[1] == "nobody holds anything"
     assert "ended the lease by which robot held Lamp" in run("journal")[1]
     assert run("journal", "--json")[1].count('"kind": "ended"') == 1

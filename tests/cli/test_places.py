@@ -140,6 +140,7 @@ def test_a_device_that_is_to_come_is_placed_when_it_appears(placed: Homebot, ind
     assert code == 1
     assert "there is no device Desk lmp; did you mean Desk lamp" in problem
     assert "add --new" in problem
+    assert "did you mean Desk lamp" in run("place", "DESK_LMP", "Hall")[1]
     assert run("place", "Desk lmp", "Hall", "--new")[0] == 0
     assert run("place", "mac:000000000008", "kitchen")[1].endswith(
         "mac:000000000008 will be in Kitchen when it appears\n"
@@ -171,7 +172,7 @@ def test_an_imported_room_is_renamed_and_removed(run: Run, tmp_path: Path) -> No
     assert ["shed", "Guest", "room"] in [line.split() for line in listed.splitlines()]
     assert ["Loft", "Guest", "room", "0"] in [line.split() for line in listed.splitlines()]
     code, problem = run("places", "remove", "Guest room")
-    assert (code, "ceiling, shed was placed in it; place it elsewhere first" in problem) == (1, True)
+    assert (code, "devices were placed in it: ceiling, shed; place them elsewhere first" in problem) == (1, True)
     run("place", "ceiling", "--undo")
     run("place", "shed", "--undo")
     assert run("places", "remove", "guest room") == (0, "guest room is removed\n")

@@ -131,11 +131,11 @@ def _lease_text(entry: JournalEntryRecord, name: str) -> str:
         case "held":
             return f"{holder} began to hold {name} {held}"
         case "released":
-            return f"{holder} holds {name} no more"
+            return f"{holder} no longer holds {name}"
         case "ended":
             return f"{issuer_text(entry['issuer'])} ended the lease by which {printable(entry['text'], 60)} held {name}"
         case "expired":
-            return f"{holder} holds {name} no more: its time was over"
+            return f"{holder} no longer holds {name}: its time was over"
         case "outranked":
             return f"{printable(entry['text'], 60)}, which outranks the lease that holds {name} {held}"
         case _:

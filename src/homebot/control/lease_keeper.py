@@ -127,7 +127,7 @@ class LeaseKeeper:
         """Let a holder hold no more; one that holds nothing is fine."""
         lease = self._release(_key(request))
         if lease is not None:
-            self._log("control.released", lease, f"is no more held {held_text(lease.value)} by {request.by}")
+            self._log("control.released", lease, f"is no longer held {held_text(lease.value)} by {request.by}")
         return LeaseResponse(held=False, result=result_of(Refused(LEASE_POLICY, "it was released")))
 
     def held_parts(self, request: GetLeasesRequest) -> LeasesResponse:
@@ -142,7 +142,7 @@ class LeaseKeeper:
         response = self.held_parts(GetLeasesRequest(device=request.device))
         for lease, (issuer, by, _), _ in self._leases.end(request.device, request.issuer, self._clock.monotonic()):
             self._end_if_over(lease)
-            self._log("control.lease_ended", lease, f"is no more held by {by} ({issuer}): {request.issuer} ended it")
+            self._log("control.lease_ended", lease, f"is no longer held by {by} ({issuer}): {request.issuer} ended it")
             self._note_step("ended", lease, request.issuer, by)
         return response
 
@@ -242,7 +242,7 @@ class LeaseKeeper:
             self._end_if_over(lease)
             self._note_step("expired", lease, issuer, holder.by)
             self._log(
-                "control.expired", lease, f"is no more held {held_text(lease.value)} by {holder.by}: time is over"
+                "control.expired", lease, f"is no longer held {held_text(lease.value)} by {holder.by}: time is over"
             )
 
     def _release(self, key: HolderKey) -> Lease | None:

@@ -168,5 +168,5 @@ def _setting(tracked: TrackedDevice, part_id: str, word: str) -> Setting | None:
         return None
     capability, value = decode_command(word, part.part)
     if capability in MOMENTARY or value == "stopped":
-        raise RefusedError(f"to hold {word!r}", "it is nothing that lasts")
+        raise RefusedError(f"holding {word!r}", "it is nothing that lasts")
     return Setting(capability=capability, value=Value.of(value))

@@ -68,7 +68,7 @@ class HouseRooms:
         Raises:
             RefusedError: No import stated it, or the configuration does.
         """
-        self._check_imported(name, f"to remove the room {name!r}")
+        self._check_imported(name, f"removing the room {name!r}")
         self._change(one for one in self.imported if fold(one.name) != fold(name))
 
     def rename(self, name: str, new: str, *, is_stated: bool) -> None:
@@ -83,7 +83,7 @@ class HouseRooms:
             RefusedError: There is no such room, the configuration has it, or there is one called *new*.
             ConfigError: *new* is the name of a floor or of the home.
         """
-        order = f"to rename the room {name!r}"
+        order = f"renaming the room {name!r}"
         if not is_stated or self._configured.room(name) is not None:
             self._check_imported(name, order)
         if fold(new) != fold(name) and self.plan.room(new) is not None:

@@ -231,7 +231,8 @@ class OwnerFacts:
         """
         if placed := sorted(str(next(iter(one.names or one.keys))) for one in self._in(name)):
             named = ", ".join(placed[:_MOST_NAMED]) + (", …" if len(placed) > _MOST_NAMED else "")
-            raise RefusedError(f"to remove the room {name!r}", f"{named} was placed in it; place it elsewhere first")
+            reason = f"devices were placed in it: {named}; place them elsewhere first"
+            raise RefusedError(f"removing the room {name!r}", reason)
         self.rooms.remove(name)
         self.is_unsaved = True
 
@@ -244,7 +245,7 @@ class OwnerFacts:
         """
         in_it = self._in(name)
         if fold(new) != fold(name) and self._in(new):
-            raise RefusedError(f"to rename the room {name!r}", f"there is a room {new!r} already")
+            raise RefusedError(f"renaming the room {name!r}", f"there is a room {new!r} already")
         self.rooms.rename(name, new, is_stated=bool(in_it))
         for one in in_it:
             one.facts = tuple(replace(fact, value=new) if _is_room(fact, name) else fact for fact in one.facts)

@@ -97,7 +97,7 @@ class PlacesEditor:
         """
         key = _future_name(check_name(device))
         if all(fact.name != "area" for fact in self._table.owner.stated_of((key,))):
-            raise RefusedError("to take back the room", f"there is no device {device}, and no command stated its room")
+            raise RefusedError("taking back the room", f"there is no device {device}, and no command stated its room")
         self._state_absent(key, None)
         return key
 
@@ -129,7 +129,7 @@ class PlacesEditor:
         facts = [fact for fact in stated if fact.name != first]
         if len(facts) == len(stated):
             where = self._where_configured("area", entry)
-            raise RefusedError("to take back the room", where or f"no command stated the room of {device_id}")
+            raise RefusedError("taking back the room", where or f"no command stated the room of {device_id}")
         self.state(entry, facts, "the owner took back its room")
         return entry.to_device(self._table.topics).area
 
@@ -191,7 +191,7 @@ class PlacesEditor:
             where = self._where_configured(name, entry, value)
             has = ", ".join(self._values(entry, name)) or "none"
             why = where or f"no command gave it to {device_id}, which has {has}"
-            raise RefusedError(f"to take back the {_WORDS[name]} {value!r}", why)
+            raise RefusedError(f"taking back the {_WORDS[name]} {value!r}", why)
         self.state(entry, facts, f"the owner took back its {_WORDS[name]} {value}")
         return self._values(entry, name)
 

@@ -47,7 +47,7 @@ def window(
 def test_no_heating_while_the_window_is_open() -> None:
     verdict = judge(heater(), window())
     assert not verdict.allowed
-    assert verdict.reason == "not while open contact sensor: window is so"
+    assert verdict.reason == "not while open contact sensor: window"
     assert [(one.name, one.value) for one in verdict.facts] == [("contact of window", True)]
 
 

@@ -51,7 +51,7 @@ def _record(options: argparse.Namespace) -> int:
     def run(door: DoorClient) -> int:
         answer = door.call(START_RECORDER, timeout=_LONGEST)
         if not answer["success"]:
-            raise RefusedError("to record", str(answer["message"]))
+            raise RefusedError("recording", str(answer["message"]))
         with RecordingFile(Path(options.file), options.max_mb, force=options.force) as file:
             problem = _fetch(door, file, options.seconds)
         print(f"{file.path}: {file.lines:,} lines{f', {file.dropped:,} did not fit' if file.dropped else ''}")

@@ -39,7 +39,7 @@ def _release(options: argparse.Namespace) -> int:
         for held in parts:
             for one in held["holders"]:
                 who = f"{printable(one['by'], 60)} ({issuer_text(one['issuer'])})"
-                print(f"{printable(device)} is no more held {settings_text([held['setting']])} by {who}")
+                print(f"{printable(device)} is no longer held {settings_text([held['setting']])} by {who}")
         if not parts:
             raise PeerError(f"nobody holds {printable(device)}")
         return 0

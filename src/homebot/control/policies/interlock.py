@@ -80,9 +80,9 @@ def _judge_part(rule: InterlockRule, device: Device, part: DevicePart) -> Verdic
     facets.part = part
     used = tuple(_facts(device, part.id, rule.capabilities))
     if device.freshness != "fresh" or facets.reachable == "no" or (rule.capabilities and not used):
-        reason = f"not while {condition}: whether {device.name} is so is unknown"
+        reason = f"not while {condition}: the state of {device.name} is unknown"
     elif fits(rule.query, facets):
-        reason = f"not while {condition}: {device.name} is so"
+        reason = f"not while {condition}: {device.name}"
     else:
         return None
     return Verdict(NAME, allowed=False, reason=reason, facts=used)
