@@ -10,6 +10,8 @@ from typing import Final, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.journal import CommandJournal
+from homebot.control.learnt_persistence import LearntPersistence
+from homebot.control.policies.detections import DETECTION, Detections
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.house import House
 from homebot.control.policies.policies import Policies
@@ -60,13 +62,18 @@ class Judge:
         self._journal = journal
         self._trusts_apps = trusts_apps
         self._policies = Policies(settings)
-        self._house = House()
+        self._learnt = LearntPersistence(node, journal.store)
+        self._house = House(Detections(self._learnt.keeper(DETECTION)))
+        self._learnt.add(DETECTION, self._house.detections)
         self._recent = RecentCommands()
         self._zone = _zone(settings.time_zone)
         self._ahead = self._clock.now() - self._clock.monotonic()
         self._clock_set_at = -math.inf
         if settings.needs_house:
             node.create_task(self._follow)
+        if settings.presence_guard is not None:
+            node.create_task(self._learnt.load)
+            journal.add_counter("detections_forgotten", lambda: self._house.detections.forgotten)
 
     def refusal(self, command: IssuedCommand, *, is_noted: bool = True) -> Refused | None:
         """Return the refusal of *command*; None if it may be sent now.

@@ -15,6 +15,9 @@ from homebot.graph import Node
 
 __all__ = ["Learner", "LearntPersistence"]
 
+KINDS: Final = frozenset({"detection", "echo", "witness"})
+"""What this version learns; other rows are dropped."""
+
 LOADED: Final = "control.learnt_loaded"
 DROPPED: Final = "control.learnt_dropped"
 
@@ -39,7 +42,7 @@ class LearntPersistence:
 
     Each row says when it was learnt last, and from which command, which the journal may still know. What was not learnt
     again for as long as the journal keeps its entries is dropped with them. A row that cannot be read is dropped, and
-    said so; the rest is used.
+    said so; the rest is used. Rows whose learner is another one's are left to that.
 
     Args:
         node: For its log and clock.
@@ -69,7 +72,7 @@ class LearntPersistence:
         async with self._turn:
             if self.is_loaded:
                 return
-            rows = await self._store.learnt()
+            rows = [one for one in await self._store.learnt() if one.kind in self._learners or one.kind not in KINDS]
             problems = [problem for row in rows if (problem := self._restore(row))]
             self.is_loaded = True
         if rows:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, ignore
+from tests.control.kept_store import KeptStore
 from tests.set_clock import SetClock
 
 from homebot.config import parse_settings
 from homebot.control import ControlSettings
+from homebot.control.journal.learnt_row import LearntRow
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light, WindowCovering
@@ -26,9 +28,16 @@ def put_hall(home: Home) -> None:
 
 async def leave(home: Home) -> None:
     """Let there be motion, and then none for as long as it takes to be sure."""
-    await home.report("motion", "occupancy", True)
+    await detect(home)
     await home.report("motion", "occupancy", False)
     await anyio.sleep(301)
+
+
+async def detect(home: Home) -> None:
+    """Let there be motion, until it is known."""
+    await anyio.sleep(0.01)
+    await home.report("motion", "occupancy", True)
+    await anyio.sleep(0.01)
 
 
 async def test_a_lamp_is_not_turned_off_over_somebody(open_home: OpenHome) -> None:
@@ -64,7 +73,7 @@ async def test_somebody_who_sits_still_is_there_for_a_while(open_home: OpenHome)
     async with open_home(presence_guard=True) as home:
         put_hall(home)
         lamp = await home.handle(Light, "lamp")
-        await home.report("motion", "occupancy", True)
+        await detect(home)
         await home.report("motion", "occupancy", False)
         await anyio.sleep(299)
         outcome = await lamp.turn_off()
@@ -80,7 +89,7 @@ async def test_a_computer_whose_clock_is_set_forgets_nobody(open_home: OpenHome,
     async with open_home(clock=clock, presence_guard=True) as home:
         put_hall(home)
         lamp = await home.handle(Light, "lamp")
-        await home.report("motion", "occupancy", True)
+        await detect(home)
         await home.report("motion", "occupancy", False)
         await anyio.sleep(100)
         clock.wall += by
@@ -158,6 +167,69 @@ async def test_a_sensor_that_reported_nothing_tells_nothing(open_home: OpenHome)
         outcome = await (await home.handle(Light, "lamp")).turn_off()
         assert isinstance(outcome, Refused)
         assert "no current occupancy of motion" in outcome.reason
+
+
+async def test_a_sensor_that_never_detected_anybody_tells_nothing(open_home: OpenHome) -> None:
+    """It may look at a wall."""
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await home.report("motion", "occupancy", False)
+        lamp = await home.handle(Light, "lamp")
+        await anyio.sleep(301)
+        refused = await lamp.turn_off()
+        assert isinstance(refused, Refused)
+        assert refused.reason == (
+            "nothing tells whether somebody is in Hall: motion has never detected anybody; walk past it once"
+        )
+        await leave(home)
+        assert (await lamp.turn_off()).succeeded
+
+
+async def test_one_of_two_sensors_that_never_detected_anybody_makes_the_room_unknown(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        home.put("other", "occupancy_sensor", readable=("occupancy",), area="hall")
+        await home.report("other", "occupancy", False)
+        await leave(home)
+        assert isinstance(await (await home.handle(Light, "lamp")).turn_off(), Refused)
+
+
+async def test_a_sensor_that_was_removed_has_to_detect_somebody_again(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await leave(home)
+        home.gateway.devices.remove("motion", "the test says so")
+        await anyio.sleep(1)
+        put_hall(home)
+        await home.report("motion", "occupancy", False)
+        await anyio.sleep(301)
+        refused = await (await home.handle(Light, "lamp")).turn_off()
+        assert isinstance(refused, Refused)
+        assert "walk past it once" in refused.reason
+
+
+async def test_which_sensors_detect_people_is_known_after_a_restart(open_home: OpenHome) -> None:
+    store = KeptStore()
+    async with open_home(presence_guard=True, store=store) as home:
+        put_hall(home)
+        await leave(home)
+    async with open_home(presence_guard=True, store=store) as home:
+        put_hall(home)
+        await home.report("motion", "occupancy", False)
+        await anyio.sleep(301)
+        assert (await (await home.handle(Light, "lamp")).turn_off()).succeeded
+
+
+async def test_what_commands_taught_is_kept_beside_it(open_home: OpenHome) -> None:
+    """Each reads its own rows, and neither drops those of the other."""
+    store = KeptStore()
+    echo = LearntRow("echo", "lamp on_off", '{"target":"lamp","capability":"on_off","answered":[true]}', 0.0, "")
+    store.learn(echo)
+    async with open_home(presence_guard=True, store=store) as home:
+        put_hall(home)
+        await leave(home)
+        assert (await (await home.handle(Light, "lamp")).turn_off()).succeeded
+    assert {(kind, name) for kind, name in store.rows} == {("echo", "lamp on_off"), ("detection", "motion")}
 
 
 async def test_one_of_two_sensors_that_went_silent_makes_the_room_unknown(open_home: OpenHome) -> None:

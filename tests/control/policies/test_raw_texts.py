@@ -22,6 +22,8 @@ async def lamp_in_hall(home: Home, *, somebody_is_there: bool) -> Device:
     home.put("motion", "occupancy_sensor", readable=("occupancy",), area="Hall")
     await anyio.sleep(1)
     await home.report("lamp", "on_off", True)
+    await home.report("motion", "occupancy", True)
+    await anyio.sleep(1)
     await home.report("motion", "occupancy", somebody_is_there)
     await anyio.sleep(1)
     return (await home.handle(Light, "lamp")).device

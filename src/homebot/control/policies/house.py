@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
-from homebot.devices import Device, StateChange
+from homebot.control.policies.detections import Detections
+from homebot.devices import Device, State, StateChange
 from homebot.devices.handles.tracked_device import TrackedDevice
 from homebot.devices.value import PlainValue
 from homebot.folding import fold
 
-__all__ = ["House", "SensorReading"]
+__all__ = ["OCCUPANCY", "House", "SensorReading"]
+
+OCCUPANCY: Final = "occupancy"
+"""The capability that tells of presence."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,12 +37,17 @@ class SensorReading:
 class House:
     """The devices that some policy needs, with their newest values.
 
+    Args:
+        detections: Is told which sensors detect somebody; None for new ones.
+
     Attributes:
         is_known: Whether the devices have been read from the directory; before, nothing is known.
+        detections: The sensors that have detected somebody.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, detections: Detections | None = None) -> None:
         self.is_known = False
+        self.detections = Detections() if detections is None else detections
         self._devices: dict[str, TrackedDevice] = {}
         self._rooms: dict[str, dict[str, TrackedDevice]] = {}
 
@@ -51,16 +60,20 @@ class House:
             self._leave_room(tracked)
             tracked.update(device, sequence)
         self._rooms.setdefault(fold(tracked.device.area), {})[device.id] = tracked
+        self._note_detections(tracked.device, device.states)
 
     def remove(self, device_id: str) -> None:
         """Forget a device."""
         if (tracked := self._devices.pop(device_id, None)) is not None:
             self._leave_room(tracked)
+            for part in tracked.device.parts:
+                self.detections.forget(_sensor(device_id, part.id))
 
     def take(self, change: StateChange) -> None:
         """Take in new values; those of other devices are passed over."""
         if not change.is_event and (tracked := self._devices.get(change.device)) is not None:
             tracked.take(change)
+            self._note_detections(tracked.device, change.states)
 
     def readings(self, room: str, capability: str) -> list[SensorReading]:
         """Return the values of all sensors of *capability* in *room*, which is not empty."""
@@ -75,6 +88,11 @@ class House:
         """Return the devices in *room*, or all."""
         return (self._devices if room is None else self._rooms.get(fold(room), {})).values()
 
+    def _note_detections(self, device: Device, states: Iterable[State]) -> None:
+        for state in states:
+            if state.capability == OCCUPANCY and state.value.plain() is True:
+                self.detections.note(_sensor(device.id, state.part), state.told_at.to_seconds())
+
     def _leave_room(self, tracked: TrackedDevice) -> None:
         room = fold(tracked.device.area)
         self._rooms[room].pop(tracked.device.id)
@@ -84,9 +102,13 @@ class House:
 
 def _reading(tracked: TrackedDevice, part: str, capability: str) -> SensorReading:
     device = tracked.device
-    name = f"{device.id}#{part}" if part else device.id
+    name = _sensor(device.id, part)
     state = tracked.state(part, capability)
     is_away = device.reachable.state == "no" or part in device.offline_parts
     if state is None or not state.live or device.freshness != "fresh" or is_away:
         return SensorReading(name, None)
     return SensorReading(name, state.value.plain(), state.since.to_seconds())
+
+
+def _sensor(device_id: str, part: str) -> str:
+    return f"{device_id}#{part}" if part else device_id

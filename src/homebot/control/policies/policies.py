@@ -13,8 +13,9 @@ from homebot.control.policies.command_pattern import Patterns
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.grants import NAME as GRANTS
 from homebot.control.policies.grants import concerns_grants, judge_grants
+from homebot.control.policies.house import OCCUPANCY
 from homebot.control.policies.interlock import InterlockRule, judge_interlocks
-from homebot.control.policies.presence_guard import OCCUPANCY, judge_presence
+from homebot.control.policies.presence_guard import judge_presence
 from homebot.control.policies.quiet_hours import judge_quiet_hours
 from homebot.control.policies.rate_limit import judge_rate
 from homebot.control.policies.settings import PolicySettings

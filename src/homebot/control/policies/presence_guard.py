@@ -6,6 +6,7 @@ from typing import Final, Literal, TypeAlias
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
+from homebot.control.policies.house import OCCUPANCY
 from homebot.control.policies.settings import PresenceGuardSettings
 from homebot.control.policies.verdict import FactUsed, Verdict
 
@@ -14,9 +15,6 @@ __all__ = ["Presence", "judge_presence", "presence_in"]
 Presence: TypeAlias = Literal["present", "absent", "unknown"]
 
 NAME: Final = "presence_guard"
-
-OCCUPANCY: Final = "occupancy"
-"""The capability that tells of presence."""
 
 _NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
 
@@ -42,17 +40,18 @@ def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence,
     """Return whether somebody is in *room*, and the readings that tell.
 
     Present if any sensor detects motion, or did within *absent_after* seconds; unknown if there is no sensor, or any
-    of them is silent; absent otherwise.
+    of them is silent, or has never detected anybody; absent otherwise.
     """
     found: list[FactUsed] = []
-    silent: list[FactUsed] = []
+    doubtful: list[FactUsed] = []
     for one in facts.house.readings(room, OCCUPANCY):
         used = FactUsed(f"{OCCUPANCY} of {one.sensor}", one.value, one.since)
-        if one.value is True or (one.value is False and facts.age(one.since) < absent_after):
+        is_quiet = one.value is False and one.sensor in facts.house.detections
+        if one.value is True or (is_quiet and facts.age(one.since) < absent_after):
             return "present", (used,)
-        (found if one.value is False else silent).append(used)
-    if silent or not found:
-        return "unknown", tuple(silent)
+        (found if is_quiet else doubtful).append(used)
+    if doubtful or not found:
+        return "unknown", tuple(doubtful)
     return "absent", tuple(found)
 
 
@@ -78,11 +77,25 @@ def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], facts: Fa
     match presence:
         case "absent":
             return f"nobody is in {room}"
-        case "unknown" if not used:
-            return f"nothing tells whether somebody is in {room}: it has no motion sensor"
         case "unknown":
-            return f"nothing tells whether somebody is in {room}: no current {' or '.join(one.name for one in used)}"
+            return f"nothing tells whether somebody is in {room}: {_doubt(used, facts)}"
     (one,) = used
     if one.value is True:
         return f"somebody is in {room}: {one.name} is on"
     return f"somebody was in {room} {facts.age(one.since):.0f} s ago: {one.name}"
+
+
+def _doubt(used: tuple[FactUsed, ...], facts: Facts) -> str:
+    """Return why nothing tells, and what to do about it."""
+    if not facts.house.is_known:
+        return "the devices of the home are not known yet"
+    if not used:
+        return "it has no motion sensor"
+    reasons: list[str] = []
+    if silent := [one.name for one in used if one.value is None]:
+        reasons.append(f"no current {' or '.join(silent)}")
+    for one in used:
+        if one.value is False:
+            sensor = one.name.removeprefix(f"{OCCUPANCY} of ")
+            reasons.append(f"{sensor} has never detected anybody; walk past it once")
+    return "; ".join(reasons)
