@@ -71,13 +71,6 @@ class IssuedCommand:
         """True if a person gave it, at a client of the door, rather than an app by itself."""
         return is_client(self.issuer)
 
-    def reported(self, capability: str) -> PlainValue:
-        """Return what the part had reported of *capability* when the command was given; None where unknown."""
-        for state in self.device.states:
-            if state.capability == capability and state.part == self.part.id:
-                return state.value.plain()
-        return None
-
     @property
     def is_momentary(self) -> bool:
         """True if it presses or starts something, so that to send it again would do it again."""

@@ -58,11 +58,15 @@ def make_device(
 
 
 def make_command(
-    device: Device, settings: Mapping[str, PlainValue], issuer: str = "/app", scope: tuple[str, ...] = ()
+    device: Device,
+    settings: Mapping[str, PlainValue],
+    issuer: str = "/app",
+    scope: tuple[str, ...] = (),
+    name: str = "1",
 ) -> IssuedCommand:
-    """Return a command to the only part of *device*."""
+    """Return a command to the only part of *device*, with the id *name*."""
     return IssuedCommand(
-        id="1",
+        id=name,
         device=device,
         part=device.parts[0],
         settings=settings,

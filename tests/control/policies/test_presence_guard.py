@@ -274,6 +274,21 @@ async def test_a_blind_may_be_raised_and_not_lowered(open_home: OpenHome) -> Non
         assert (await blind.set_position(70)).succeeded
 
 
+async def test_a_blind_that_was_sent_up_and_has_not_reported_may_not_be_lowered(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        home.put("blind", "window_covering", "position", "movement", area="hall")
+        await detect(home)
+        await home.report("blind", "position", 0.0)
+        blind = await home.handle(WindowCovering, "blind")
+        home.behaviours["blind"] = ignore
+        home.tasks.start_soon(blind.open)
+        await anyio.sleep(0.1)
+        assert isinstance(await blind.set_position(0), Refused)
+        assert isinstance(await blind.set_position(30), Refused)
+        assert [one.value.plain() for one in home.commands] == ["open"]
+
+
 async def test_which_commands_is_up_to_the_owner(open_home: OpenHome) -> None:
     async with open_home(presence_guard={"commands": ["turn on lights in hall"]}) as home:
         put_hall(home)

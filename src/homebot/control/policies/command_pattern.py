@@ -11,6 +11,8 @@ from pydantic import GetCoreSchemaHandler, PlainValidator
 from pydantic_core import CoreSchema, core_schema
 
 from homebot.control.command import IssuedCommand
+from homebot.control.policies.facts import Facts
+from homebot.control.policies.known_value import known_value
 from homebot.control.policies.possible import without_reports
 from homebot.devices import Device, DevicePart
 from homebot.devices.query import PartFacets, Query, fits, type_is
@@ -21,7 +23,7 @@ from homebot.similar import did_you_mean
 __all__ = ["VERBS", "CommandPattern", "Patterns", "pattern_of_type", "read_pattern"]
 
 _Does: TypeAlias = Callable[[str, PlainValue, PlainValue], bool]
-"""Tells whether setting a capability to a value, where another was reported before, is what a verb means."""
+"""Tells whether setting a capability to a value, where another is known to be so or None is, is what a verb means."""
 
 
 @final
@@ -39,11 +41,12 @@ class CommandPattern:
     verb: str
     query: Query
 
-    def fits(self, command: IssuedCommand) -> bool:
-        """Return whether *command* is one of these."""
+    def fits(self, command: IssuedCommand, facts: Facts) -> bool:
+        """Return whether *command* is one of these, as far as is known: a motor that may be open can be closed."""
         does = VERBS[self.verb]
         for capability, value in command.settings.items():
-            if does(capability, value, command.reported(capability)):
+            known = known_value(command, capability, facts) if capability in _COMPARED else None
+            if does(capability, value, known):
                 break
         else:
             return False
@@ -115,10 +118,14 @@ _MOST_PATTERNS = 100
 _MODES = frozenset({"thermostat_mode", "water_heater_mode", "humidifier_mode", "fan_mode"})
 _STRENGTHS = frozenset({"level", "fan_speed"})
 _OPENINGS = frozenset({"movement", "valve"})
+_COMPARED = frozenset({"position", "heating_setpoint"})
+"""Capabilities of which it depends on the value before what a command does."""
+
+_OPEN, _CLOSED = 100.0, 0.0  # percent
 _NO_HEAT = frozenset({"off", "cool", "dry", "fan_only"})
 
 
-def _turns_on(capability: str, wanted: PlainValue, _reported: PlainValue) -> bool:
+def _turns_on(capability: str, wanted: PlainValue, _known: PlainValue) -> bool:
     if capability == "on_off":
         return wanted is True
     if capability in _STRENGTHS:
@@ -126,7 +133,7 @@ def _turns_on(capability: str, wanted: PlainValue, _reported: PlainValue) -> boo
     return capability in _MODES and wanted != "off"
 
 
-def _turns_off(capability: str, wanted: PlainValue, _reported: PlainValue) -> bool:
+def _turns_off(capability: str, wanted: PlainValue, _known: PlainValue) -> bool:
     if capability == "on_off":
         return wanted is False
     if capability in _STRENGTHS:
@@ -134,28 +141,28 @@ def _turns_off(capability: str, wanted: PlainValue, _reported: PlainValue) -> bo
     return capability in _MODES and wanted == "off"
 
 
-def _opens(capability: str, wanted: PlainValue, reported: PlainValue) -> bool:
+def _opens(capability: str, wanted: PlainValue, known: PlainValue) -> bool:
     if capability == "position" and isinstance(wanted, float):
-        return wanted > (reported if isinstance(reported, float) else 0.0)
+        return wanted == _OPEN or wanted > (known if isinstance(known, float) else _CLOSED)
     return (capability in _OPENINGS or capability == "lock") and wanted == "open"
 
 
-def _closes(capability: str, wanted: PlainValue, reported: PlainValue) -> bool:
+def _closes(capability: str, wanted: PlainValue, known: PlainValue) -> bool:
     if capability == "position" and isinstance(wanted, float):
-        return wanted < (reported if isinstance(reported, float) else 100.0)
+        return wanted == _CLOSED or wanted < (known if isinstance(known, float) else _OPEN)
     return capability in _OPENINGS and wanted == "closed"
 
 
-def _heats(capability: str, wanted: PlainValue, reported: PlainValue) -> bool:
+def _heats(capability: str, wanted: PlainValue, known: PlainValue) -> bool:
     """Return whether it asks for heat: a lower setpoint does not."""
     if capability == "heating_setpoint" and isinstance(wanted, float):
-        return not isinstance(reported, float) or wanted > reported
+        return not isinstance(known, float) or wanted > known
     return capability in _MODES and wanted not in _NO_HEAT
 
 
-def _starts(capability: str, wanted: PlainValue, reported: PlainValue) -> bool:
+def _starts(capability: str, wanted: PlainValue, known: PlainValue) -> bool:
     is_work = (capability, wanted) in {("vacuum", "cleaning"), ("vacuum", "spot"), ("mower", "mowing")}
-    return is_work or _turns_on(capability, wanted, reported)
+    return is_work or _turns_on(capability, wanted, known)
 
 
 VERBS: Mapping[str, _Does] = MappingProxyType(
@@ -169,7 +176,7 @@ VERBS: Mapping[str, _Does] = MappingProxyType(
         "disarm": lambda capability, wanted, _: capability == "alarm" and wanted == "disarmed",
         "heat": _heats,
         "start": _starts,
-        "use": lambda _capability, _wanted, _reported: True,
+        "use": lambda _capability, _wanted, _known: True,
     }
 )
 """The verbs; ``use`` is any command."""

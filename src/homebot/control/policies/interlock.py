@@ -49,7 +49,7 @@ def judge_interlocks(rules: Iterable[InterlockRule], command: IssuedCommand, fac
     """Refuse a command while the condition of one of *rules* holds, or while that is unknown."""
     for rule in rules:
         interlock = rule.interlock
-        if not any(pattern.fits(command) for pattern in interlock.commands):
+        if not any(pattern.fits(command, facts) for pattern in interlock.commands):
             continue
         room = command.device.area if interlock.where == "room" else None
         if not facts.house.is_known or room == "":

@@ -21,7 +21,7 @@ _NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
 
 def judge_presence(settings: PresenceGuardSettings, command: IssuedCommand, facts: Facts) -> Verdict:
     """Refuse a command of an app where somebody is, or where that is unknown, if it is one of *settings*."""
-    if command.is_wish or not any(pattern.fits(command) for pattern in settings.commands):
+    if command.is_wish or not any(pattern.fits(command, facts) for pattern in settings.commands):
         return _NOT_CONCERNED
     room = command.device.area
     if not room:

@@ -23,7 +23,7 @@ def judge_quiet_hours(tables: Iterable[QuietHours], command: IssuedCommand, fact
     if command.is_wish:
         return _NOT_CONCERNED
     for hours in tables:
-        if any(pattern.fits(command) for pattern in hours.commands):
+        if any(pattern.fits(command, facts) for pattern in hours.commands):
             now = facts.local_time.time()
             if is_within(now, hours.start, hours.end):
                 used = FactUsed("local time", f"{now:%H:%M}", facts.now)

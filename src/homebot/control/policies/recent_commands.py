@@ -29,11 +29,30 @@ _POWER: Final = "power_state"
 _Place: TypeAlias = tuple[str, str, str]
 
 
+_Sending: TypeAlias = tuple[PlainValue, float]
+"""What was sent, and when."""
+
+
 @dataclass(slots=True)
 class _Sent:
+    """The last command for one place.
+
+    Attributes:
+        value: What it set.
+        at: When it was last sent.
+        command: Its id.
+        turned_by: The id of the last command that changed the value.
+        before: What was sent before that command.
+        direction: As :func:`_direction` says, of the last change of a number.
+        is_turn: Whether the last change was a turn.
+        turns: When there were turns.
+    """
+
     value: PlainValue
     at: float
     command: str
+    turned_by: str
+    before: _Sending | None = None
     direction: float = 0.0
     is_turn: bool = False
     turns: deque[float] = field(default_factory=lambda: deque(maxlen=_MOST_TURNS))
@@ -59,14 +78,16 @@ class RecentCommands:
             place = (command.device.id, command.part.id, capability)
             sent = self._sent.get(place)
             if sent is None:
-                self._sent[place] = _Sent(value, now, command.id)
+                self._sent[place] = _Sent(value, now, command.id, command.id)
                 if len(self._sent) > _MOST:
                     self._sent.popitem(last=False)
                 continue
             self._sent.move_to_end(place)
+            if sent.command != command.id:
+                sent.before, sent.command = (sent.value, sent.at), command.id
             sent.at = now
             if value == sent.value:
-                if sent.is_turn and sent.command == command.id:
+                if sent.is_turn and sent.turned_by == command.id:
                     sent.turns[-1] = now
                 continue
             direction = _direction(sent, value)
@@ -74,7 +95,7 @@ class RecentCommands:
             if sent.is_turn:
                 sent.turns.append(now)
             sent.direction = direction or sent.direction
-            sent.value, sent.command = value, command.id
+            sent.value, sent.turned_by = value, command.id
 
     def explain(
         self, part: tuple[str, str], settable: Iterable[str], capability: str, value: PlainValue, at: float
@@ -88,6 +109,13 @@ class RecentCommands:
             return fits(capability, own.value, value) or is_intermediate(capability, own.value, value)
         others = (self._sent.get((*part, name)) for name in settable)
         return any(one is not None and _LATE <= at - one.at <= _EFFECT for one in others)
+
+    def last(self, command: IssuedCommand, capability: str) -> _Sending | None:
+        """Return to what *capability* of the part was set last, and when, by another command than *command*."""
+        sent = self._sent.get((*command.place, capability))
+        if sent is None:
+            return None
+        return sent.before if sent.command == command.id else (sent.value, sent.at)
 
     def turns(self, command: IssuedCommand, since: float) -> int:
         """Return how often the values that *command* would turn were turned after *since*; 0 if it turns none."""
