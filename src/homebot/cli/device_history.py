@@ -174,5 +174,10 @@ def _is_change(entry: JournalEntryRecord, entries: Sequence[JournalEntryRecord])
         return entry["results"][0]["outcome"] == "confirmed"
     if entry["kind"] == "reported":
         outcomes = [one for one in entries if one["command"] == entry["command"] and one["kind"] == "outcome"]
-        return not outcomes or outcomes[0]["results"][0]["outcome"] in {"confirmed", "superseded"}
+        if not outcomes:
+            return True
+        result = outcomes[0]["results"][0]
+        return result["outcome"] in {"confirmed", "superseded"} or bool(
+            result["witness"]
+        )  # it reported it all the same
     return False

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from homebot.cli.device_history import Chain
 from homebot.cli.journal_records import JournalEntryRecord
 from homebot.cli.journal_words import clock_text, denial_text, entry_text, issuer_text, settings_text, trigger_text
+from homebot.cli.table import printable
 
 __all__ = ["UNEXPLAINED", "chain_lines", "reason_text", "result_text"]
 
@@ -23,7 +24,9 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
         return f"it went back after {issuer} had asked for {settings_text(first['settings'])}"
     asked = f"{issuer} {'published' if first['kind'] == 'published' else 'asked for'} {_wanted(first)}"
     cause = trigger_text(chain.trigger, names)
-    return f"{asked}, because {cause}" if cause else asked
+    reason = f"{asked}, because {cause}" if cause else asked
+    doubt = _doubt(chain)
+    return f"{reason}; it reported that, but {doubt}" if doubt else reason
 
 
 def chain_lines(chain: Chain, names: Mapping[str, str], now: float) -> Iterator[tuple[str, str]]:
@@ -48,6 +51,12 @@ def result_text(chain: Chain) -> str:
         reports = [one for one in chain.entries if one["kind"] == "reported"]
         return f"it reported {settings_text(reports[-1]['settings'])}" if reports else "it reported nothing new"
     return "its outcome is not known yet"
+
+
+def _doubt(chain: Chain) -> str:
+    """Return what a witness saw instead of what the device reported; empty where none contradicted it."""
+    results = [one["results"][0] for one in chain.entries if one["kind"] == "outcome"]
+    return next((printable(one["saw"]) for one in results if one["outcome"] == "contradicted" and one["witness"]), "")
 
 
 def _wanted(entry: JournalEntryRecord) -> str:

@@ -218,6 +218,9 @@ def outcomes(name: str) -> list[JournalEntry]:
             ]
         case "contradicted":
             return [*command("a-1", 50, Contradicted("on_off: on"), tries=1, on_off=False), changed(40, on_off=True)]
+        case "witness":
+            witnessed = Contradicted("Kitchen lux measured no change", "Kitchen lux")
+            return [*command("a-1", 40.4, witnessed, issuer="client:tablet", reports=(0.4,), on_off=True)]
         case "silent":
             return [
                 *command("a-1", 300, CONFIRMED, reports=(0.4,), on_off=True),
@@ -245,6 +248,7 @@ def outcomes(name: str) -> list[JournalEntry]:
         ("why_not_json", "refused", ["why-not", "Kitchen lamp", "off", "--json"]),
         ("why_superseded", "superseded", ["why", "Kitchen lamp"]),
         ("why_contradicted", "contradicted", ["why", "Kitchen lamp"]),
+        ("why_witness", "witness", ["why", "Kitchen lamp"]),
         ("why_no_answer", "silent", ["why", "Kitchen lamp"]),
         ("why_refused", "refused", ["why", "Kitchen lamp"]),
         ("why_hand_json", "hand", ["why", "Kitchen lamp", "--json"]),

@@ -11,7 +11,10 @@ from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed, Evidence
 from homebot.devices.services import FindDevicesRequest
 
-__all__ = ["room", "shining", "toggle"]
+__all__ = ["REPORTED", "WITNESSED", "dark_room", "room", "shining", "telling_changes", "toggle"]
+
+WITNESSED = ("Lux", Evidence.WITNESSED)
+REPORTED = ("", Evidence.REPORTED)
 
 
 def shining(sensor: str, lux: float, after: float = 0.2, capability: str = "illuminance") -> Behaviour:
@@ -52,6 +55,26 @@ async def room(home: Home, **behaviours: Behaviour) -> Light:
         await home.report("lux", "illuminance", lux)
         await anyio.sleep(10)
     home.behaviours["lamp"] = learnt
+    await anyio.sleep(120)
+    return lamp
+
+
+def telling_changes(lux: float = 150.0) -> Behaviour:
+    """Obey, and let a sensor tell what it measures then, and nothing else."""
+    return shining("lux", lux)
+
+
+async def dark_room(home: Home, behaviour: Behaviour) -> Light:
+    """Put a lamp and a light sensor that reports only changes into a room without windows; return the lamp."""
+    home.put("lamp", "light", "on_off", area="Cellar")
+    home.put("lux", "light_sensor", readable=("illuminance",), area="Cellar")
+    home.behaviours["lamp"] = behaviour
+    await home.report("lamp", "on_off", False)
+    await home.report("lux", "illuminance", 0.0)
+    lamp = await home.handle(Light, "lamp")
+    home.behaviours["lamp"] = obey
+    await lamp.turn_off()  # with the first command control begins to watch
+    home.behaviours["lamp"] = behaviour
     await anyio.sleep(120)
     return lamp
 

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.control.conftest import Behaviour, Home, OpenHome, ignore, obey, obey_after
-from tests.control.witnesses.rooms import room, shining, toggle
+from tests.control.conftest import Home, OpenHome, ignore, obey, obey_after
+from tests.control.witnesses.rooms import REPORTED, WITNESSED, dark_room, room, shining, telling_changes, toggle
 
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light, WindowCovering
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, Outcome, Superseded
 
 pytestmark = pytest.mark.virtual_time
-
-WITNESSED = ("Lux", Evidence.WITNESSED)
-REPORTED = ("", Evidence.REPORTED)
 
 
 async def test_a_sensor_is_trusted_after_five_observations_in_each_direction(open_home: OpenHome) -> None:
@@ -70,26 +67,6 @@ async def test_a_silent_sensor_contradicts_nobody(open_home: OpenHome) -> None:
         home.behaviours["lux"] = ignore
         home.behaviours["lamp"] = obey
         assert await toggle(lamp, 1) == [REPORTED]
-
-
-def telling_changes(lux: float = 150.0) -> Behaviour:
-    """Obey, and let a sensor tell what it measures then, and nothing else."""
-    return shining("lux", lux)
-
-
-async def dark_room(home: Home, behaviour: Behaviour) -> Light:
-    """Put a lamp and a light sensor that reports only changes into a room without windows; return the lamp."""
-    home.put("lamp", "light", "on_off", area="Cellar")
-    home.put("lux", "light_sensor", readable=("illuminance",), area="Cellar")
-    home.behaviours["lamp"] = behaviour
-    await home.report("lamp", "on_off", False)
-    await home.report("lux", "illuminance", 0.0)
-    lamp = await home.handle(Light, "lamp")
-    home.behaviours["lamp"] = obey
-    await lamp.turn_off()  # with the first command control begins to watch
-    home.behaviours["lamp"] = behaviour
-    await anyio.sleep(120)
-    return lamp
 
 
 async def test_a_sensor_that_reports_only_changes_contradicts_after_sixteen_in_a_row(open_home: OpenHome) -> None:

@@ -25,21 +25,25 @@ class CommandWatch:
 
     Attributes:
         command: The command.
-        began: When it was given, in seconds of the monotonic clock.
+        given: When it was given, in seconds of the monotonic clock.
+        began: From when on its effect is looked for: the same, or earlier where it repeats a contradicted command.
         before: How strong the part was, 0 to 100.
         looks: How it looked.
         marks: The sensors, each with its number of readings by then.
         wake: Called when one of them tells something.
         reported: When the device reported that it is so.
+        is_contradicted: Whether a sensor saw nothing of it.
     """
 
     command: IssuedCommand
+    given: float
     began: float
     before: float
     looks: str
     marks: dict[Sensor, int]
     wake: Callable[[], None]
     reported: float = 0.0
+    is_contradicted: bool = False
 
     def effect(self, device: Device | None = None) -> Effect | None:
         """Return what the command changes; None where that is little or unknown.
@@ -79,7 +83,7 @@ def watch_of(
     if before is None:
         return None
     marks = {one: one.history.count for one in sensors if one.history.count}
-    watch = CommandWatch(command, now, before, looks_of(values), marks, wake)
+    watch = CommandWatch(command, now, now, before, looks_of(values), marks, wake)
     return watch if marks and watch.effect() is not None else None
 
 

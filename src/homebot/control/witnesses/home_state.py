@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from homebot.control.witnesses.activity import Place, RecentActivity
 from homebot.control.witnesses.command_watch import CommandWatch
 from homebot.control.witnesses.finding import QUIET
-from homebot.control.witnesses.sensors import Sensor
+from homebot.control.witnesses.sensors import Sensor, SensorPlace
 from homebot.devices import Device
 from homebot.folding import fold
 
@@ -45,10 +45,10 @@ class HomeState:
             return True
         return any(place != own for _, place in self._near(watch, sensor, watch.began))
 
-    def is_alive(self, sensor: Sensor, since: float) -> bool:
+    def is_alive(self, place: SensorPlace, since: float) -> bool:
         """Return whether the device of a sensor can be reached and reported anything since *since*, monotonic."""
-        device = self.devices.get(sensor.device.id)
-        if device is None or not self.is_reachable(sensor):
+        device = self.devices.get(place[0])
+        if device is None or not self.is_reachable(place):
             return False
         told = [one.told_at.to_seconds() for one in device.states if one.live]
         if len(device.states) == 1:  # a text that is repeated is no new report
@@ -56,12 +56,12 @@ class HomeState:
         ages = [self.wall - one for one in told]
         return any(0 <= age <= self.now - since for age in ages)
 
-    def is_reachable(self, sensor: Sensor) -> bool:
+    def is_reachable(self, place: SensorPlace) -> bool:
         """Return whether nothing says that the device of a sensor, or the sensor's part, is away or stale."""
-        device = self.devices.get(sensor.device.id)
+        device = self.devices.get(place[0])
         if device is None or device.freshness != "fresh" or device.reachable.state == "no":
             return False
-        return sensor.part.id not in device.offline_parts
+        return place[1] not in device.offline_parts
 
     def _near(self, watch: CommandWatch, sensor: Sensor, since: float) -> Iterator[tuple[float, Place]]:
         changes = self.activity.since(since, watch.command.id)

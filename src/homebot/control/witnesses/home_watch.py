@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Final, final
 
 import anyio
 
 from homebot.clock import TimeSlice
-from homebot.control.witnesses.activity import RecentActivity
+from homebot.control.witnesses.activity import Place, RecentActivity
 from homebot.control.witnesses.command_watch import CommandWatch
 from homebot.control.witnesses.effect import ACTING, SENSED
 from homebot.control.witnesses.finding import QUIET
@@ -18,6 +18,7 @@ from homebot.devices import DEVICE_CHANGES, DEVICE_STATES, FIND_DEVICES, Device,
 from homebot.devices.names import DIRECTORY_NODE
 from homebot.devices.query import CanDo, Or, Query, query_terms
 from homebot.devices.services import FindDevicesRequest
+from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.graph import Node, Subscription
 
@@ -42,7 +43,10 @@ class HomeWatch:
     Attributes:
         sensors: The sensors.
         activity: What was switched lately.
+        on_change: Called with each change of what may change what sensors measure: part, capability and new value.
     """
+
+    on_change: Callable[[Place, str, PlainValue], None]
 
     def __init__(self, node: Node, named: Iterable[tuple[Query, str]], settle: float) -> None:
         self._node = node
@@ -53,6 +57,7 @@ class HomeWatch:
         self._states: Subscription[StateChange] | None = None
         self.sensors = WitnessSensors(named)
         self.activity = RecentActivity()
+        self.on_change = _ignore
 
     def add(self, watch: CommandWatch) -> None:
         """Wake *watch* with each report of its sensors, until :meth:`discard`."""
@@ -66,6 +71,10 @@ class HomeWatch:
         """Return what is known of the home now, with the devices that bear on *watch*."""
         lately = self.activity.since(watch.began - QUIET - self._settle, watch.command.id)
         ids = {watch.command.device.id, *(one.device.id for one in watch.marks), *(place[0] for _, place in lately)}
+        return await self.state_of(ids)
+
+    async def state_of(self, ids: Iterable[str]) -> HomeState:
+        """Return what is known of the home now, with the devices *ids*."""
         devices = await self._devices(ids)
         return HomeState(self.activity, devices, self._clock.monotonic(), self._clock.now())
 
@@ -128,4 +137,10 @@ class HomeWatch:
                     if sensor in watch.marks:
                         watch.wake()
             if reading.capability in ACTING:
-                self.activity.note((change.device, reading.part), now)
+                place = change.device, reading.part
+                self.activity.note(place, now)
+                self.on_change(place, reading.capability, reading.value.plain())
+
+
+def _ignore(_place: Place, _capability: str, _value: PlainValue) -> None:
+    pass

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Callable
 from typing import Final, TypeAlias, final
 
 import anyio
@@ -14,7 +15,7 @@ from homebot.control.witnesses.effect import Effect
 from homebot.control.witnesses.home_watch import HomeWatch
 from homebot.control.witnesses.saved_witness import SavedWitness, read_witness, witness_name, witness_record
 from homebot.control.witnesses.sensor_findings import observed, was_silent
-from homebot.control.witnesses.sensors import Sensor
+from homebot.control.witnesses.sensors import Sensor, SensorPlace
 from homebot.control.witnesses.witness_record import Expected, Observation, WitnessRecord
 from homebot.graph import Node
 from homebot.timer_queue import TimerQueue
@@ -26,7 +27,7 @@ LEARNT: Final = "control.witness_learnt"
 _MOST_RECORDS: Final = 1000
 _MOST_WATCHED: Final = 1000
 
-_Key: TypeAlias = tuple[str, tuple[str, str, str]]
+_Key: TypeAlias = tuple[str, SensorPlace]
 
 Trusted: TypeAlias = tuple[Sensor, WitnessRecord, Expected]
 """A sensor that is trusted, with its record and what it will see."""
@@ -41,18 +42,27 @@ class WitnessLearning:
         home: The sensors.
         seconds: How long the sensors are watched after a report.
         keep: Keeps what is learnt over a restart.
+        seen_late: Called with a command that was contradicted, when a sensor sees its effect after all.
 
     Attributes:
         forgotten: Pairs of a part and a sensor that were forgotten: 1,000 are kept, the longest unused goes first.
         missed: Confirmed commands from which nothing was learnt, since 1,000 were being watched.
     """
 
-    def __init__(self, node: Node, home: HomeWatch, seconds: float, keep: KeepLearnt) -> None:
+    def __init__(
+        self,
+        node: Node,
+        home: HomeWatch,
+        seconds: float,
+        keep: KeepLearnt,
+        seen_late: Callable[[CommandWatch, Sensor], None],
+    ) -> None:
         self._node = node
         self._clock = node.graph.clock
         self._home = home
         self._seconds = seconds
         self._keep = keep
+        self._seen_late = seen_late
         self._watched: dict[Place, CommandWatch] = {}
         self._deadlines: TimerQueue[Place, None] = TimerQueue()
         self._added = anyio.Event()
@@ -71,8 +81,20 @@ class WitnessLearning:
                 found.append((sensor, record, expected))
         return found
 
+    def is_trusted(self, target: str, sensor: SensorPlace) -> bool:
+        """Return whether *sensor* sees what the part *target* does."""
+        record = self._records.get((target, sensor))
+        expected = None if record is None else record.expected(rises=True)
+        return expected is not None and expected.within <= self._seconds
+
+    def forget(self, sensor: SensorPlace) -> None:
+        """Forget all that was learnt of *sensor*."""
+        for key in [one for one in self._records if one[1] == sensor]:
+            del self._records[key]
+            self._keep(witness_name(*key), "", "")
+
     def watch(self, watch: CommandWatch) -> None:
-        """Look at a confirmed command again when its sensors have had time, without anybody waiting for it."""
+        """Look again at a command that its device reported, when its sensors have had time; nobody waits for it."""
         place = watch.command.place
         if len(self._watched) >= _MOST_WATCHED:
             self.missed += 1
@@ -106,6 +128,10 @@ class WitnessLearning:
         for sensor in watch.marks:
             found = observed(watch, sensor, effect, at, self._seconds)
             known = self._records.get((watch.command.target, sensor.place))
+            if watch.is_contradicted and (found is None or known is None or not known.is_usual(found)):
+                continue
+            if watch.is_contradicted:
+                self._seen_late(watch, sensor)
             if found is not None:
                 self._note(watch, sensor, effect, found)
             elif known is not None and was_silent(watch, sensor, known, effect, at):

@@ -29,11 +29,15 @@ class SensorFinding:
         sensor: The sensor.
         finding: What it shows.
         seen_at: When, in seconds of the monotonic clock.
+        is_by_silence: Whether it reported nothing at all, and is taken to be alive.
+        is_in_doubt: Whether it saw nothing, and may be stuck.
     """
 
     sensor: Sensor
     finding: Finding
     seen_at: float
+    is_by_silence: bool = False
+    is_in_doubt: bool = False
 
 
 def would_see(
@@ -76,12 +80,12 @@ def sees(
         changed = sensor.history.change(times.mark, at.now, rises=effect.rises)
         return SensorFinding(sensor, finding, at.now if changed is None else changed[1])
     is_over = at.now >= watch.reported + expected.within + watch.command.transition
-    is_awake = at.is_alive(sensor, watch.reported + expected.slowest) or (
-        record.is_unfailing and at.is_reachable(sensor)
-    )
-    is_sure = is_over and is_awake and not _is_in_doubt(watch, sensor)
+    is_heard = at.is_alive(sensor.place, watch.reported + expected.slowest)
+    is_sure = is_over and (is_heard or (record.is_unfailing and at.is_reachable(sensor.place)))
     if finding is Finding.NOTHING and is_sure and would_see(watch, sensor, record, expected, effect, at):
-        return SensorFinding(sensor, finding, at.now)
+        if _is_in_doubt(watch, sensor):
+            return SensorFinding(sensor, Finding.UNCLEAR, at.now, is_in_doubt=True)
+        return SensorFinding(sensor, finding, at.now, is_by_silence=not is_heard)
     return SensorFinding(sensor, Finding.UNCLEAR, at.now)
 
 
@@ -93,8 +97,8 @@ def observed(watch: CommandWatch, sensor: Sensor, effect: Effect, at: HomeState,
     if found is None:
         return None
     if not found.change:
-        return found if at.is_alive(sensor, watch.reported) else None  # else it may have been silent
-    return replace(found, fell_silent=not at.is_alive(sensor, watch.reported + found.delay + _TOGETHER))
+        return found if at.is_alive(sensor.place, watch.reported) else None  # else it may have been silent
+    return replace(found, fell_silent=not at.is_alive(sensor.place, watch.reported + found.delay + _TOGETHER))
 
 
 def was_silent(watch: CommandWatch, sensor: Sensor, record: WitnessRecord, effect: Effect, at: HomeState) -> bool:
@@ -111,9 +115,10 @@ def _times(watch: CommandWatch, sensor: Sensor, at: HomeState, settle: float) ->
 
 
 def _is_in_doubt(watch: CommandWatch, sensor: Sensor) -> bool:
-    """Return whether a sensor has not moved since it contradicted another part.
+    """Return whether a sensor has not moved since it contradicted another part, or was found to be stuck.
 
     Two devices that lie at once are less likely than one sensor that is stuck.
     """
     target, count = sensor.accused
-    return target not in {"", watch.command.target} and sensor.history.count == count
+    accuses_others = target not in {"", watch.command.target} and sensor.history.count == count
+    return accuses_others or sensor.stuck_at == sensor.history.count

@@ -15,7 +15,7 @@ from homebot.devices.query import PartFacets, Query, fits
 from homebot.devices.value import PlainValue
 from homebot.folding import fold
 
-__all__ = ["MOST_FOR_ONE", "Sensor", "WitnessSensors", "reading_of"]
+__all__ = ["MOST_FOR_ONE", "Sensor", "SensorPlace", "WitnessSensors", "reading_of"]
 
 MOST_FOR_ONE = 4
 """Sensors that are compared for one part: of more, those of its room whose ids come first."""
@@ -23,7 +23,8 @@ MOST_FOR_ONE = 4
 _MOST_REMEMBERED = 1000
 """Sensors of an earlier run that are not there yet; of more, those remembered first are forgotten."""
 
-_Place: TypeAlias = tuple[str, str, str]
+SensorPlace: TypeAlias = tuple[str, str, str]
+"""The ids of a device and of its part, and a capability."""
 
 _METER = "electrical_meter"
 
@@ -38,6 +39,7 @@ class Sensor:
         capability: The capability.
         history: What it reported.
         accused: The part that it contradicted last, and how many readings it had told by then.
+        stuck_at: How many it had told when it showed nothing of two parts; -1 where it never did.
     """
 
     device: Device
@@ -45,9 +47,10 @@ class Sensor:
     capability: str
     history: SensorHistory = field(default_factory=SensorHistory)
     accused: tuple[str, int] = ("", 0)
+    stuck_at: int = -1
 
     @property
-    def place(self) -> _Place:
+    def place(self) -> SensorPlace:
         """The ids of its device and part, and the capability."""
         return self.device.id, self.part.id, self.capability
 
@@ -72,13 +75,13 @@ class WitnessSensors:
 
     def __init__(self, named: Iterable[tuple[Query, str]]) -> None:
         self._named = tuple(named)
-        self._sensors: dict[_Place, Sensor] = {}
+        self._sensors: dict[SensorPlace, Sensor] = {}
         self.ids: set[str] = set()
-        self._remembered: dict[_Place, SensorHistory] = {}
+        self._remembered: dict[SensorPlace, SensorHistory] = {}
         self._rooms: dict[str, list[Sensor]] = {}
         self._meters: list[Sensor] = []
 
-    def __getitem__(self, place: _Place) -> Sensor | None:
+    def __getitem__(self, place: SensorPlace) -> Sensor | None:
         return self._sensors.get(place)
 
     def put(self, device: Device, now: float) -> None:
@@ -99,7 +102,7 @@ class WitnessSensors:
                     _begin(sensor, now)
         self._arrange()
 
-    def remember(self, place: _Place, steps: Iterable[Step], levels: Iterable[float]) -> None:
+    def remember(self, place: SensorPlace, steps: Iterable[Step], levels: Iterable[float]) -> None:
         """Take over how finely the sensor at *place* reported in an earlier run, also of one that is not there yet."""
         known = self._sensors.get(place)
         history = self._remembered.setdefault(place, SensorHistory()) if known is None else known.history

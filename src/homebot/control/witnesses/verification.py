@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Mapping
 from typing import Final, TypeAlias, final
 
 import anyio
@@ -12,22 +11,20 @@ from homebot.control.command import IssuedCommand
 from homebot.control.learnt_persistence import LearntPersistence
 from homebot.control.pending import PendingCommand
 from homebot.control.settings import ControlSettings
-from homebot.control.witnesses.activity import Place
-from homebot.control.witnesses.command_watch import CommandWatch, wanted_strength, watch_of
+from homebot.control.witnesses.command_watch import CommandWatch, watch_of
+from homebot.control.witnesses.disbelief import Disbelief
 from homebot.control.witnesses.finding import Finding
 from homebot.control.witnesses.home_state import HomeState
 from homebot.control.witnesses.home_watch import HomeWatch
 from homebot.control.witnesses.learning import Trusted, WitnessLearning
 from homebot.control.witnesses.sensor_findings import SensorFinding, patience, sees
-from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
+from homebot.control.witnesses.sensors import Sensor
+from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome
 from homebot.graph import Node
 
 __all__ = ["WitnessVerification"]
 
-_MOST_DISPROVED: Final = 1000
-"""Parts that are known not to be as they report; beyond, the longest known is believed again."""
-
-_HALF: Final = 50.0
+SEEN_LATE: Final = "control.seen_late"
 
 _Wait: TypeAlias = Callable[[float], Awaitable[None]]
 
@@ -45,9 +42,13 @@ class WitnessVerification:
     def __init__(self, node: Node, settings: ControlSettings, persistence: LearntPersistence) -> None:
         self._clock = node.graph.clock
         self._home = HomeWatch(node, settings.named_witnesses, settings.timeout)
-        self._learning = WitnessLearning(node, self._home, settings.timeout, persistence.keeper("witness"))
+        self._node = node
+        self._learning = WitnessLearning(
+            node, self._home, settings.timeout, persistence.keeper("witness"), self._note_seen_late
+        )
         persistence.add("witness", self._learning)
-        self._disproved: OrderedDict[Place, float] = OrderedDict()
+        self._disbelief = Disbelief(node, self._home, self._learning, persistence.keeper("disproof"))
+        persistence.add("disproof", self._disbelief)
         self._counts = {"commands_witnessed": 0, "commands_disproved": 0}
 
     @property
@@ -73,32 +74,38 @@ class WitnessVerification:
             command: The command; :meth:`end` must follow.
             wake: Called when one of its sensors tells something.
         """
-        home, place = self._home, command.place
+        home, place, disbelief = self._home, command.place, self._disbelief
+        disbelief.begin(command)
         if not home.sensors.ids:
             return None
         is_at_rest = home.activity.begin(command.id, place)
         self._learning.stop(place)
         if not is_at_rest or not (sensors := home.sensors.candidates(command)):
             return None
-        watch = watch_of(command, sensors, self._disproved.get(place), self._clock.monotonic(), wake)
+        watch = watch_of(command, sensors, disbelief.strength(command), self._clock.monotonic(), wake)
         if watch is not None:
+            disbelief.resume(watch)
             home.add(watch)
         return watch
 
     def end(self, command: IssuedCommand) -> None:
         """Note that *command* is over."""
+        self._disbelief.begin(command)
         if command.id in self._home.activity.commands:
             self._home.activity.end(command.id, self._clock.monotonic())
             self._home.discard(command.id)
 
     def disproves(self, command: IssuedCommand) -> bool:
         """Return whether a witness saw that the last command for the same had no effect, whatever the part reports."""
-        if not self._disproved:
-            return False
-        before, after = self._disproved.get(command.place), wanted_strength(command)
-        return before is not None and after is not None and (after > before) is (before < _HALF)
+        return self._disbelief.covers(command)
 
-    async def verify(self, watch: CommandWatch, pending: PendingCommand, outcome: Outcome, wait: _Wait) -> Outcome:
+    def note_text(self, command: IssuedCommand) -> None:
+        """Note that *command* is sent as a text."""
+        self._disbelief.begin(command)
+
+    async def verify(
+        self, watch: CommandWatch | None, pending: PendingCommand, outcome: Outcome, wait: _Wait
+    ) -> Outcome:
         """Return *outcome*, or what a trusted sensor knows better; waits for that sensor.
 
         Args:
@@ -107,6 +114,12 @@ class WitnessVerification:
             outcome: Its outcome by what the device reported.
             wait: Waits until something changed, for so many seconds at most.
         """
+        if watch is not None:
+            outcome = await self._ask(watch, pending, outcome, wait)
+        return await self._disbelief.judge(pending.command, outcome)
+
+    async def _ask(self, watch: CommandWatch, pending: PendingCommand, outcome: Outcome, wait: _Wait) -> Outcome:
+        """Return *outcome*, or what a trusted sensor tells."""
         is_confirmed = isinstance(outcome, Confirmed)
         if not is_confirmed and (not isinstance(outcome, NoAnswer) or outcome.reason):
             return outcome
@@ -117,13 +130,17 @@ class WitnessVerification:
             newest = pending.outcome(self._clock.monotonic())
             if not isinstance(newest, Confirmed):
                 return newest
-        found = {one.finding: one for one in reversed(await self._judge(watch, trusted))}
-        if is_confirmed and (Finding.SAW in found or Finding.NOTHING not in found):
+        findings = await self._judge(watch, trusted)
+        found = {one.finding: one for one in reversed(findings)}
+        is_doubted = self._disbelief.concerns(watch.command.place)
+        if is_confirmed and (Finding.SAW in found or not (Finding.NOTHING in found or is_doubted)):
             self._learning.watch(watch)
         if Finding.SAW in found:
             return self._confirmed(watch, outcome, found[Finding.SAW])
-        if is_confirmed and Finding.NOTHING in found:
-            return self._contradicted(watch, found[Finding.NOTHING])
+        if is_confirmed and Finding.NOTHING in found and (not is_doubted or self._disbelief.covers(watch.command)):
+            return await self._contradicted(watch, found[Finding.NOTHING], outcome)
+        if is_confirmed:
+            self._note_stuck(findings)
         return outcome
 
     async def _wait(self, watch: CommandWatch, pending: PendingCommand, trusted: list[Trusted], wait: _Wait) -> None:
@@ -150,18 +167,26 @@ class WitnessVerification:
 
     def _confirmed(self, watch: CommandWatch, outcome: Outcome, saw: SensorFinding) -> Outcome:
         self._counts["commands_witnessed"] += 1
-        self._disproved.pop(watch.command.place, None)
+        self._disbelief.end(watch.command.place)
         reported = outcome.latency if isinstance(outcome, Confirmed) else 0.0
-        latency = max(reported, saw.seen_at - watch.began)
+        latency = max(reported, saw.seen_at - watch.given)
         return Confirmed(latency, Evidence.WITNESSED, saw.sensor.device.name, command_id=watch.command.id)
 
-    def _contradicted(self, watch: CommandWatch, no: SensorFinding) -> Outcome:
-        self._counts["commands_disproved"] += 1
-        place, sensor = watch.command.place, no.sensor
-        sensor.accused = (watch.command.target, sensor.history.count)
-        self._disproved[place] = watch.before
-        self._disproved.move_to_end(place)
-        if len(self._disproved) > _MOST_DISPROVED:
-            self._disproved.popitem(last=False)
-        name = sensor.device.name
-        return Contradicted(f"{name} measured no change", name, command_id=watch.command.id)
+    async def _contradicted(self, watch: CommandWatch, no: SensorFinding, outcome: Outcome) -> Outcome:
+        contradicted = await self._disbelief.contradict(watch, no, outcome)
+        if contradicted is not outcome:
+            self._counts["commands_disproved"] += 1
+            watch.is_contradicted = True
+            self._learning.watch(watch)  # the effect may come later than ever
+        return contradicted
+
+    def _note_stuck(self, findings: Iterable[SensorFinding]) -> None:
+        for one in findings:
+            if one.is_in_doubt:
+                self._disbelief.note_stuck(one.sensor)
+
+    def _note_seen_late(self, watch: CommandWatch, sensor: Sensor) -> None:
+        device = watch.command.device
+        self._disbelief.end(watch.command.place)
+        text = f"{sensor.device.name} saw {device.name} obey after all, later than ever"
+        self._node.log.info(SEEN_LATE, message=text, device=device.id, command=watch.command.id)

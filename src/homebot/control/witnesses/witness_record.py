@@ -113,6 +113,11 @@ class WitnessRecord:
         changes = [each.change for each in here]
         return Expected(min(changes), max(changes), slowest, 3 * slowest + 2)
 
+    def is_usual(self, observation: Observation) -> bool:
+        """Return whether *observation* is an effect such as it saw before."""
+        expected = self.expected(rises=observation.effect.rises)
+        return expected is not None and expected.least / 2 <= observation.change <= 2 * expected.most
+
     def has_seen_as_hard(self, effect: Effect, before: float) -> bool:
         """Return whether it saw such effects where they were as hard to see, and missed none that was as easy.
 
