@@ -116,6 +116,7 @@ def test_a_device_is_placed_and_the_place_is_taken_back(run: Run) -> None:
         (("place", "Desk lamp", "--undo"), "no command stated the room of desk_lamp"),
         (("place", "Desk lamp", "Kichen"), "there is no room 'Kichen'; did you mean Kitchen?"),
         (("alias", "Desk lamp", "  "), "a name is empty"),
+        (("alias", "Desk lamp", "CEILING"), "the alias 'CEILING' was refused: ceiling is called that already"),
         (("alias", "Desk lamp", "Bright", "--undo"), "no command gave it to desk_lamp, which has none"),
         (("tag", "remove", "Desk lamp", "warm"), "'warm' is stated in the configuration"),
         (("places", "import", "/nowhere/house.toml"), "/nowhere/house.toml cannot be read: No such file"),
@@ -220,6 +221,15 @@ def test_a_device_gets_names_and_tags(run: Run) -> None:
     assert run("tag", "remove", "corner", "NIGHT") == (0, "tags of desk_lamp: warm\n")
     assert run("alias", "corner", "Corner", "--undo") == (0, "aliases of desk_lamp: Reading lamp\n")
     assert "desk_lamp  Reading lamp\n" in run("show", "Desk lamp")[1]
+
+
+def test_no_device_gets_a_name_of_another(run: Run) -> None:
+    run("alias", "Desk lamp", "Corner")
+    for taken in ("corner", "Desk lamp", "DESK_LAMP"):
+        assert "desk_lamp is called that already" in run("alias", "Ceiling", taken)[1]
+    run("alias", "Desk lamp", "Corner", "--undo")
+    assert run("alias", "Ceiling", "Corner") == (0, "aliases of ceiling: Corner\n")
+    assert run("alias", "Ceiling", "Ceiling") == (0, "aliases of ceiling: Ceiling, Corner\n")
 
 
 def test_rooms_are_listed_with_their_devices(run: Run) -> None:

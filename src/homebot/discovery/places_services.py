@@ -49,9 +49,11 @@ from homebot.devices.places_messages import (
     TeachPlaceRequest,
     TeachPlaceResponse,
 )
+from homebot.devices.query import NameIs
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.owner_requests import OwnerRequests
 from homebot.errors import ConfigError, RefusedError, UsageError
+from homebot.folding import fold
 from homebot.graph import Node
 
 __all__ = ["PlacesServices"]
@@ -110,6 +112,8 @@ class PlacesServices:
 
     def _add_alias(self, request: AliasDeviceRequest) -> AliasDeviceResponse:
         try:
+            if not request.remove:
+                self._check_free(request.alias, request.device)
             aliases = self._change(request.device, "name", request.alias, remove=request.remove)
         except (RefusedError, UsageError) as exc:
             return AliasDeviceResponse(success=False, message=str(exc))
@@ -181,6 +185,18 @@ class PlacesServices:
             return ImportPlacesResponse(success=False, message=str(exc))
         self._publish_all()
         return ImportPlacesResponse(success=True, added=imported.added, kept=imported.kept)
+
+    def _check_free(self, alias: str, device_id: str) -> None:
+        """Check that no device but that is called *alias*.
+
+        Raises:
+            RefusedError: One is; the message names it.
+        """
+        name = fold(alias)
+        for other in sorted(self._index.find(NameIs(name)) - {device_id}):
+            device = self._index.get(other)
+            if device is not None and name in map(fold, (device.id, *device.names)):  # else a part of it is called so
+                raise RefusedError(f"the alias {alias!r}", f"{device.id} is called that already")
 
     def _change(self, device: str, fact: Literal["name", "tag"], word: str, *, remove: bool) -> tuple[str, ...]:
         """Add a word to what is stated of a device, or take it back; return all of them.
