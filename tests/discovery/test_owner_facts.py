@@ -13,7 +13,9 @@ from homebot.devices import Device, Sighting
 from homebot.devices.approval import is_approved
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import parse_query
+from homebot.devices.taught_room import without_taught_room
 from homebot.discovery import DeviceIndex, OwnerFacts, owner_facts
+from homebot.discovery.description import MAX_FACTS
 from homebot.errors import RefusedError, UsageError, WireError
 from homebot.messages import Time
 from homebot.places import HouseRoom, read_places
@@ -74,6 +76,32 @@ def test_a_stated_room_outranks_the_announced_one_and_is_told_with_its_source(la
     assert (change.kind, change.why, change.device) == ("changed", "the owner placed it in Kitchen", device)
     assert index.places.unplace("lamp") == "Study"
     assert got(index, "lamp").outer_areas == ("Home",)
+
+
+def test_what_a_tag_taught_is_listed_after_what_the_device_announces(lamp: Sighting) -> None:
+    index = index_of()
+    index.observe(lamp)
+    index.places.teach("lamp", "nfc", "", "Hall", 2.0)
+    index.places.add("lamp", "tag", "night", 3.0)
+    facts = got(index, "lamp").facts
+    assert [(one.value, one.convention) for one in facts if one.name in {"area", "tag"}] == [
+        ("night", "owner"),
+        ("Study", "homeassistant"),
+        ("Hall", "tag"),
+    ]
+    index.places.place("lamp", "Kitchen", 4.0)
+    assert [one.value for one in got(index, "lamp").facts if one.name == "area"] == ["Kitchen", "Study", "Hall"]
+
+
+def test_however_much_a_device_announces_it_stays_known_that_a_tag_taught_its_room(
+    announce: Announce, part: MakePart
+) -> None:
+    index = index_of()
+    said = {f"k{number}": "x" for number in range(MAX_FACTS)}
+    index.observe(announce("l", part("light", "on_off", id="l"), name="Lamp", facts=said))
+    index.places.teach("lamp", "nfc", "", "Hall", 2.0)
+    assert len(got(index, "lamp").facts) == MAX_FACTS
+    assert without_taught_room(got(index, "lamp")).area == ""
 
 
 def test_aliases_and_tags_add_up_and_are_taken_back(lamp: Sighting) -> None:

@@ -90,12 +90,17 @@ _VALUES: Final = ("area", "name", "tag", "taught_area")
 def with_stated_facts(
     described: DeviceDescription, stated: tuple[OwnerFact, ...], plan: HousePlan
 ) -> DeviceDescription:
-    """Return what is announced of a device with what the owner states of it, which outranks that."""
+    """Return what is announced of a device with what is stated of it.
+
+    What the owner states outranks what is announced, and that what a tag taught; the facts are in this order.
+    """
     values = {name: tuple(fact.value for fact in stated if fact.name == name) for name in _VALUES}
     names = tuple(dict.fromkeys((*values["name"], described.name, *described.names)))
     area, outer_areas = described.area, described.outer_areas
     if stated_area := values["area"] or (() if area else values["taught_area"]):
         area, outer_areas = plan.locate(stated_area[0])
+    own = [_stated_fact(fact) for fact in stated if fact.name != "taught_area"]
+    taught = [_stated_fact(fact) for fact in stated if fact.name == "taught_area"]
     return replace(
         described,
         name=names[0],
@@ -103,7 +108,7 @@ def with_stated_facts(
         area=area,
         outer_areas=outer_areas,
         tags=values["tag"],
-        facts=(*map(_stated_fact, stated), *described.facts)[:MAX_FACTS],
+        facts=((*own, *described.facts)[: MAX_FACTS - len(taught)] + tuple(taught)),
     )
 
 
