@@ -18,7 +18,7 @@ from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.exposure import ExposedDevice, ExposedState
-from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
+from homebot.devices.gateway_messages import SENDS_NOTHING, Command, Report, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse, Quarantine
 from homebot.devices.names import text_address
 from homebot.devices.part import Capability, Part
@@ -28,6 +28,7 @@ from homebot.gateways import Gateway
 from homebot.gateways.base import Delivery
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription
 from homebot.messages import Message
+from homebot.runtime.muted_node import MutedNode
 
 __all__ = ["GatewayContract", "Lamp", "Neighbour", "running"]
 
@@ -154,16 +155,22 @@ class GatewayContract:
         return None
 
     @asynccontextmanager
-    async def house(self, **settings: object) -> AsyncIterator[tuple[Lamp, Node]]:
+    async def house(self, *, is_muted: bool = False, **settings: object) -> AsyncIterator[tuple[Lamp, Node]]:
         """Run the gateway with its lamp, and another node on its graph, whose clock is a :class:`HeldClock`."""
         graph = Graph(HeldClock())
-        async with self.lamp() as lamp, Node(graph, "watcher") as watcher, self.started(lamp, graph, settings):
+        async with (
+            self.lamp() as lamp,
+            Node(graph, "watcher") as watcher,
+            self.started(lamp, graph, settings, is_muted=is_muted),
+        ):
             yield lamp, watcher
 
     @asynccontextmanager
-    async def started(self, lamp: Lamp, graph: Graph, settings: dict[str, object]) -> AsyncIterator[None]:
-        """Run a gateway to the world of *lamp*."""
-        async with Node(graph, self.name, namespace="/gateway") as node:
+    async def started(
+        self, lamp: Lamp, graph: Graph, settings: dict[str, object], *, is_muted: bool = False
+    ) -> AsyncIterator[None]:
+        """Run a gateway to the world of *lamp*; *is_muted* as in a dry run, of which it does not know."""
+        async with MutedNode(graph, self.name) if is_muted else Node(graph, self.name, namespace="/gateway") as node:
             lamp.gateway = self.gateway(lamp, node, settings)
             async with running(lamp.gateway):
                 yield
@@ -253,6 +260,25 @@ class GatewayContract:
             assert (response.success, response.problem, response.unable) == (False, "refused", False)
             assert lamp.gateway.observes_because in response.message
             assert await lamp.told() is None
+
+    async def test_in_a_dry_run_no_command_comes_to_it_although_it_would_act(self) -> None:
+        """As one of somebody else may, which ignores `act`."""
+        async with self.house(is_muted=True) as (lamp, watcher):
+            await announced(lamp, watcher)
+            assert lamp.gateway.acts
+            response = await send(lamp, watcher)
+            assert (response.success, response.problem, response.message) == (False, "refused", SENDS_NOTHING)
+            out = watcher.create_publisher(RawCommand, lamp.gateway.names.out)
+            assert out.reaches(lamp.gateway.names.node)
+            await out.send(RawCommand(address=text_address(lamp.key, lamp.part), payload="on"))
+            offers = watcher.create_publisher(ExposedDevice, lamp.gateway.names.offers, KEPT)
+            offers.publish(ROBOT)
+            await anyio.wait_all_tasks_blocked()
+            assert await lamp.told() is None
+            counts = {one.name: one.count for one in (await healthy(lamp, watcher)).counts}
+            assert not {name: count for name, count in counts.items() if name.startswith("commands") and count}
+            if (neighbour := self.neighbour(lamp)) is not None:
+                assert await neighbour.seen(ROBOT.name) is None
 
     @pytest.mark.parametrize(
         ("change", "named"),

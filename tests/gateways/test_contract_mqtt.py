@@ -92,7 +92,7 @@ class Onlooker(Neighbour):
 
     def _config(self, name: str) -> dict[str, str]:
         configs = [json.loads(one) for topic, one in self._topics.items() if topic.endswith("/config") and one]
-        return next((one for one in configs if one["device"]["name"] == name), {})
+        return next((one for one in configs if one.get("device", {}).get("name") == name), {})
 
 
 @pytest.mark.virtual_time

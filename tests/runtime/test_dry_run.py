@@ -5,22 +5,32 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+import anyio
 import pytest
+from anyio.abc import TaskStatus
 from pydantic import BaseModel, ConfigDict
 from tests.apps.houses import flat, is_on, lamp
 from tests.replay.recorded_days import MemorySink
 
 from homebot.config import parse_config
-from homebot.devices import Devices
+from homebot.devices import Devices, GatewayNames, RawCommand
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest
+from homebot.devices.exposure import ExposedDevice
+from homebot.devices.gateway_messages import SENDS_NOTHING, Command, SendCommand
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest
 from homebot.devices.names import COMMAND_DEVICES, READ_JOURNAL
 from homebot.devices.outcomes import Confirmed, Evidence
+from homebot.devices.part import Capability, Part
+from homebot.devices.value import Value
 from homebot.errors import ConfigError
-from homebot.gateways.memory import MemoryGateway
-from homebot.graph import Node
+from homebot.gateways import GatewayContext
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
+from homebot.graph import DurabilityPolicy, Node, QoSProfile
+from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.recording.recording import read_recording
+from homebot.runtime import Runtime
 from homebot.runtime.plan import make_plan, observing
 from homebot.testing import VirtualHouse, virtual_house_of
 
@@ -31,6 +41,43 @@ class OtherSettings(BaseModel):
 
 class OtherGateway(MemoryGateway):
     Settings = OtherSettings
+
+
+KEPT = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class Reached(list[object]):
+    """What came to the devices of a gateway."""
+
+
+class DefiantGateway(MemoryGateway):
+    """A gateway of somebody else that has one lamp and acts, whatever its table and its host say."""
+
+    def __init__(self, node: Node, settings: MemoryGatewaySettings, context: GatewayContext) -> None:
+        super().__init__(node, settings.model_copy(update={"act": True}))
+        reached = context.service(Reached)
+        assert reached is not None
+        self._reached = reached
+        node.create_service(Trigger, f"{node.full_name}/beep", self._beep)
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        part = Part(id="light", service_type="light", capabilities=(Capability(name="on_off", settable=True),))
+        self.devices.put(GatewayDevice("lamp", "Lamp", (part,), address="lamp/state", command_address="lamp/set"), "is")
+        await self.devices.report("lamp", {"on_off": False}, "light")
+        await super().serve(task_status=task_status)
+
+    async def _perform(self, command: Command) -> None:
+        self._reached.append(command)
+
+    async def _send_raw(self, command: RawCommand) -> None:
+        self._reached.append(command)
+
+    def _show(self, offer: ExposedDevice) -> None:
+        self._reached.append(offer)
+
+    def _beep(self, request: TriggerRequest) -> SuccessResponse:
+        self._reached.append(request)
+        return SuccessResponse(success=True, message="")
 
 
 pytestmark = pytest.mark.virtual_time
@@ -45,7 +92,7 @@ async def dry_house() -> AsyncIterator[VirtualHouse]:
         yield home
 
 
-async def kinds(house: VirtualHouse, node: Node) -> list[str]:
+async def kinds(node: Node) -> list[str]:
     journal = node.create_client(ReadJournal, READ_JOURNAL)
     return [one.kind for one in (await journal.call(ReadJournalRequest())).entries if one.command]
 
@@ -59,7 +106,7 @@ async def test_an_app_goes_on_as_if_the_lamp_had_obeyed_and_the_lamp_stays_on() 
         assert light.on is False
         await house.run_for(5)
         assert is_on(house.world, "hall_lamp")
-        assert await kinds(house, node) == ["requested", "would", "outcome"]
+        assert await kinds(node) == ["requested", "would", "outcome"]
 
 
 async def test_the_lamp_is_as_it_is_from_its_next_report_on() -> None:
@@ -77,8 +124,8 @@ async def test_a_text_of_an_app_is_not_sent_either() -> None:
         assert await devices.tell(device, "off") == ()
         await house.run_for(5)
         assert is_on(house.world, "hall_lamp")
-        assert "would" in await kinds(house, node)
-        assert "published" not in await kinds(house, node)
+        assert "would" in await kinds(node)
+        assert "published" not in await kinds(node)
 
 
 async def test_a_person_is_told_that_nothing_was_sent() -> None:
@@ -110,3 +157,29 @@ def test_a_gateway_that_cannot_be_kept_from_sending_is_refused() -> None:
     config = parse_config({"gateways": {"other": {"class": "tests.runtime.test_dry_run:OtherGateway"}}}, "homebot.toml")
     with pytest.raises(ConfigError, match=r"homebot.toml: gateways.other.act: unknown key"):
         make_plan(observing(config))
+
+
+async def test_a_gateway_of_somebody_else_that_ignores_act_gets_nothing_by_any_way() -> None:
+    """By a handle, as a text, by a person, raw, by its services, and as an offer to other systems."""
+    reached = Reached()
+    config = parse_config({"gateways": {"defiant": {"class": f"{__name__}:DefiantGateway"}}}, "homebot.toml")
+    runtime = Runtime(config, with_door=False, services=[reached], is_dry_run=True)
+    async with runtime, Node(runtime.graph, "app") as node:
+        devices, names = Devices(node), GatewayNames("defiant")
+        (light,) = await devices.find(Light)
+        assert (await light.turn_on()).succeeded
+        (device,) = await devices.find("light")
+        await devices.tell(device, "on")
+        request = CommandDevicesRequest(target="Lamp", command="on", issuer="client:anna", scope=("act: all",))
+        assert not (await node.create_client(CommandDevices, COMMAND_DEVICES).call(request)).success
+        await node.create_publisher(RawCommand, names.out).send(RawCommand(address="lamp/set", payload="on"))
+        sent = Command(key="lamp", part="light", capability="on_off", value=Value.of(True))
+        answer = await node.create_client(SendCommand, names.send_command).call(sent)
+        assert (answer.success, answer.problem, answer.message) == (False, "refused", SENDS_NOTHING)
+        beep = await node.create_client(Trigger, f"{names.node}/beep").call(TriggerRequest())
+        assert (beep.success, beep.message) == (False, SENDS_NOTHING)
+        offers = node.create_publisher(ExposedDevice, names.offers, KEPT)
+        offers.publish(ExposedDevice(id="robot", name="Robot", parts=()))
+        await anyio.sleep(60)
+        assert reached == []
+        assert (await kinds(node))[-2:] == ["published", "would"]

@@ -47,6 +47,8 @@ def result_text(chain: Chain) -> str:
         return entry_text(decided[-1], {})
     if chain.first["kind"] == "denied":
         return f"refused: {denial_text(chain.first)}"
+    if would := [one for one in chain.entries if one["kind"] == "would"]:
+        return entry_text(would[-1], {})
     if any(one["kind"] == "published" for one in chain.entries):
         reports = [one for one in chain.entries if one["kind"] == "reported"]
         return f"it reported {settings_text(reports[-1]['settings'])}" if reports else "it reported nothing new"

@@ -107,7 +107,8 @@ class Control:
         self._given_store = store
         self._changes = ExplainedChanges()
         self._rehearsal = rehearsal
-        self._house_watch = HouseWatch(node, self._changes, lambda: self._journal)
+        is_dry_run = rehearsal is not None and rehearsal.is_live
+        self._house_watch = HouseWatch(node, self._changes, lambda: self._journal, is_dry_run=is_dry_run)
         self._grants = grants
         self._trusts_apps = trusts_apps
         self._executor: CommandExecutor | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final, Protocol, final
+from typing import ClassVar, Final, Protocol, final
 
 from homebot.control.command import IssuedCommand
 from homebot.devices.outcomes import Confirmed, Evidence, Outcome, Refused
@@ -14,7 +14,14 @@ DRY_RUN: Final = "dry_run"
 
 
 class Rehearsal(Protocol):
-    """Answers commands that are not to be sent."""
+    """Answers commands that are not to be sent.
+
+    Attributes:
+        is_live: Whether the devices are those of the house, on which a raw command has no effect then; in a replay what
+            it did is in the recording.
+    """
+
+    is_live: ClassVar[bool]
 
     def outcome(self, command: IssuedCommand) -> Outcome | None:
         """Return the outcome that is assumed of *command*; None where it is to be sent, to a gateway that is muted."""
@@ -27,6 +34,8 @@ class DryRun:
 
     An app goes on as if the device had obeyed, until it reports next. People are told the truth.
     """
+
+    is_live: ClassVar[bool] = True
 
     def outcome(self, command: IssuedCommand) -> Outcome:
         """Return the outcome; see :class:`Rehearsal`."""

@@ -21,6 +21,7 @@ __all__ = [
     "EXPORT_PLACES",
     "FIND_DEVICES",
     "FORGET_DEVICE",
+    "GATEWAY_READING",
     "GET_CHANGES",
     "GET_INDEX_DATA",
     "GET_LEASES",
@@ -111,6 +112,9 @@ TAG = "tag"
 """The convention of facts that an NFC tag or a code at the device says."""
 
 _GATEWAYS = "/gateway/"
+
+GATEWAY_READING = frozenset({"health", "read_tag", "scan", "subscribe_to_mqtt_topic", "subscribe_to_topic"})
+"""Last parts of the names of those services of gateways that only read: no device notices a call."""
 TEXT_SCHEME = "words:"
 """What a text address begins with."""
 

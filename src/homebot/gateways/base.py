@@ -116,7 +116,7 @@ class Gateway(ABC):
             self.acts = settings.act
         self.context = context or GatewayContext()
         if self.context.is_dry_run:
-            self.observes_because = SENDS_NOTHING
+            self.acts, self.observes_because = False, SENDS_NOTHING
         self.names = GatewayNames(node.name)
         self._sightings = node.create_publisher(Sighting, self.names.received_topics, _NEWEST_OF_EACH)
         self.reports = node.create_publisher(Report, self.names.readings, _NEWEST_OF_EACH)

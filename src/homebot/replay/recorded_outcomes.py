@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import final
+from typing import ClassVar, final
 
 from homebot.control.command import IssuedCommand
 from homebot.devices.command_messages import CommandResult, Setting, outcome_of
@@ -29,6 +29,8 @@ class RecordedOutcomes:
         commands: The commands of the recording, in the order of time.
         now: Returns seconds since the start of the recording.
     """
+
+    is_live: ClassVar[bool] = False
 
     def __init__(self, commands: Iterable[TimedCommand], now: Callable[[], float]) -> None:
         self._matcher = CommandMatcher(commands)

@@ -269,11 +269,18 @@ class Runtime:
 
     def _gateway(self, component: PlannedComponent[Gateway]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
-            async with Node(self.graph, component.name, namespace="/gateway") as node:
+            async with self._gateway_node(component.name) as node:
                 gateway = component.kind(node, component.settings, self._context)
                 await run_as(node.full_name, partial(gateway.serve, task_status=task_status))
 
         return work
+
+    def _gateway_node(self, name: str) -> Node:
+        if not self._is_dry_run:
+            return Node(self.graph, name, namespace="/gateway")
+        from homebot.runtime.muted_node import MutedNode  # noqa: PLC0415 - for a dry run
+
+        return MutedNode(self.graph, name)
 
     def _app(self, component: PlannedComponent[App]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:

@@ -25,6 +25,7 @@ from homebot.devices.names import (
     COMMAND_DEVICES,
     EXPORT_PLACES,
     FIND_DEVICES,
+    GATEWAY_READING,
     GET_CHANGES,
     GET_INDEX_DATA,
     GET_LEASES,
@@ -78,7 +79,6 @@ _READING: Final = frozenset(
         "/subscribe_to_mqtt_topic",
     }
 )
-_READING_OF_GATEWAYS: Final = frozenset({"read_tag", "scan", "subscribe_to_topic"})
 _ACTING: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE, SEND_TEXT})
 _SETTING_PARAMETERS: Final = frozenset({"/rosapi/delete_param", "/rosapi/set_param"})
 
@@ -174,7 +174,7 @@ def right_to_call(name: str) -> Right:
     if path and path[0] == "gateway":
         if last == "send_command":
             return Right.RAW
-        if last in _READING_OF_GATEWAYS:
+        if last in GATEWAY_READING:
             return Right.READ
     is_reading = name in _READING or (path == ["rosapi"] and name not in _SETTING_PARAMETERS)
     return Right.READ if is_reading else Right.MANAGE

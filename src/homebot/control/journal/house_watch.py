@@ -34,13 +34,17 @@ class HouseWatch:
         node: The node that listens.
         changes: Tells which change a command explains.
         journal: Returns what takes the entries, when there is one.
+        is_dry_run: Whether gateways send nothing, so that a raw command has no effect.
     """
 
-    def __init__(self, node: Node, changes: ExplainedChanges, journal: Callable[[], CommandJournal]) -> None:
+    def __init__(
+        self, node: Node, changes: ExplainedChanges, journal: Callable[[], CommandJournal], *, is_dry_run: bool = False
+    ) -> None:
         self._node = node
         self._clock = node.graph.clock
         self._changes = changes
         self._journal = journal
+        self._is_dry_run = is_dry_run
         self._raw: dict[str, Subscription[RawCommand]] = {}
 
     @cached_property
@@ -87,4 +91,4 @@ class HouseWatch:
         now = self._clock.now()
         device = await self.addresses.device_at(gateway, command.address)
         if device:
-            self._journal().published(device, command, now)
+            self._journal().published(device, command, now, is_sent=not self._is_dry_run)

@@ -190,14 +190,17 @@ class CommandJournal:
         kind: EntryKind = "reported" if command_id else "changed"
         self._keep(JournalNote(kind, at, change.device, change.part, command_id, settings=settings))
 
-    def published(self, device: str, command: RawCommand, at: float) -> None:
-        """Note a raw command for a device that came at *at*, in seconds since the Unix epoch."""
+    def published(self, device: str, command: RawCommand, at: float, *, is_sent: bool = True) -> None:
+        """Note a raw command for a device, and whether it is sent; it came at *at*, in seconds since the Unix epoch."""
         name = command.command_id or self.next_id()
-        self._changes.begin_raw(device, name, command.payload, at, at + self._settle)
         text = command.payload[:_LONGEST]
         self._keep(
             JournalNote("published", at, device, "", name, issuer=command.issuer, trigger=command.trigger, text=text)
         )
+        if is_sent:
+            self._changes.begin_raw(device, name, command.payload, at, at + self._settle)
+        else:
+            self._keep(JournalNote("would", at, device, "", name, issuer=command.issuer))
 
     def denied(self, refused: AccessRefused, device: str, count: int) -> None:
         """Note that the door refused *count* requests such as this, for *device* where that is known."""

@@ -1,0 +1,109 @@
+"""The node of a gateway in a dry run."""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar, final
+
+from pydantic import ValidationError
+
+from homebot.devices.gateway_messages import SENDS_NOTHING
+from homebot.devices.names import GATEWAY_READING
+from homebot.errors import RefusedError
+from homebot.graph import Graph, Node, Service, Subscription
+from homebot.graph.mailbox import BoundedQueue
+from homebot.graph.qos import QoSLike
+from homebot.graph.service import Handler
+from homebot.graph.subscription import Callback, Expiring
+from homebot.messages.message import Message, ServiceType
+
+__all__ = ["MutedNode"]
+
+MessageT = TypeVar("MessageT", bound=Message)
+RequestT = TypeVar("RequestT", bound=Message)
+ResponseT = TypeVar("ResponseT", bound=Message)
+
+
+@final
+class MutedNode(Node):
+    """The node of a gateway to which nobody can give a command, whether or not the gateway obeys `act`.
+
+    Of the topics below its own name it receives nothing, such as raw commands and what homebot offers to other systems.
+    Its services are refused, but for those that only read (:data:`homebot.devices.names.GATEWAY_READING`).
+
+    Args:
+        graph: The graph it joins.
+        name: The name of the gateway.
+    """
+
+    def __init__(self, graph: Graph, name: str) -> None:
+        super().__init__(graph, name, namespace="/gateway")
+
+    def create_subscription(
+        self,
+        msg_type: type[MessageT],
+        topic: str,
+        callback: Callback[MessageT] | None = None,
+        qos_profile: QoSLike = 10,
+        *,
+        concurrent: bool = False,
+        from_node: str = "",
+        queue: BoundedQueue[MessageT | Expiring[MessageT]] | None = None,
+    ) -> Subscription[MessageT]:
+        """Return a subscription, see :class:`Node`; one to a topic below its own name receives nothing."""
+        if self.resolve_name(topic).startswith(f"{self.full_name}/"):
+            queue = _Nothing()
+        return super().create_subscription(
+            msg_type, topic, callback, qos_profile, concurrent=concurrent, from_node=from_node, queue=queue
+        )
+
+    def create_service(
+        self,
+        srv_type: ServiceType[RequestT, ResponseT],
+        srv_name: str,
+        callback: Handler[RequestT, ResponseT],
+        *,
+        concurrent: bool = False,
+        cancel_with_caller: bool = False,
+    ) -> Service[RequestT, ResponseT]:
+        """Serve *srv_name*, see :class:`Node`; a service that does more than read refuses every call."""
+        name = self.resolve_name(srv_name, "service name")
+        if name.rpartition("/")[2] not in GATEWAY_READING:
+            callback = _refusal(srv_type, name)
+        return super().create_service(
+            srv_type, srv_name, callback, concurrent=concurrent, cancel_with_caller=cancel_with_caller
+        )
+
+
+class _Nothing:
+    """A queue that takes every item and has none, so that publishers find their subscriber and never wait for it."""
+
+    def append(self, _: object, /) -> None:
+        """Forget an item."""
+
+    def popleft(self) -> Any:
+        """Raise a LookupError: there is never an item."""
+        raise LookupError("it is empty")
+
+    def has_room_for(self, _: object, /) -> bool:
+        """Return True."""
+        return True
+
+    def __len__(self) -> int:
+        return 0
+
+
+def _refusal(srv_type: ServiceType[RequestT, ResponseT], name: str) -> Handler[RequestT, ResponseT]:
+    """Return a handler that refuses every call, by the response where that of *srv_type* has the usual fields."""
+    said = {"success": False, "message": SENDS_NOTHING, "problem": "refused"}
+    response = srv_type.Response
+
+    def refuse(_: RequestT) -> ResponseT:
+        refused = RefusedError(f"a call of {name}", SENDS_NOTHING)
+        if not {"success", "message"} <= response.model_fields.keys():
+            raise refused
+        try:
+            return response.model_validate({key: said[key] for key in said if key in response.model_fields})
+        except ValidationError:
+            raise refused from None
+
+    return refuse
