@@ -7,6 +7,8 @@ from tests.control.conftest import Home, OpenHome
 
 from homebot.devices.command_messages import CommandDevicesRequest, CommandRequest, CommandResult, Setting
 from homebot.devices.handles import DoorLock, Light
+from homebot.devices.lease_messages import HoldPart, HoldRequest
+from homebot.devices.names import HOLD_PART
 from homebot.devices.outcomes import Confirmed
 from homebot.devices.value import Value
 
@@ -20,9 +22,9 @@ async def put_house(home: Home) -> None:
     await home.handle(Light, "lamp")
 
 
-async def unlock(home: Home, issuer: str, *scope: str) -> CommandResult:
+async def unlock(home: Home, issuer: str, *scope: str, value: str = "unlocked") -> CommandResult:
     lock = await home.handle(DoorLock, "door")
-    setting = Setting(capability="lock", value=Value.of("unlocked"))
+    setting = Setting(capability="lock", value=Value.of(value))
     request = CommandRequest(device=lock.device.id, part="", settings=(setting,), issuer=issuer, scope=scope)
     return await home.control.perform(request)
 
@@ -36,6 +38,42 @@ async def test_a_client_without_the_right_does_not_unlock(open_home: OpenHome, s
         assert (result.outcome, result.policy, home.commands) == ("refused", "rights", [])
         assert result.reason.startswith("client:robot may not command ")
         assert "such a device takes a right that names it" in result.reason
+
+
+@pytest.mark.parametrize("scope", [(), ("read", "act: harmless")])
+async def test_who_may_command_what_is_harmless_locks(open_home: OpenHome, scope: tuple[str, ...]) -> None:
+    """As an app without a grant may."""
+    async with open_home() as home:
+        await put_house(home)
+        assert (await unlock(home, "client:local", *scope, value="locked")).outcome == "confirmed"
+
+
+@pytest.mark.parametrize("scope", [("act: light",), ("act: in hall",)])
+async def test_who_may_command_some_devices_alone_locks_no_other(open_home: OpenHome, scope: tuple[str, ...]) -> None:
+    async with open_home() as home:
+        await put_house(home)
+        result = await unlock(home, "client:robot", *scope, value="locked")
+        assert (result.outcome, result.policy, home.commands) == ("refused", "rights", [])
+
+
+async def test_to_hold_a_lock_locked_takes_a_right_that_names_it(open_home: OpenHome) -> None:
+    """A lease keeps others from unlocking, those who have the right as well."""
+    async with open_home() as home:
+        await put_house(home)
+        lock = await home.handle(DoorLock, "door")
+        wanted = HoldRequest(
+            device=lock.device.id,
+            setting=Setting(capability="lock", value=Value.of("locked")),
+            by="x",
+            lease="1",
+            ttl=10,
+            issuer="client:local",
+        )
+        hold = home.app.create_client(HoldPart, HOLD_PART)
+        answer = await hold.call(wanted)
+        assert (answer.held, answer.result.policy, home.commands) == (False, "rights", [])
+        answer = await hold.call(wanted.with_checked(issuer="/app"))
+        assert (answer.held, answer.result.policy, home.commands) == (False, "always_ask", [])
 
 
 @pytest.mark.parametrize("scope", ["act: all", "act: lock", "act: lock in hall", 'act: name="Door"'])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Final
 
+from homebot.control.policies.safe_side import may_make_safe
 from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import always_asks
 from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights, is_client, read_scope
@@ -28,6 +29,9 @@ def client_refusal(request: CommandRequest, device: Device, part: DevicePart) ->
     if rights.may_command(device, part):
         return ""
     asks = always_asks(device, part)
+    settings = {one.capability: one.value.plain() for one in request.settings}
+    if asks and may_make_safe(rights, settings, request.trigger):
+        return ""
     right = f"""act: {f'id="{device.id}"' if asks else part.part.service_type}"""
     why = "such a device takes a right that names it" if asks else "it is not among what the client may command"
     has = f"the scope of the client is {', '.join(request.scope)}" if request.scope else "the client has no token"

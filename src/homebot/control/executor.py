@@ -140,7 +140,8 @@ class CommandExecutor:
         if problem := client_refusal(request, device, part):
             return Refused(POLICY, problem)
         settings = {one.capability: one.value.plain() for one in request.settings}
-        command = IssuedCommand("", device, part, settings, request.issuer, self._judge.rights(request.issuer))
+        rights = self._judge.rights(request.issuer)
+        command = IssuedCommand("", device, part, settings, request.issuer, rights, trigger=request.trigger)
         return self._judge.refusal(command, is_noted=False)
 
     def note_text(self, command: IssuedCommand) -> None:

@@ -288,6 +288,7 @@ def _command_of(request: HoldRequest) -> CommandRequest:
         part=request.part,
         settings=(request.setting,),
         issuer=request.issuer,
+        trigger=Trigger(kind="lease", text=request.by),
         scope=request.scope,
     )
 

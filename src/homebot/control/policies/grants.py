@@ -7,7 +7,7 @@ from typing import Final
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.possible import depends_on_reports
-from homebot.control.policies.safe_side import is_safe
+from homebot.control.policies.safe_side import may_make_safe
 from homebot.control.policies.verdict import Verdict
 from homebot.devices.always_ask import always_asks
 from homebot.devices.client_rights import HARMLESS
@@ -30,14 +30,14 @@ def concerns_grants(command: IssuedCommand) -> bool:
 def judge_grants(command: IssuedCommand, _facts: Facts) -> Verdict:
     """Refuse a command to a device that its issuer may not command.
 
-    Who may command everything but what always asks may command that as well to the safe side: lock, stop, turn off.
+    Who may command everything but what always asks may still do what makes the house safer: lock, stop, turn off.
     """
     if command.rights.may_command(command.device, command.part):
         return _NOT_CONCERNED
     if not always_asks(command.device, command.part):
         own = ", ".join(command.rights.act_scope) or "nothing"
         return Verdict(NAME, allowed=False, reason=f"{command.issuer} may not command {command.label}, only: {own}")
-    if command.rights.acts_on_harmless and is_safe(command):
+    if may_make_safe(command.rights, command.settings, command.trigger):
         return Verdict(ALWAYS_ASK, allowed=True, reason="it is to the safe side")
     reason = f"{command.label} takes a right that names it, and {command.issuer} has none; {_hint(command)} gives one"
     return Verdict(ALWAYS_ASK, allowed=False, reason=reason)

@@ -1,23 +1,35 @@
-"""The safe side: commands that make the house safer, and so need neither a right nor an approval. Pure."""
+"""The safe side: commands that make the house safer, which take neither a right of their own nor an approval. Pure."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
-from homebot.control.command import IssuedCommand
 from homebot.control.policies.command_pattern import VERBS
+from homebot.devices.client_rights import ClientRights
+from homebot.devices.trigger import Trigger
+from homebot.devices.value import PlainValue
 
-__all__ = ["is_safe"]
+__all__ = ["is_safe", "may_make_safe"]
 
 _SAFE: Final = ("lock", "turn off")
 
 
-def is_safe(command: IssuedCommand) -> bool:
+def may_make_safe(rights: ClientRights, settings: Mapping[str, PlainValue], trigger: Trigger) -> bool:
+    """Return whether *rights* without one that names the device allow *settings* of one that always asks.
+
+    Who may command all that does not always ask may make the house safer, but not hold it so by a lease: that would
+    keep those who have the right from the device.
+    """
+    return rights.acts_on_harmless and trigger.kind != "lease" and is_safe(settings)
+
+
+def is_safe(settings: Mapping[str, PlainValue]) -> bool:
     """Return whether all that is set makes the house safer: a valve that closes does, a door that closes may hurt."""
     return all(
         any(VERBS[verb](name, value, None) for verb in _SAFE)
         or value == "stopped"
         or (name, value) == ("valve", "closed")
         or (name == "alarm" and isinstance(value, str) and value.startswith("armed"))
-        for name, value in command.settings.items()
+        for name, value in settings.items()
     )
