@@ -6,7 +6,15 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from homebot.cli.device_history import Chain
 from homebot.cli.journal_records import JournalEntryRecord
-from homebot.cli.journal_words import clock_text, denial_text, entry_text, issuer_text, settings_text, trigger_text
+from homebot.cli.journal_words import (
+    clock_text,
+    denial_text,
+    entry_text,
+    issuer_text,
+    repeats,
+    settings_text,
+    trigger_text,
+)
 from homebot.cli.table import printable
 
 __all__ = ["UNEXPLAINED", "chain_lines", "reason_text", "result_text"]
@@ -66,7 +74,9 @@ def _wanted(entry: JournalEntryRecord) -> str:
 
 
 def _told(entries: Iterable[JournalEntryRecord]) -> Iterator[JournalEntryRecord]:
-    """Yield what says something: that the network accepted it only where no report came."""
+    """Yield what says something: that the network accepted it only where no report came, and a no once."""
     shown = list(entries)
     has_report = any(one["kind"] == "reported" for one in shown)
-    return (one for one in shown if one["kind"] != "acknowledged" or not has_report)
+    for before, one in zip([None, *shown], shown, strict=False):
+        if (one["kind"] != "acknowledged" or not has_report) and not repeats(one, before):
+            yield one

@@ -20,6 +20,7 @@ __all__ = [
     "issuer_text",
     "name_text",
     "outcome_text",
+    "repeats",
     "settings_text",
     "trigger_text",
 ]
@@ -61,6 +62,15 @@ def entry_text(entry: JournalEntryRecord, names: Mapping[str, str]) -> str:
             return f"{name} reported {settings_text(entry['settings'])}; no command explains it"
         case _:
             return outcome_text(entry["results"][0])
+
+
+def repeats(entry: JournalEntryRecord, before: JournalEntryRecord | None) -> bool:
+    """Return whether *entry*, the outcome of a refused command, tells no more than the verdict *before* it."""
+    if before is None or (before["kind"], entry["kind"]) != ("judged", "outcome"):
+        return False
+    result, verdict = entry["results"][0], before["verdicts"][0]
+    is_same = (entry["command"], result["policy"]) == (before["command"], verdict["policy"])
+    return is_same and result["outcome"] == "refused" and not verdict["allowed"]
 
 
 def denial_text(entry: JournalEntryRecord) -> str:

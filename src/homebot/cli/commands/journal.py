@@ -11,7 +11,7 @@ from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.journal_client import JournalClient, entry_json
 from homebot.cli.journal_records import JournalEntryRecord
-from homebot.cli.journal_words import clock_text, entry_text, name_text, trigger_text
+from homebot.cli.journal_words import clock_text, entry_text, name_text, repeats, trigger_text
 from homebot.cli.time_format import ago
 from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.errors import UsageError
@@ -55,8 +55,11 @@ def _journal(options: argparse.Namespace) -> int:
             door.subscribe(JOURNAL_ENTRIES)
         since = now - options.since if options.since is not None else 0.0
         found = client.read(device=device, command=options.command_id, since=since, limit=options.limit)
+        before: JournalEntryRecord | None = None
         for entry in found["entries"]:
-            _print(entry, client, now, as_json=options.json)
+            if options.json or not repeats(entry, before):
+                _print(entry, client, now, as_json=options.json)
+            before = entry
         if not options.json and not options.follow:
             if not found["entries"]:
                 is_filtered = since or device or options.command_id
@@ -68,7 +71,9 @@ def _journal(options: argparse.Namespace) -> int:
             if device in {"", entry["device"]} and options.command_id in {"", entry["command"]}:
                 client.read_name(entry["device"])
                 client.read_name(entry["trigger"]["device"])
-                _print(entry, client, now, as_json=options.json)
+                if options.json or not repeats(entry, before):
+                    _print(entry, client, now, as_json=options.json)
+                before = entry
         return 0
 
     return with_client(options, run)
