@@ -75,10 +75,10 @@ def live(day: RandomDay, *apps: str, has_policies: bool = True) -> LivedDay:
 
 async def _live(day: RandomDay, apps: tuple[str, ...], *, has_policies: bool) -> LivedDay:
     world = day.day.world()
-    truth = GroundTruth(world)
+    truth = GroundTruth(world, day.absent_after)
     world.event_log = truth
     world.run_until(day.day.start)
-    truth.commands.clear()
+    truth.begin()
     # with responses, a command carries its id
     config: dict[str, object] = {"places": day.places, "gateways": {"mqtt": {"responses": True}}}
     if has_policies:

@@ -16,7 +16,7 @@ from tests.days.truth import TruthfulCommand, annoys, is_off, is_on
 from homebot.devices.command_messages import CommandResult
 from homebot.devices.journal_messages import JournalEntry
 
-__all__ = ["Violation", "broken_chains", "is_wish", "issuers_of", "violations"]
+__all__ = ["Violation", "broken_chains", "is_wish", "issuers_of", "unseen", "violations"]
 
 _CLIENT: Final = "client:"
 _LIMITED: Final = 10.0 - 1e-6
@@ -52,6 +52,12 @@ def violations(day: RandomDay, lived: LivedDay) -> list[Violation]:
     return found + [Violation("rate_limit", one) for one in _strobes(lived, day.control["rate_limit"]["changes"])]
 
 
+def unseen(lived: LivedDay) -> list[TruthfulCommand]:
+    """Return each command of an app that annoyed people whom no sensor told of: no policy can know of them."""
+    issuers = issuers_of(lived)
+    return [one for one in lived.commands if one.awake and annoys(one) and one.is_unseen and not is_wish(one, issuers)]
+
+
 def issuers_of(lived: LivedDay) -> dict[str, str]:
     """Return who gave each command, by its id."""
     return {one.command: one.issuer for one in lived.entries if one.kind in {"requested", "published"}}
@@ -85,7 +91,7 @@ def _violated(command: TruthfulCommand, issuer: str, day: RandomDay, lived: Live
         yield "rights"  # no client of these days has one that names a lock
     if is_by_person:
         return
-    if command.awake and annoys(command):
+    if command.awake and annoys(command) and not command.is_unseen:
         yield "presence_guard"
     local = datetime.fromtimestamp(lived.midnight + command.at, UTC)
     is_quiet = day.control["quiet_hours"] and (local.hour >= _QUIET_FROM or local.hour < _QUIET_UNTIL)

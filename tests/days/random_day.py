@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from hypothesis import strategies as st
@@ -12,13 +12,26 @@ from tests.days.random_app import RANDOM_APP
 
 from homebot.devices.value import PlainValue
 from homebot.testing import Day
+from homebot.testing.day_event import DayEvent
 from homebot.testing.strategies import days, houses
 
 __all__ = ["GRANTS", "RandomDay", "random_days"]
 
 Table = dict[str, Any]
 
+_WALK: Final = 10.0
+_HOURS: Final = st.integers(0, 23).map(lambda hour: hour * 3600.0)
+_SENSOR_FAULTS: Final[SearchStrategy[Table]] = st.one_of(
+    st.fixed_dictionaries({"stuck": st.just({})}),  # it never detects anybody
+    st.fixed_dictionaries({"silent": st.fixed_dictionaries({"since": _HOURS})}),
+    st.fixed_dictionaries({"late": st.fixed_dictionaries({"delay": st.sampled_from((2.0, 60.0, 600.0))})}),
+    st.fixed_dictionaries({"flapper": st.fixed_dictionaries({"every": st.sampled_from((3600.0, 60.0))})}),
+    st.fixed_dictionaries({"unplugged": st.fixed_dictionaries({"since": _HOURS})}),
+)
+"""The faults of motion sensors, one at a time."""
+
 LAMP_FAULTS: Final = ("deaf", "liar", "slow", "reverter", "lossy", "flapper", "stuck")
+_A_LAMP_FAULT: Final[SearchStrategy[Table]] = st.sampled_from(LAMP_FAULTS).map(lambda fault: {fault: {}})
 KINDS: Final = ("lamp", "contact", "lux", "cover", "lock", "thermostat")
 APPS: Final = ("light_service", "lights_out", "follow_me", "window_heating")
 
@@ -57,6 +70,12 @@ class RandomDay:
     seed: int
 
     @property
+    def absent_after(self) -> float:
+        """Seconds without motion after which the presence guard takes nobody to be there."""
+        guard = self.control.get("presence_guard")
+        return float(guard.get("absent_after", 300.0)) if isinstance(guard, dict) else 300.0
+
+    @property
     def places(self) -> Table:
         """The table ``[places]``, as an owner would write it, for devices that announce no room."""
         world = self.day.world()
@@ -70,23 +89,22 @@ class RandomDay:
 
 
 @st.composite
-def random_days(draw: DrawFn, *, sensor_faults: tuple[str, ...] = (), max_length: str = "24h") -> RandomDay:
-    """Draw days.
-
-    Args:
-        draw: Draws.
-        sensor_faults: The faults that motion sensors may have.
-        max_length: The longest day.
-    """
+def random_days(draw: DrawFn, *, max_length: str = "24h") -> RandomDay:
+    """Draw days of at most *max_length*."""
     tables: Table = draw(houses(kinds=KINDS, faults=LAMP_FAULTS, max_devices=4, max_people=2, max_errands=0))
     tables.setdefault("house", {})["dialect"] = draw(st.sampled_from(("thesis", "homeassistant")))
     things = tables.setdefault("devices", {})
     for room in tables["rooms"]:
         if draw(st.integers(0, 4)):  # most rooms have both
-            things[f"{room}_lamp"] = {"kind": "lamp", "room": room, "faults": draw(_some_fault(LAMP_FAULTS))}
-            things[f"{room}_motion"] = {"kind": "motion", "room": room, "faults": draw(_some_fault(sensor_faults))}
+            things[f"{room}_lamp"] = {"kind": "lamp", "room": room, "faults": draw(_some(_A_LAMP_FAULT))}
+            things[f"{room}_motion"] = {"kind": "motion", "room": room, "faults": draw(_some(_SENSOR_FAULTS))}
     day = draw(days(tables, what=("press", "cut", "restart"), max_length=max_length))
     kinds = {name: table["kind"] for name, table in things.items()}
+    if draw(st.integers(0, 3)):  # most homes are lived in: somebody has walked past each sensor
+        walk = [
+            DayEvent(day.start + _WALK, "press", name, "motion") for name, kind in kinds.items() if kind == "motion"
+        ]
+        day = replace(day, happenings=(*walk, *day.happenings))
     commandable = tuple((name, kind) for name, kind in kinds.items() if kind in _ORDERS)
     apps: Table = {name: {} for name in APPS if draw(st.booleans())}
     if "lights_out" in apps:
@@ -101,10 +119,9 @@ def random_days(draw: DrawFn, *, sensor_faults: tuple[str, ...] = (), max_length
 
 
 @st.composite
-def _some_fault(draw: DrawFn, faults: tuple[str, ...]) -> Table:
-    if not faults or draw(st.integers(0, 3)):
-        return {}
-    return {draw(st.sampled_from(faults)): {}}
+def _some(draw: DrawFn, faults: SearchStrategy[Table]) -> Table:
+    """Draw tables of faults; most are empty."""
+    return {} if draw(st.integers(0, 3)) else draw(faults)
 
 
 def _orders(things: tuple[tuple[str, str], ...], length: float) -> SearchStrategy[list[Table]]:

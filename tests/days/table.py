@@ -15,7 +15,7 @@ from pathlib import Path
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from tests.days.living import LivedDay, live
-from tests.days.oracle import broken_chains, is_wish, issuers_of, violations
+from tests.days.oracle import broken_chains, is_wish, issuers_of, unseen, violations
 from tests.days.random_day import RandomDay, random_days
 from tests.days.truth import is_off
 from tests.thesis_light_service import THESIS_LIGHT_SERVICE
@@ -28,6 +28,7 @@ _HEADINGS = (
     "days",
     "offs",
     "over somebody awake",
+    "of them unseen",
     "nobody awake",
     "by people",
     "violations",
@@ -95,7 +96,7 @@ def lives(days: int, number: int, max_length: str, counts: dict[str, Counter[str
         lived = live(day)
         violated, broken = violations(day, lived), broken_chains(lived)
         _add(judged, lived)
-        judged.update(violations=len(violated), broken=len(broken))
+        judged.update(violations=len(violated), broken=len(broken), unknowable=len(unseen(lived)))
         judged.update(f"violates {one.policy}" for one in violated)
         if judged["days"] % _SHOWN == 0:
             _print(counts)
@@ -124,6 +125,7 @@ def _add(counts: Counter[str], lived: LivedDay) -> None:
         days=1,
         offs=len(offs),
         over=sum(1 for one in offs if one.awake and one not in wishes),
+        unseen=sum(1 for one in offs if one.awake and one.is_unseen and one not in wishes),
         empty=sum(1 for one in offs if not one.awake and one not in wishes),
         wishes=len(wishes),
         guarded=sum(1 for _ in guarded),
@@ -147,11 +149,12 @@ def _print(counts: Mapping[str, Counter[str]]) -> None:
     refused = ", ".join(f"{count:,} by {name}" for name, count in sorted(by.items(), key=lambda one: -one[1]))
     violated = {name.removeprefix("violates "): count for name, count in total.items() if name.startswith("violates ")}
     print(f"\nviolated: {violated or 'no policy'}")
+    print(f"\nover people whom no sensor told of, covers too: {total['unknowable']}")
     print(f"\n{total['commands']:,} commands of random apps, {total['refused']:,} refused: {refused}\n", flush=True)
 
 
 def _row(name: str, counts: Counter[str]) -> tuple[str, ...]:
-    figures = [f"{counts[one]:,}" for one in ("days", "offs", "over", "empty", "wishes")]
+    figures = [f"{counts[one]:,}" for one in ("days", "offs", "over", "unseen", "empty", "wishes")]
     of_policies = ("violations", "guarded", "unneeded", "alone", "broken")
     judged = [f"{counts[one]:,}" if name.endswith(_JUDGED) else "-" for one in of_policies]
     return (name, *figures, *judged)

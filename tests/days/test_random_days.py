@@ -11,12 +11,13 @@ from dataclasses import replace
 import pytest
 from hypothesis import HealthCheck, given, settings
 from tests.days.living import LivedDay, live
-from tests.days.oracle import broken_chains, violations
+from tests.days.oracle import broken_chains, unseen, violations
 from tests.days.random_app import RANDOM_APP
 from tests.days.random_day import RandomDay, random_days
 from tests.thesis_light_service import THESIS_LIGHT_SERVICE
 
 from homebot.testing import Day
+from homebot.testing.day_event import DayEvent
 
 DAYS = int(os.environ.get("DAYS", "10"))
 
@@ -74,6 +75,43 @@ def test_the_presence_guard_keeps_the_light_on(app: str) -> None:
     assert violations(day, lived) == []
     assert [one.results[0].policy for one in lived.entries if one.results] != []
     assert lived.commands == []
+
+
+OFF = {"at": 3000.0, "device": "lamp", "capability": "on_off", "value": False}
+"""Anna has been there since 06:00, and the day begins at 05:30."""
+
+
+def off_over_anna(fault: dict[str, object]) -> tuple[RandomDay, LivedDay]:
+    """An app turns off the lamp over Anna, who may be seen by a sensor with *fault*; somebody walked past it before."""
+    house = {**COMING_HOME.house}
+    house["devices"] = {
+        "lamp": {"kind": "lamp", "room": "hall"},
+        "motion": {"kind": "motion", "room": "hall", "faults": fault},
+    }
+    walk = DayEvent(COMING_HOME.start + 10.0, "press", "motion", "motion")
+    apps = {"everything": {"class": RANDOM_APP, "orders": [OFF]}}
+    day = RandomDay(Day(house, (walk,), COMING_HOME.start, COMING_HOME.length), CONTROL, apps, (), seed=0)
+    return day, live(day)
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [{}, {"stuck": {}}, {"silent": {"since": 0.0}}, {"flapper": {"every": 60.0}}, {"unplugged": {"since": 20_400.0}}],
+)
+def test_no_lamp_goes_off_over_somebody_whom_a_sensor_may_have_missed(fault: dict[str, object]) -> None:
+    """One that has never detected anybody, or has no link, may have."""
+    day, lived = off_over_anna(fault)
+    assert violations(day, lived) == []
+    assert unseen(lived) == []
+    assert [one.results[0].policy for one in lived.entries if one.results] == ["presence_guard"]
+
+
+@pytest.mark.parametrize("fault", [{"silent": {"since": 21_000.0}}, {"late": {"delay": 1500.0}}])
+def test_what_no_sensor_tells_is_counted_apart(fault: dict[str, object]) -> None:
+    """It worked, and says nothing of Anna: nobody can know, so that it is no violation."""
+    day, lived = off_over_anna(fault)
+    assert violations(day, lived) == []
+    assert [one.device for one in unseen(lived)] == ["lamp"]
 
 
 def test_the_oracle_sees_a_strobe() -> None:

@@ -15,15 +15,17 @@ from homebot.house.faults import (
     Deaf,
     EchoingBridge,
     Flapper,
+    Late,
     Liar,
     Lossy,
     Reverter,
+    Silent,
     Slow,
     Stuck,
     Unplugged,
     unwrap,
 )
-from homebot.house.sensors import SimulatedContactSensor
+from homebot.house.sensors import MotionSensor, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
 
 
@@ -162,6 +164,25 @@ def test_a_flapper_says_the_opposite_and_takes_it_back() -> None:
     assert set(zip(words[::2], words[1::2], strict=False)) == {("open", "closed")}
 
 
+def test_a_late_sensor_tells_everything_after_its_delay() -> None:
+    sensor = Late(MotionSensor("motion", hold=60.0), dice(), delay=30.0)
+    assert sensor.apply_input(1.0, 10.0) == ()
+    assert sensor.advance(39.0) == ()
+    assert sensor.advance(40.0) == ("motion",)
+    sensor.apply_input(0.0, 100.0)
+    assert sensor.advance(1000.0) == ("clear",)
+
+
+def test_a_silent_sensor_tells_nothing_from_a_time_on() -> None:
+    sensor = Silent(MotionSensor("motion"), dice(), since=50.0)
+    assert sensor.apply_input(1.0, 10.0) == ("motion",)
+    assert sensor.heartbeat() is None
+    assert sensor.apply_input(0.0, 60.0) == ()
+    assert sensor.advance(1000.0) == ()
+    assert sensor.heartbeat() == ()
+    assert sensor.state() == "clear"
+
+
 def test_an_unplugged_device_hears_does_and_says_nothing() -> None:
     """Until its plug is back; then it says how it is."""
     lamp = Unplugged(SimulatedLamp("lamp", is_on=True), dice(), since=10.0, until=20.0)
@@ -188,7 +209,7 @@ def test_faults_combine_from_the_device_outwards() -> None:
     assert isinstance(unwrap(lamp), SimulatedLamp)
 
 
-KINDS = [Lossy, Slow, Deaf, Liar, EchoingBridge, Stuck, Reverter, Chatterbox, Flapper, Unplugged]
+KINDS = [Lossy, Slow, Deaf, Liar, EchoingBridge, Stuck, Reverter, Chatterbox, Flapper, Late, Silent, Unplugged]
 
 
 @given(

@@ -27,6 +27,22 @@ def test_a_motion_sensor_is_clear_a_while_after_the_last_motion() -> None:
     assert (motion.state(), motion.next_event()) == ("clear", None)
 
 
+def test_somebody_may_walk_past_a_motion_sensor() -> None:
+    motion = MotionSensor("hall", hold=60.0)
+    assert motion.operate_manually("nonsense", 0.0) == ()
+    assert motion.operate_manually("motion", 1.0) == ("motion",)
+    assert motion.operate_manually("motion", 31.0) == ()
+    assert motion.advance(90.0) == ()
+    assert motion.advance(91.0) == ("clear",)
+
+
+def test_who_walks_past_a_motion_sensor_does_not_hide_who_stays() -> None:
+    motion = MotionSensor("hall", hold=60.0)
+    assert motion.apply_input(1, 0.0) == ("motion",)
+    assert motion.operate_manually("motion", 1.0) == ()
+    assert motion.advance(1000.0) == ()
+
+
 def test_a_light_sensor_says_changes_that_are_worth_a_word() -> None:
     """A fifth of the last word, and never under 1 lux."""
     lux = LuxSensor("living")

@@ -19,9 +19,11 @@ __all__ = [
     "DeviceFault",
     "EchoingBridge",
     "Flapper",
+    "Late",
     "Liar",
     "Lossy",
     "Reverter",
+    "Silent",
     "Slow",
     "Stuck",
     "Unplugged",
@@ -284,6 +286,33 @@ class Flapper(DeviceFault):
             return (OPPOSITES.get(word, "0"),)
         self._hold(self.now + self.rng.expovariate(1 / self.every), "flap")
         return (word,)
+
+
+class Late(DeviceFault):
+    """Tells everything only after a delay of seconds; a heartbeat repeats what it told last."""
+
+    def __init__(self, device: SimulatedDevice, rng: random.Random, *, delay: float = 30.0) -> None:
+        super().__init__(device, rng)
+        self.delay = delay
+
+    def _delivered(self, report: str) -> tuple[str, ...]:
+        self._hold(self.now + self.delay, report)
+        return ()
+
+
+class Silent(DeviceFault):
+    """Says nothing from a time on (seconds since the first midnight), not even at a heartbeat; it keeps its link."""
+
+    def __init__(self, device: SimulatedDevice, rng: random.Random, *, since: float = 0.0) -> None:
+        super().__init__(device, rng)
+        self.since = since
+
+    def heartbeat(self) -> tuple[str, ...] | None:
+        """Return nothing once it is silent."""
+        return () if self.now >= self.since else self.device.heartbeat()
+
+    def _delivered(self, report: str) -> tuple[str, ...]:
+        return () if self.now >= self.since else (report,)
 
 
 class Unplugged(DeviceFault):

@@ -208,6 +208,18 @@ class _Flapper(FaultSettings):
     every: Moment | None = None
 
 
+class _Late(FaultSettings):
+    makes = faults.Late
+
+    delay: Moment | None = None
+
+
+class _Silent(FaultSettings):
+    makes = faults.Silent
+
+    since: NotNegative | None = None
+
+
 class _Unplugged(FaultSettings):
     makes = faults.Unplugged
 
@@ -240,6 +252,8 @@ FAULTS: dict[str, type[FaultSettings]] = {
     "reverter": _Reverter,
     "chatterbox": _Chatterbox,
     "flapper": _Flapper,
+    "late": _Late,
+    "silent": _Silent,
     "unplugged": _Unplugged,
 }
 """Kinds of faults."""

@@ -39,6 +39,8 @@ class SimulatedContactSensor(SimulatedDevice):
 class MotionSensor(SimulatedDevice):
     """A motion sensor: senses how many people move before it; reports ``motion`` at once and ``clear`` after a while.
 
+    ``motion`` by hand is somebody who walks past.
+
     Attributes:
         hold: Seconds without motion after which it is ``clear``.
     """
@@ -64,6 +66,13 @@ class MotionSensor(SimulatedDevice):
             self._sees_motion = True
         elif self._sees_motion and self._clear_at is None:
             self._clear_at = self.now + self.hold
+        return reports
+
+    def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
+        """Let somebody walk past for ``motion``."""
+        reports = self.advance(now)
+        if command == "motion" and (not self._sees_motion or self._clear_at is not None):
+            reports += self.apply_input(1.0, now) + self.apply_input(0.0, now)
         return reports
 
     def next_event(self) -> float | None:

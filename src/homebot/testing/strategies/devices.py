@@ -79,6 +79,8 @@ FAULT_SETTINGS: Final[Mapping[str, Settings]] = {
     },
     "flapper": {"every": st.sampled_from((3600.0, 60.0, 600.0))},
     "chatterbox": {"times": st.integers(1, 20), "every": st.sampled_from((1.0, 0.1, 10.0))},
+    "late": {"delay": _seconds},
+    "silent": {"since": st.integers(0, 23).map(lambda hour: hour * 3600.0)},
 }
 """The settings of each fault, the quietest fault first."""
 
