@@ -2,8 +2,8 @@
 
 The same commands are given to the same lamps twice: fire and forget, as most programs do, and through handles, whose
 outcome is held against what the lamp did. A failure is silent where the outcome, or what was reported of it within the
-settle time, says that the lamp obeyed and it did not. Of lamps with a metering plug, the first commands are
-not counted: homebot learns from them what the plug sees.
+settle time, says that the lamp obeyed and it did not. Of lamps with a metering plug or a light sensor beside
+them, the first commands are not counted: homebot learns from them what that sees.
 """
 
 from __future__ import annotations
@@ -34,27 +34,34 @@ __all__ = ["run"]
 COMMANDS = 20
 GAP = 40.0  # seconds between two commands to a lamp
 LEARNS = 12
-"""Commands from which it is learnt what a metering plug sees."""
+"""Commands from which it is learnt what a metering plug or a light sensor sees."""
 
 OFTEN, SELDOM = 2.0, 300.0  # seconds between two reports of the same
-PLUG = 'devices.plug = { kind = "power_meter", room = "hall", dialect = "zigbee2mqtt", of = "lamp" }'
-WITH_PLUG = {
-    "none, metering plug": "",
-    "slow, metering plug": FAULTS["slow, 5 to 7.5 s"],
-    "liar, metering plug": f"liar = {{ since = {60.0 + (LEARNS - 0.5) * GAP} }}",
+WITNESSES = {
+    "metering plug": 'devices.plug = { kind = "power_meter", room = "hall", dialect = "zigbee2mqtt", of = "lamp" }',
+    "light sensor": 'devices.lux = { kind = "lux", room = "hall", dialect = "zigbee2mqtt" }',
+}
+SEEN_FAULTS = {
+    "none": "",
+    "slow": FAULTS["slow, 5 to 7.5 s"],
+    "liar": f"liar = {{ since = {60.0 + (LEARNS - 0.5) * GAP} }}",
+}
+WITNESSED = {
+    f"{fault}, {witness}": (settings, device)
+    for witness, device in WITNESSES.items()
+    for fault, settings in SEEN_FAULTS.items()
 }
 
 
 def run(plan: Plan) -> Report:
     rows: list[tuple[str, ...]] = [HEADINGS]
-    for fault, settings in (FAULTS | WITH_PLUG).items():
+    for fault, (settings, witness) in ({one: (text, "") for one, text in FAULTS.items()} | WITNESSED).items():
         forgotten, told = OutcomeCount(), OutcomeCount()
-        has_plug = fault in WITH_PLUG
         for dialect in sorted(DIALECTS):
             for found, forgets in ((forgotten, True), (told, False)):
-                world, count = _world(dialect, settings, PLUG if has_plug else ""), plan.count(COMMANDS)
+                world, count = _world(dialect, settings, witness), plan.count(COMMANDS)
                 with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
-                    runner.run(_measure(world, count, found, LEARNS if has_plug else 0, forgets=forgets))
+                    runner.run(_measure(world, count, found, LEARNS if witness else 0, forgets=forgets))
         rows.append(row(fault, forgotten, told))
     lamps = (
         f"A lamp of each dialect: {', '.join(sorted(DIALECTS))}. Where no second device sees it, a liar is believed and"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from homebot.devices.outcomes import Outcome
+from homebot.devices.outcomes import NoAnswer, Outcome
 
 __all__ = ["FAULTS", "HEADINGS", "OutcomeCount", "row"]
 
@@ -21,7 +21,16 @@ FAULTS = {
 }
 """The faults of a simulated lamp, as a house describes them."""
 
-HEADINGS = ("fault", "commands", "silent, forgotten", "silent, homebot", "detected", "false alarms", "told after")
+HEADINGS = (
+    "fault",
+    "commands",
+    "silent, forgotten",
+    "silent, homebot",
+    "detected",
+    "false alarms",
+    "no answer, but so",
+    "told after",
+)
 
 
 @dataclass
@@ -32,7 +41,8 @@ class OutcomeCount:
         commands: How many there were.
         failed: Those that the lamp did not obey.
         silent: Those of them of which nothing said so.
-        false_alarms: Commands that the lamp obeyed although something said that it did not.
+        false_alarms: Commands after which the lamp was as wanted although something said that it was not.
+        unanswered: Those after which it was as wanted and nothing came from it, which was said and is true.
         told_after: Seconds until each failure was told.
     """
 
@@ -40,6 +50,7 @@ class OutcomeCount:
     failed: int = 0
     silent: int = 0
     false_alarms: int = 0
+    unanswered: int = 0
     told_after: list[float] = field(default_factory=list)
 
     def note(
@@ -50,7 +61,9 @@ class OutcomeCount:
         self.failed += not obeyed
         told = outcome is not None and (not outcome.succeeded or reverted_at is not None)
         self.silent += not obeyed and not told
-        self.false_alarms += obeyed and told
+        is_unanswered = isinstance(outcome, NoAnswer) and not outcome.reason
+        self.unanswered += obeyed and is_unanswered
+        self.false_alarms += obeyed and told and not is_unanswered
         if told and not obeyed:
             self.told_after.append((reverted_at or ended) - began)
 
@@ -65,5 +78,6 @@ def row(name: str, forgotten: OutcomeCount, told: OutcomeCount) -> tuple[str, ..
         f"{told.silent / told.commands:.1%}",
         f"{1 - told.silent / told.failed:.0%}" if told.failed else "-",
         str(told.false_alarms),
+        str(told.unanswered),
         f"{times[len(times) // 2]:.1f} s" if times else "-",
     )

@@ -72,3 +72,24 @@ def test_a_command_that_the_part_does_not_know_changes_no_answer(command: bytes)
     hall.expect(command)
     assert read(hall, b"19") == {"local_temperature": 19.0}
     assert read(hall, command) == {}
+
+
+def test_the_same_text_again_is_the_answer_to_a_command_once() -> None:
+    """A lamp that is stuck answers with what it said before."""
+    lamp = codec("lights")
+    read(lamp, b"off")
+    lamp.write("on_off", value=True)
+    told = [read(lamp, b"off", retained=one) for one in (True, False, False)]
+    assert told == [{}, {"on_off": False}, {}]
+
+
+def test_a_thermostat_that_repeats_a_number_answers_nothing() -> None:
+    """The room may have been as warm before as it is to be."""
+    hall = codec("thermostats")
+    read(hall, b"21")
+    hall.write("heating_setpoint", 21.0)
+    assert [read(hall, one) for one in (b"21", b"20", b"21")] == [
+        {},
+        {"local_temperature": 20.0},
+        {"heating_setpoint": 21.0},
+    ]

@@ -19,7 +19,8 @@ _LONGEST = 1000
 class TextCodec:
     """The codec of a part that publishes and takes text; see :class:`homebot.conventions.description.Codec`.
 
-    A text is read when it is another one than before, and once more when it is live and was kept by the broker before.
+    A text is read when it is another one than before, once more when it is live and was kept by the broker before, and
+    once when it is the first live one after :meth:`write`: a device that stays as it is repeats what it said before.
     Of a thermostat a number may be the temperature of the room or the target: it is the target where it answers a
     command with just that number.
 
@@ -27,13 +28,14 @@ class TextCodec:
         part: The part; it reports on the first topic of its ``reads``, and is commanded on the first of its ``writes``.
     """
 
-    __slots__ = ("_awaited", "_decode", "_last", "_part", "_was_retained")
+    __slots__ = ("_awaited", "_decode", "_is_asked", "_last", "_part", "_was_retained")
 
     def __init__(self, part: Part) -> None:
         self._part = part
         self._decode = decoder_for(part.capabilities).decode
         self._last = self._awaited = b""
         self._was_retained = False
+        self._is_asked = False
 
     def topics(self) -> tuple[str, ...]:
         """Return the topic that the part publishes on."""
@@ -42,19 +44,27 @@ class TextCodec:
     def read(self, topic: str, payload: bytes, *, retained: bool) -> Readings:
         """Return what *payload* reports that the one before did not."""
         del topic
-        if payload == self._last and (retained or not self._was_retained):
+        is_repeated = payload == self._last
+        if is_repeated and (retained or not (self._was_retained or self._is_asked)):
             return NO_READINGS
         if len(payload) > _LONGEST:
             return NO_READINGS
-        self._last, self._was_retained = payload, retained
+        self._last, self._was_retained, self._is_asked = payload, retained, self._is_asked and retained
         readings = self._decode(payload)
-        return self._as_answer(readings) if payload == self._awaited and readings else readings
+        if payload != self._awaited or not readings:
+            return readings
+        answer = self._as_answer(readings)
+        if is_repeated and answer is not readings:
+            return NO_READINGS  # it may be what it was before
+        self._awaited = b""
+        return answer
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
         """Return what to publish so that *capability* becomes *value*; there is no text for a transition."""
         del transition
         payload = encode_command(capability, value, self._part).encode(errors="replace")
         self.expect(payload)
+        self._is_asked = True
         return (Publication(self._part.writes[0], payload, qos=1),)
 
     def expect(self, command: bytes) -> None:
@@ -62,9 +72,8 @@ class TextCodec:
         self._awaited = command if len(command) <= _LONGEST else b""
 
     def _as_answer(self, readings: Readings) -> Readings:
-        command, self._awaited = self._awaited, b""
         try:
-            name, value = decode_command(command.decode(), self._part)
+            name, value = decode_command(self._awaited.decode(), self._part)
         except (RefusedError, UnicodeDecodeError):
             return readings
         return readings if name in readings else {name: value}

@@ -61,6 +61,7 @@ class HonestHome:
         sensors: The sensors.
         daylight: The daylight, seconds after the learning each; between them the sun rises or sets evenly.
         clouds: Shares of the daylight that come in, in turns.
+        area: The room of the sensors, which nobody may have said.
     """
 
     lamps: list[float]
@@ -68,6 +69,7 @@ class HonestHome:
     sensors: list[SimpleSensor]
     daylight: list[float]
     clouds: list[float]
+    area: str = "Hall"
     on: dict[str, bool] = field(default_factory=dict)
 
     def true_value(self, kind: str, now: float) -> float:
@@ -98,6 +100,7 @@ homes = st.builds(
     sensors=st.lists(sensors, min_size=1, max_size=3),
     daylight=st.lists(st.sampled_from([0.0, 0.0, 0.0, 5.0, 30.0, 60.0, 400.0]), min_size=2, max_size=5),
     clouds=st.lists(st.floats(0.5, 1.0), min_size=1, max_size=4),
+    area=st.sampled_from(["Hall", "Hall", ""]),
 )
 steps = st.lists(
     st.tuples(
@@ -146,7 +149,7 @@ async def look(home: Home, honest: HonestHome, *, again: bool = False) -> None:
 async def live(home: Home, honest: HonestHome, plan: list[tuple[float, int, bool, str]]) -> list[Outcome]:
     """Switch the lamps, one after the other, until each sensor could learn, then as *plan* says."""
     for number, sensor in enumerate(honest.sensors):
-        home.put(f"sensor{number}", "light_sensor", readable=(sensor.kind,), area="Hall")
+        home.put(f"sensor{number}", "light_sensor", readable=(sensor.kind,), area=honest.area)
     for number in range(len(honest.lamps)):
         home.put(f"lamp{number}", "light", "on_off", area="Hall")
         home.behaviours[f"lamp{number}"] = obeying(honest, number)

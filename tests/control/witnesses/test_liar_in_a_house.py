@@ -25,8 +25,9 @@ devices.lux = { kind = "lux", room = "hall", dialect = "DIALECT" }
 """
 
 
-@pytest.mark.parametrize("dialect", ["homeassistant"])
+@pytest.mark.parametrize("dialect", ["homeassistant", "zigbee2mqtt"])
 async def test_a_lamp_that_begins_to_lie_is_contradicted_each_time(dialect: str) -> None:
+    """Also beside a sensor that does not say in which room it is."""
     text = HOUSE.replace("SINCE", str((HONEST + 0.5) * GAP)).replace("DIALECT", dialect)
     world = parse_world(parse_toml(text, "test"), "test")
     async with virtual_house_of(world=world, heartbeat=2.0) as house, Node(house.runtime.graph, "app") as node:

@@ -18,7 +18,7 @@ from homebot.folding import fold
 __all__ = ["MOST_FOR_ONE", "Sensor", "SensorPlace", "WitnessSensors", "reading_of"]
 
 MOST_FOR_ONE = 4
-"""Sensors that are compared for one part: of more, those of its room whose ids come first."""
+"""Sensors that are compared for one part: of more, those of its room, and those whose ids come first."""
 
 _MOST_REMEMBERED = 1000
 """Sensors of an earlier run that are not there yet; of more, those remembered first are forgotten."""
@@ -117,9 +117,9 @@ class WitnessSensors:
         self._arrange()
 
     def candidates(self, command: IssuedCommand) -> list[Sensor]:
-        """Return the sensors of other devices that may see what *command* does: in its room, and meters of the house.
+        """Return the sensors of other devices that may see what *command* does.
 
-        Those without a room may see what is in none.
+        They are in its room, in a room that nobody said, or meters of the house, in this order.
         """
         wanted = seen_by(command.settings)
         if not wanted:
@@ -128,7 +128,7 @@ class WitnessSensors:
         if name is not None:
             found: Iterable[Sensor] = (one for one in self._sensors.values() if name in _names(one.device))
         else:
-            found = (*self._rooms.get(fold(command.device.area), ()), *self._meters)
+            found = (*self._rooms.get(fold(command.device.area), ()), *self._rooms.get("", ()), *self._meters)
         fitting = (one for one in found if one.capability in wanted and _is_independent(one, command))
         return list(dict.fromkeys(fitting))[:MOST_FOR_ONE]
 
