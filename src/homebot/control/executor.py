@@ -148,7 +148,8 @@ class CommandExecutor:
         """Note that *command* is sent as a text: nobody waits for its outcome, and older ones for the same are over."""
         self.leases.note_stop(command.place, command.settings, self._clock.monotonic())
         self._judge.note_sent(command)
-        self._witnesses.note_text(command)
+        if self._witnesses.doubted:
+            self._witnesses.note_text(command)
         self._pending.supersede(command)
         self._settling.supersede(command.places)
 

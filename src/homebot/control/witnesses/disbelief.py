@@ -48,6 +48,9 @@ class Disbelief:
         home: The sensors.
         learning: What is known of them.
         keep: Keeps what is not believed over a restart.
+
+    Attributes:
+        parts: What is known of each part that is not believed.
     """
 
     def __init__(self, node: Node, home: HomeWatch, learning: WitnessLearning, keep: KeepLearnt) -> None:
@@ -56,13 +59,13 @@ class Disbelief:
         self._home = home
         self._learning = learning
         self._keep = keep
-        self._known: OrderedDict[Place, Disproof] = OrderedDict()
+        self.parts: OrderedDict[Place, Disproof] = OrderedDict()
         self._commanded_at: dict[Place, float] = {}
         home.on_change = self._take_change
 
     def concerns(self, place: Place) -> bool:
         """Return whether a witness saw that a part is not as it reported."""
-        return place in self._known
+        return place in self.parts
 
     def covers(self, command: IssuedCommand) -> bool:
         """Return whether a report of what *command* wants is not believed."""
@@ -75,7 +78,7 @@ class Disbelief:
 
     def begin(self, command: IssuedCommand) -> None:
         """Note that *command* is given, by whatever way, or is over: what changes now is its effect."""
-        if command.place in self._known:
+        if command.place in self.parts:
             self._commanded_at[command.place] = self._clock.monotonic()
 
     def resume(self, watch: CommandWatch) -> None:
@@ -91,7 +94,7 @@ class Disbelief:
 
     def end(self, place: Place) -> None:
         """Forget that a part is not believed."""
-        if self._known.pop(place, None) is not None:
+        if self.parts.pop(place, None) is not None:
             self._commanded_at.pop(place, None)
             self._keep(disproof_name(place), "", "")
 
@@ -104,7 +107,7 @@ class Disbelief:
             outcome: The outcome by the report, which is returned where the witness is taken to be dead.
         """
         command, sensor = watch.command, finding.sensor
-        disproof = self._known.get(command.place)
+        disproof = self.parts.get(command.place)
         now = self._clock.now()
         if disproof is None or disproof.sensor != sensor.place:
             disproof = Disproof(watch.before, sensor.place, sensor.device.name, now, int(finding.is_by_silence))
@@ -149,20 +152,20 @@ class Disbelief:
             WireError: It cannot be read, or is of another version.
         """
         place, disproof = read_disproof(name, record)
-        self._known.setdefault(place, disproof)
+        self.parts.setdefault(place, disproof)
 
     def _covering(self, command: IssuedCommand) -> Disproof | None:
-        disproof = self._known.get(command.place) if self._known else None
+        disproof = self.parts.get(command.place)
         return disproof if disproof is not None and disproof.covers(wanted_strength(command)) else None
 
     def _put(self, command: IssuedCommand, disproof: Disproof) -> None:
         place = command.place
-        self._known[place] = disproof
-        self._known.move_to_end(place)
+        self.parts[place] = disproof
+        self.parts.move_to_end(place)
         self._commanded_at[place] = self._clock.monotonic()
         self._keep(disproof_name(place), disproof_record(place, disproof), command.id)
-        if len(self._known) > _MOST:
-            self.end(next(iter(self._known)))
+        if len(self.parts) > _MOST:
+            self.end(next(iter(self.parts)))
 
     async def _counts(self, disproof: Disproof) -> bool:
         """Count one more command that is not believed; return False where the witness is taken to be dead by now."""
@@ -185,12 +188,12 @@ class Disbelief:
         return sensor is None or sensor in self._home.sensors.candidates(command)
 
     def _end_all(self, sensor: tuple[str, str, str]) -> None:
-        for place in [place for place, disproof in self._known.items() if disproof.sensor == sensor]:
+        for place in [place for place, disproof in self.parts.items() if disproof.sensor == sensor]:
             self.end(place)
 
     def _take_change(self, place: Place, capability: str, value: PlainValue) -> None:
         """Take in a change; one that no command explains, to what was not believed, is a person's doing."""
-        disproof = self._known.get(place)
+        disproof = self.parts.get(place)
         if disproof is None or not seen_by((capability,)):
             return
         is_first = capability not in disproof.reported

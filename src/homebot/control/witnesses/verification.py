@@ -37,6 +37,9 @@ class WitnessVerification:
         node: The node that follows them.
         settings: The sensors that the owner names, and for how long at most they are waited for.
         persistence: Keeps what is learnt over a restart.
+
+    Attributes:
+        doubted: The parts that are not believed; mostly none, and then nobody asks further.
     """
 
     def __init__(self, node: Node, settings: ControlSettings, persistence: LearntPersistence) -> None:
@@ -49,6 +52,7 @@ class WitnessVerification:
         persistence.add("witness", self._learning)
         self._disbelief = Disbelief(node, self._home, self._learning, persistence.keeper("disproof"))
         persistence.add("disproof", self._disbelief)
+        self.doubted = self._disbelief.parts
         self._counts = {"commands_witnessed": 0, "commands_disproved": 0}
 
     @property
@@ -75,7 +79,8 @@ class WitnessVerification:
             wake: Called when one of its sensors tells something.
         """
         home, place, disbelief = self._home, command.place, self._disbelief
-        disbelief.begin(command)
+        if self.doubted:
+            disbelief.begin(command)
         if not home.sensors.ids:
             return None
         is_at_rest = home.activity.begin(command.id, place)
@@ -90,14 +95,15 @@ class WitnessVerification:
 
     def end(self, command: IssuedCommand) -> None:
         """Note that *command* is over."""
-        self._disbelief.begin(command)
+        if self.doubted:
+            self._disbelief.begin(command)
         if command.id in self._home.activity.commands:
             self._home.activity.end(command.id, self._clock.monotonic())
             self._home.discard(command.id)
 
     def disproves(self, command: IssuedCommand) -> bool:
         """Return whether a witness saw that the last command for the same had no effect, whatever the part reports."""
-        return self._disbelief.covers(command)
+        return bool(self.doubted) and self._disbelief.covers(command)
 
     def note_text(self, command: IssuedCommand) -> None:
         """Note that *command* is sent as a text."""
