@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from pathlib import Path
 from typing import ParamSpec, Protocol, TypeVar
 
 import anyio
@@ -143,6 +144,7 @@ class OpenHome(Protocol):
         grants: Mapping[str, tuple[str, ...]] = NO_GRANTS,
         clock: Clock | None = None,
         store: JournalStore | None = None,
+        journal_file: Path | None = None,
         **settings: object,
     ) -> AbstractAsyncContextManager[Home]: ...
 
@@ -151,7 +153,7 @@ class OpenHome(Protocol):
 def open_home() -> OpenHome:
     """Give what opens a home without approvals.
 
-    It takes ``grants``, ``clock``, ``store`` and what `ControlSettings` takes.
+    It takes ``grants``, ``clock``, ``store``, ``journal_file`` and what `ControlSettings` takes.
     """
 
     @asynccontextmanager
@@ -159,6 +161,7 @@ def open_home() -> OpenHome:
         grants: Mapping[str, tuple[str, ...]] = NO_GRANTS,
         clock: Clock | None = None,
         store: JournalStore | None = None,
+        journal_file: Path | None = None,
         **settings: object,
     ) -> AsyncIterator[Home]:
         graph = Graph(clock)
@@ -171,7 +174,7 @@ def open_home() -> OpenHome:
         ):
             gateway = RecordingGateway(gateway_node)
             checked = ControlSettings.model_validate({"approvals": False, **settings})
-            control = Control(control_node, checked, grants, store=store)
+            control = Control(control_node, checked, grants, store=store, journal_file=journal_file)
             await tasks.start(gateway.serve)
             await tasks.start(Directory(directory_node, DirectorySettings()).serve)
             await tasks.start(control.serve)

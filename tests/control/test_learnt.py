@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import anyio
 import pytest
 from structlog.testing import capture_logs
 from tests.control.conftest import Home, OpenHome, obey, report
 from tests.control.kept_store import KeptStore
-from tests.control.witnesses.rooms import room, shining, toggle
+from tests.control.witnesses.rooms import WITNESSED, room, shining, toggle
 
 from homebot.clock import Clock, LoopClock
 from homebot.control.journal.learnt_row import LearntRow
@@ -44,6 +45,58 @@ async def test_a_witness_is_trusted_after_a_restart(open_home: OpenHome) -> None
     async with open_home(store=store) as home:
         lamp = await lamp_after_restart(home)
         assert await toggle(lamp, 1) == [("Lux", Evidence.WITNESSED)]
+
+
+async def test_the_first_command_after_a_restart_has_its_witness(open_home: OpenHome, tmp_path: Path) -> None:
+    """Where a journal is kept, the sensors are followed from the start."""
+    path = tmp_path / "journal.sqlite"
+    async with open_home(journal_file=path) as home:
+        await toggle(await room(home), 12)
+    async with open_home(journal_file=path) as home:
+        home.put("lamp", "light", "on_off", area="Hall")
+        home.put("lux", "light_sensor", readable=("illuminance",), area="Hall")
+        home.behaviours["lamp"] = shining("lux", 150.0)
+        await home.report("lamp", "on_off", False)
+        await home.report("lux", "illuminance", 0.0)
+        await anyio.sleep(10)
+        assert await toggle(await home.handle(Light, "lamp"), 1) == [WITNESSED]
+
+
+class LockedStore(KeptStore):
+    """A store whose file another program keeps for five seconds."""
+
+    async def learnt(self) -> tuple[LearntRow, ...]:
+        await anyio.sleep(5)
+        return await super().learnt()
+
+
+async def test_a_file_that_another_program_keeps_holds_up_no_command(open_home: OpenHome) -> None:
+    store = LockedStore()
+    store.rows = {("echo", "habit"): LearntRow("echo", "habit", "nonsense", 0.0, "")}
+    with capture_logs() as lines:
+        async with open_home(store=store) as home:
+            home.put("lamp", "light", "on_off")
+            lamp = await home.handle(Light)
+            began = home.graph.clock.monotonic()
+            assert isinstance(await lamp.turn_on(), Confirmed)
+            assert home.graph.clock.monotonic() - began < 1.5
+            assert [one["log_level"] for one in lines if one["event"] == "control.learnt_late"] == ["warning"]
+            began = home.graph.clock.monotonic()
+            assert isinstance(await lamp.turn_off(), Confirmed)
+            assert home.graph.clock.monotonic() - began < 0.5
+            await anyio.sleep(5)
+    assert not store.rows  # it was read when it could be
+    assert len([one for one in lines if one["event"] == "control.learnt_late"]) == 1
+
+
+@pytest.mark.parametrize("kind", ["echo", "witness"])
+async def test_the_presence_guard_drops_nothing_that_others_learnt(open_home: OpenHome, kind: str) -> None:
+    """It reads what it has learnt itself at the start, before the first command."""
+    store = KeptStore()
+    store.rows = {(kind, "x"): LearntRow(kind, "x", "{}", 0.0, "")}
+    async with open_home(store=store, presence_guard=True):
+        await anyio.sleep(1)
+    assert list(store.rows) == [(kind, "x")]
 
 
 async def test_a_lie_is_contradicted_after_a_restart(open_home: OpenHome) -> None:

@@ -1,6 +1,7 @@
 """The node of the control layer: takes the commands of applications and of other programs.
 
-What carries them out is loaded with the first one: most homes start without.
+What carries them out is loaded with the first one, in a home that keeps no journal yet: most tests and first starts do
+without.
 """
 
 from __future__ import annotations
@@ -127,6 +128,8 @@ class Control:
             tasks.start_soon(self._run_journal)
             tasks.start_soon(self._house_watch.run)
             task_status.started()
+            if self._journal_file is not None and await anyio.Path(self._journal_file).exists():
+                self._execution()  # what was learnt names sensors, which have to be followed before the first command
             await self._begun.wait()
             tasks.start_soon(self._execution().run)
             await self._leasing().run()

@@ -107,8 +107,9 @@ class CommandExecutor:
             journal.add_counter(name, read)
 
     async def run(self) -> None:
-        """Watch the devices of confirmed commands, and what sensors see, until cancelled."""
+        """Read what was learnt, and watch the devices of confirmed commands and what sensors see, until cancelled."""
         async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self._learnt.load)
             tasks.start_soon(self._witnesses.run)
             await self._settling.run()
 
@@ -185,7 +186,7 @@ class CommandExecutor:
         refused = self.refusal(command)
         if refused is not None:
             return result_of(refused)
-        if not self._learnt.is_loaded:
+        if self._learnt.is_awaited:
             await self._learnt.load()
         echoes = self._expected_echoes(command)
         known, recent = ({}, False) if self._witnesses.disproves(command) else self._known(command, echoes)

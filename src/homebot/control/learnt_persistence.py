@@ -20,8 +20,12 @@ KINDS: Final = frozenset({"detection", "echo", "witness"})
 
 LOADED: Final = "control.learnt_loaded"
 DROPPED: Final = "control.learnt_dropped"
+LATE: Final = "control.learnt_late"
 
 _LONGEST: Final = 100
+
+_PATIENCE: Final = 1.0
+"""Seconds for which a command waits for what was learnt: another program may keep the file for longer."""
 
 
 class Learner(Protocol):
@@ -49,15 +53,15 @@ class LearntPersistence:
         store: Where it is kept.
 
     Attributes:
-        is_loaded: Whether it was read.
+        is_awaited: Whether a command has to wait until it was read, which takes a second at most.
     """
 
     def __init__(self, node: Node, store: JournalStore) -> None:
         self._node = node
         self._store = store
         self._learners: dict[str, Learner] = {}
-        self._turn = anyio.Lock()
-        self.is_loaded = False
+        self._loaded: anyio.Event | None = None
+        self.is_awaited = True
 
     def keeper(self, kind: str) -> KeepLearnt:
         """Return what keeps the records of *kind*."""
@@ -68,13 +72,25 @@ class LearntPersistence:
         self._learners[kind] = learner
 
     async def load(self) -> None:
-        """Let all take over what an earlier run learnt; once."""
-        async with self._turn:
-            if self.is_loaded:
-                return
-            rows = [one for one in await self._store.learnt() if one.kind in self._learners or one.kind not in KINDS]
-            problems = [problem for row in rows if (problem := self._restore(row))]
-            self.is_loaded = True
+        """Let all take over what an earlier run learnt; once.
+
+        Where that cannot be read within a second, they do so later, which the log says.
+        """
+        if self._loaded is None:
+            self._loaded = anyio.Event()
+            self._node.create_task(partial(self._load, self._loaded))
+        with anyio.move_on_after(_PATIENCE):
+            await self._loaded.wait()
+        if not self._loaded.is_set() and self.is_awaited:
+            text = "what earlier commands taught cannot be read yet; commands are sent without it"
+            self._node.log.warning(LATE, message=text)
+        self.is_awaited = False
+
+    async def _load(self, loaded: anyio.Event) -> None:
+        rows = [one for one in await self._store.learnt() if one.kind in self._learners or one.kind not in KINDS]
+        problems = [problem for row in rows if (problem := self._restore(row))]
+        self.is_awaited = False
+        loaded.set()
         if rows:
             kept = len(rows) - len(problems)
             text = f"records of what earlier commands taught that are used: {kept}"
