@@ -89,7 +89,7 @@ async def test_a_file_that_another_program_keeps_holds_up_no_command(open_home: 
     assert len([one for one in lines if one["event"] == "control.learnt_late"]) == 1
 
 
-@pytest.mark.parametrize("kind", ["echo", "witness"])
+@pytest.mark.parametrize("kind", ["disproof", "echo", "witness"])
 async def test_the_presence_guard_drops_nothing_that_others_learnt(open_home: OpenHome, kind: str) -> None:
     """It reads what it has learnt itself at the start, before the first command."""
     store = KeptStore()

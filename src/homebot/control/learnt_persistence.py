@@ -15,7 +15,7 @@ from homebot.graph import Node
 
 __all__ = ["Learner", "LearntPersistence"]
 
-KINDS: Final = frozenset({"detection", "echo", "witness"})
+KINDS: Final = frozenset({"detection", "disproof", "echo", "witness"})
 """What this version learns; other rows are dropped."""
 
 LOADED: Final = "control.learnt_loaded"
