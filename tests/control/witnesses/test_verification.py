@@ -8,8 +8,9 @@ from tests.control.conftest import Home, OpenHome, ignore, obey, obey_after
 from tests.control.witnesses.rooms import REPORTED, WITNESSED, dark_room, room, shining, telling_changes, toggle
 
 from homebot.devices.gateway_messages import Command
-from homebot.devices.handles import Light, WindowCovering
+from homebot.devices.handles import Handle, Light, WindowCovering
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, Outcome, Superseded
+from homebot.devices.value import PlainValue
 
 pytestmark = pytest.mark.virtual_time
 
@@ -293,3 +294,43 @@ async def test_a_deaf_lamp_is_as_before(open_home: OpenHome) -> None:
         await toggle(lamp, 12)
         home.behaviours["lamp"] = ignore
         assert not (await lamp.turn_on()).succeeded
+
+
+@pytest.mark.parametrize(
+    ("kind", "capability", "words", "sensor"),
+    [
+        ("water_valve", "valve", ("open", "closed"), "flow"),
+        ("door_lock", "lock", ("unlocked", "locked"), "unlocked"),
+    ],
+)
+async def test_a_valve_has_a_flow_meter_and_a_lock_a_bolt_sensor_for_a_witness(
+    open_home: OpenHome,
+    kind: str,
+    capability: str,
+    words: tuple[str, str],
+    sensor: str,
+) -> None:
+    opened, closed = words
+    readings: dict[str, tuple[PlainValue, PlainValue]] = {"flow": (9.0, 0.0), "unlocked": (True, False)}
+
+    async def act(home: Home, command: Command) -> None:
+        await obey(home, command)
+        home.later(0.3, "sensor", sensor, readings[sensor][command.value.plain() == closed])
+
+    async with open_home(always_ask=False) as home:
+        home.put("thing", kind, capability, area="Hall")
+        home.put("sensor", "contact_sensor", readable=(sensor,), area="Hall")
+        home.behaviours["thing"] = act
+        await home.report("thing", capability, closed)
+        await home.report("sensor", sensor, readings[sensor][1])
+        thing = await home.handle(Handle, "thing")
+        found = []
+        for number in range(21):
+            settings = {capability: closed if number % 2 else opened}
+            outcome = await thing.commands(settings)
+            assert isinstance(outcome, Confirmed), outcome
+            found.append(outcome.witness)
+            await anyio.sleep(60)
+        assert found[-2:] == ["Sensor"] * 2
+        home.behaviours["thing"] = obey
+        assert isinstance(await thing.commands({capability: closed}), Contradicted)
