@@ -20,7 +20,7 @@ from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.extras import check_extra
 from homebot.gateways import Gateway
-from homebot.places import NO_PLACES, Places
+from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import load_plugin
 
 if TYPE_CHECKING:
@@ -228,7 +228,16 @@ def _control(config: Config) -> ControlSettings | None:
         return None
     from homebot.control import ControlSettings  # noqa: PLC0415 - for those who have the table
 
-    return parse_settings(ControlSettings, config.control, config.source, "control", config.folder)
+    settings = parse_settings(ControlSettings, config.control, config.source, "control", config.folder)
+    if settings.presence_guard is not None and settings.presence_guard.doors:
+        from homebot.runtime.door_contacts import check_door_contacts  # noqa: PLC0415 - likewise
+
+        try:
+            places = _places(config)
+        except ConfigError:
+            return settings  # it is told by itself
+        check_door_contacts(settings.presence_guard.doors, HousePlan(config.home.name, places.rooms), config.source)
+    return settings
 
 
 def _discovery(config: Config) -> DirectorySettings:

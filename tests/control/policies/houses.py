@@ -31,6 +31,7 @@ def make_device(
     since: float = START,
     values: Mapping[str, PlainValue] = NONE,
     facts: tuple[Fact, ...] = (),
+    name: str = "",
 ) -> Device:
     """Return a device of one part with these values."""
     names = dict.fromkeys((*settable, *values))
@@ -39,7 +40,7 @@ def make_device(
     stamp = Time.from_seconds(since)
     return Device(
         id=key,
-        name=key,
+        name=name or key,
         service_type=service_type,
         endpoints=(Endpoint(gateway="memory", key=key, address=key, command_address=""),),
         metadata=(),

@@ -50,6 +50,7 @@ class House:
         self.detections = Detections() if detections is None else detections
         self._devices: dict[str, TrackedDevice] = {}
         self._rooms: dict[str, dict[str, TrackedDevice]] = {}
+        self._detected_since: dict[str, float] = {}
 
     def put(self, device: Device, sequence: int = 0) -> None:
         """Add *device*, or what is new of it; *sequence* is that of the change that tells it."""
@@ -68,6 +69,7 @@ class House:
             self._leave_room(tracked)
             for part in tracked.device.parts:
                 self.detections.forget(_sensor(device_id, part.id))
+                self._detected_since.pop(_sensor(device_id, part.id), None)
 
     def take(self, change: StateChange) -> None:
         """Take in new values; those of other devices are passed over."""
@@ -84,6 +86,21 @@ class House:
             if any(one.name == capability and one.readable for one in part.part.capabilities)
         ]
 
+    def reading_of(self, name: str, capability: str) -> SensorReading | None:
+        """Return the value of the only sensor of *capability* whose device has the id or the name *name*."""
+        found = [
+            _reading(tracked, part.id, capability)
+            for tracked in self._devices.values()
+            if tracked.device.id == name or fold(name) in map(fold, (tracked.device.name, *tracked.device.names))
+            for part in tracked.device.parts
+            if any(one.name == capability and one.readable for one in part.part.capabilities)
+        ]
+        return found[0] if len(found) == 1 else None
+
+    def detected_since(self, sensor: str) -> float | None:
+        """Return when *sensor* last began to detect somebody, in seconds since the Unix epoch; None if not yet."""
+        return self._detected_since.get(sensor)
+
     def devices(self, room: str | None = None) -> Iterable[TrackedDevice]:
         """Return the devices in *room*, or all."""
         return (self._devices if room is None else self._rooms.get(fold(room), {})).values()
@@ -91,7 +108,9 @@ class House:
     def _note_detections(self, device: Device, states: Iterable[State]) -> None:
         for state in states:
             if state.capability == OCCUPANCY and state.value.plain() is True:
-                self.detections.note(_sensor(device.id, state.part), state.told_at.to_seconds())
+                sensor = _sensor(device.id, state.part)
+                self.detections.note(sensor, state.told_at.to_seconds())
+                self._detected_since[sensor] = state.since.to_seconds()
 
     def _leave_room(self, tracked: TrackedDevice) -> None:
         room = fold(tracked.device.area)

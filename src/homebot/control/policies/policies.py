@@ -9,6 +9,7 @@ from typing import Final, TypeAlias, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.approval import concerns_approval, judge_approval
+from homebot.control.policies.closed_room import CONTACT
 from homebot.control.policies.command_pattern import Patterns
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.grants import NAME as GRANTS
@@ -135,5 +136,7 @@ def _any_command(_: IssuedCommand) -> bool:
 def _needs(settings: PolicySettings) -> Iterator[Query]:
     if settings.presence_guard is not None:
         yield CanDo(OCCUPANCY)
+        if settings.presence_guard.doors:
+            yield CanDo(CONTACT)
     for interlock in settings.interlocks:
         yield InterlockRule.of(interlock).possible

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final, Literal, TypeAlias
 
 from homebot.control.command import IssuedCommand
+from homebot.control.policies.closed_room import stayed_in
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.house import OCCUPANCY
 from homebot.control.policies.settings import PresenceGuardSettings
@@ -29,6 +30,10 @@ def judge_presence(settings: PresenceGuardSettings, command: IssuedCommand, fact
             NAME, allowed=False, reason="the room of the device is unknown, and so is whether somebody is there"
         )
     presence, used = presence_in(room, facts, settings.absent_after)
+    if presence == "absent" and (stayed := _stayed(settings, room, facts)) is not None:
+        detected = f"{stayed.name} was on {facts.age(stayed.since):.0f} s ago"
+        reason = f"somebody is in {room}: {detected}, and no door has been opened since"
+        return Verdict(NAME, allowed=False, reason=reason, facts=(stayed,))
     if presence != "present" and (hand := _hand(command, facts, settings.absent_after)) is not None:
         changed = f"{command.label} changed {facts.age(hand.since):.0f} s ago, and no command explains it"
         reason = f"somebody may be in {room}: {changed}"
@@ -53,6 +58,11 @@ def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence,
     if doubtful or not found:
         return "unknown", tuple(doubtful)
     return "absent", tuple(found)
+
+
+def _stayed(settings: PresenceGuardSettings, room: str, facts: Facts) -> FactUsed | None:
+    contacts = settings.contacts_of(room)
+    return stayed_in(room, contacts, facts, settings.absent_after) if contacts else None
 
 
 def _hand(command: IssuedCommand, facts: Facts, within: float) -> FactUsed | None:

@@ -10,6 +10,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from homebot.control.policies.command_pattern import CommandPattern, Patterns, pattern_of_type
 from homebot.devices.query import Query
 from homebot.errors import UsageError
+from homebot.folding import fold
 from homebot.units import Seconds
 
 __all__ = [
@@ -29,18 +30,36 @@ def _annoying() -> tuple[CommandPattern, ...]:
     )
 
 
+def _as_tuple(value: object) -> object:
+    """Return an array as a tuple: in a table that may be ``true`` too, pydantic takes no list for one."""
+    return tuple(value) if isinstance(value, list) else value
+
+
+_Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=100)]
+_Contacts: TypeAlias = Annotated[tuple[_Name, ...], BeforeValidator(_as_tuple), Field(min_length=1, max_length=50)]
+
+
 class PresenceGuardSettings(BaseModel):
     """The table ``[control.presence_guard]``.
 
     Attributes:
         commands: The commands that are not given by an app where somebody is, or where that is unknown.
         absent_after: Seconds without motion after which nobody is there: somebody who reads does not move.
+        doors: The ids or names of the contacts on all doors of a room, by its name: who moved in it after they were
+            closed is there until one opens.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     commands: Patterns = Field(default_factory=_annoying)
     absent_after: Seconds = 300.0
+    doors: Annotated[dict[_Name, _Contacts], Field(max_length=1000)] = Field(default_factory=dict)
+
+    def contacts_of(self, room: str) -> tuple[str, ...]:
+        """Return the contacts on all doors of *room*; none where they are not known."""
+        if not self.doors:
+            return ()
+        return next((contacts for name, contacts in self.doors.items() if fold(name) == fold(room)), ())
 
 
 class QuietHours(BaseModel):
