@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Sized
+from collections.abc import Awaitable, Callable
 from typing import Final, TypeAlias
 
 import anyio
 import anyio.lowlevel
 
-from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
+from homebot.devices.gateway_messages import Command, RawCommand, SendCommand, SendCommandResponse
 from homebot.devices.text.commands import decode_command
 from homebot.devices.value import Value
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError
 from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.base import Gateway
+from homebot.graph import Subscription
 
 __all__ = ["CommandServer", "FindPart", "Perform"]
 
@@ -31,9 +32,6 @@ FindPart: TypeAlias = Callable[[str, str], AnnouncedPart]
 """Returns the part of a device, by the device's key and its own id; raises :class:`UnableError` for none."""
 
 
-_TURNS: Final = 100
-"""Turns of the event loop for which a command waits for raw ones: where these pile up, it waits for no broker."""
-
 _ACCEPTED: Final = SendCommandResponse.of_checked(success=True, message="", problem="", unable=False)
 
 
@@ -47,7 +45,8 @@ class CommandServer:
         counters: Its counters.
 
     Attributes:
-        queued: Raw commands that nobody has begun to send; a command that comes after them does not overtake them.
+        raw: The raw commands, of which nobody has begun to send those that are queued: a command that comes after them
+            does not overtake them.
     """
 
     def __init__(self, gateway: Gateway, perform: Perform, find_part: FindPart, counters: GatewayCounters) -> None:
@@ -55,7 +54,7 @@ class CommandServer:
         self._perform = perform
         self._find_part = find_part
         self._counters = counters
-        self.queued: Sized = ()
+        self.raw: Subscription[RawCommand] | None = None
         gateway.node.create_service(SendCommand, gateway.names.send_command, self.serve, concurrent=True)
 
     async def serve(self, command: Command) -> SendCommandResponse:
@@ -64,12 +63,11 @@ class CommandServer:
             self._counters.commands_refused += 1
             return SendCommandResponse(success=False, message=self._gateway.observes_because, problem="refused")
         try:
-            if self.queued:
-                await self._await_queued()
+            perform = self._perform if self.raw is None or not self.raw.mailbox.queue else self._perform_after_raw
             if command.expires_after:
-                await self._perform_in_time(command)
+                await self._perform_in_time(command, perform)
             else:
-                await self._perform(command)
+                await perform(command)
         except LinkError as exc:
             self._counters.commands_failed += 1
             return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
@@ -80,10 +78,10 @@ class CommandServer:
         self._counters.commands += 1
         return _ACCEPTED
 
-    async def _perform_in_time(self, command: Command) -> None:
+    async def _perform_in_time(self, command: Command, perform: Perform) -> None:
         """Carry *command* out unless it expires before, as while a radio connects: nothing happens late."""
         with anyio.move_on_after(command.expires_after):
-            await self._perform(command)
+            await perform(command)
             return
         raise LinkError(f"{command.key[:100]} was not reached within {command.expires_after:.2g} s")
 
@@ -99,9 +97,12 @@ class CommandServer:
         capability, value = decode_command(text, self._find_part(key, part_id).described.part)
         await self._perform(Command(key=key, part=part_id, capability=capability, value=Value.of(value), id=command_id))
 
-    async def _await_queued(self) -> None:
-        for _ in range(_TURNS):
-            await anyio.lowlevel.checkpoint()
-            if not self.queued:
-                await anyio.lowlevel.checkpoint()  # the task that took the last one begins
-                return
+    async def _perform_after_raw(self, command: Command) -> None:
+        """Carry *command* out once somebody has begun to send each raw one that is queued now."""
+        if self.raw is not None:
+            mailbox = self.raw.mailbox
+            for _ in range(len(mailbox.queue)):  # at each change one of them is taken out, or several
+                if mailbox.queue:
+                    await mailbox.wait_for_change()
+            await anyio.lowlevel.checkpoint()  # the task that took the last one begins
+        await self._perform(command)

@@ -86,7 +86,7 @@ class TextService:
         self._clock = gateway.node.graph.clock
         node, names = gateway.node, gateway.names
         out = node.create_subscription(RawCommand, names.out, self._send, _OUT_DEPTH, concurrent=True)
-        commands.queued = out.mailbox.queue
+        commands.raw = out
         node.create_service(SubscribeToTopic, names.subscribe, self.subscribe)
 
     def subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:

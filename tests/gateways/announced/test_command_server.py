@@ -1,0 +1,122 @@
+"""Commands and raw commands of one gateway keep their order; in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import anyio
+import pytest
+
+from homebot.devices import RawCommand
+from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
+from homebot.devices.names import text_address
+from homebot.devices.value import Value
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
+from homebot.graph import Graph, Node, Publisher
+
+pytestmark = pytest.mark.virtual_time
+
+AT_WORK = 1000
+"""Raw commands that a gateway sends at once; as many more wait."""
+
+
+class SlowGateway(MemoryGateway):
+    """A gateway whose network takes ten seconds for each command."""
+
+    def begin(self) -> None:
+        self.begun: list[str] = []
+
+    async def _perform(self, command: Command) -> None:
+        self.begun.append(command.id)
+        await anyio.sleep(10)
+
+
+class House:
+    def __init__(self, gateway: SlowGateway, out: Publisher[RawCommand], app: Node) -> None:
+        self.gateway = gateway
+        self._out = out
+        self._send = app.create_client(SendCommand, gateway.names.send_command)
+
+    def say(self, count: int) -> list[str]:
+        """Publish so many texts; return their ids."""
+        ids = [f"text {number}" for number in range(count)]
+        for one in ids:
+            self._out.publish(RawCommand(address=text_address("lamp", ""), payload="on", command_id=one))
+        return ids
+
+    async def command(self, expires_after: float = 0.0) -> SendCommandResponse:
+        command = Command(
+            key="lamp",
+            part="",
+            capability="on_off",
+            value=Value.of(False),
+            id="command",
+            expires_after=expires_after,
+        )
+        return await self._send.call(command, timeout=100)
+
+
+@asynccontextmanager
+async def house() -> AsyncIterator[House]:
+    graph = Graph()
+    async with (
+        Node(graph, "memory", namespace="/gateway") as node,
+        Node(graph, "app") as app,
+        anyio.create_task_group() as tasks,
+    ):
+        gateway = SlowGateway(node, MemoryGatewaySettings(act=True))
+        gateway.begin()
+        await tasks.start(gateway.serve)
+        gateway.devices.put(GatewayDevice("lamp", "Lamp", (simple_part("light", settable=("on_off",)),)), "a test")
+        yield House(gateway, app.create_publisher(RawCommand, gateway.names.out, 10_000), app)
+        tasks.cancel_scope.cancel()
+
+
+@pytest.mark.parametrize("count", [0, 1, 300])
+async def test_a_command_is_sent_after_the_texts_before_it(count: int) -> None:
+    async with house() as home:
+        ids = home.say(count)
+        assert (await home.command()).success
+        assert home.gateway.begun == [*ids, "command"]
+
+
+async def test_it_waits_for_no_text_to_end() -> None:
+    async with house() as home:
+        home.say(5)
+        with anyio.fail_after(11):
+            await home.command(expires_after=10.5)
+
+
+async def test_where_texts_pile_up_a_command_keeps_its_turn() -> None:
+    """A text is begun there only when another one has ended."""
+    async with house() as home:
+        ids = home.say(AT_WORK)
+        await anyio.sleep(1)
+        ids += home.say(5)
+        with anyio.fail_after(21):
+            assert (await home.command()).success
+        assert home.gateway.begun == [*ids, "command"]
+
+
+async def test_a_command_that_expires_meanwhile_is_not_sent() -> None:
+    async with house() as home:
+        home.say(AT_WORK)
+        await anyio.sleep(1)
+        home.say(5)
+        answer = await home.command(expires_after=2.0)
+        assert (answer.success, answer.problem) == (False, "unreachable")
+        await anyio.sleep(30)
+        assert "command" not in home.gateway.begun
+
+
+async def test_texts_that_were_dropped_hold_up_no_command() -> None:
+    async with house() as home:
+        home.say(AT_WORK)
+        await anyio.sleep(1)
+        home.say(AT_WORK + 5)
+        with anyio.fail_after(21):
+            assert (await home.command()).success
+        assert home.gateway.begun[-1] == "command"
+        assert len(home.gateway.begun) == 2 * AT_WORK + 1
