@@ -64,8 +64,9 @@ def make_command(
     issuer: str = "/app",
     scope: tuple[str, ...] = (),
     name: str = "1",
+    at: float = START,
 ) -> IssuedCommand:
-    """Return a command to the only part of *device*, with the id *name*."""
+    """Return a command to the only part of *device*, with the id *name*, that was given *at*."""
     return IssuedCommand(
         id=name,
         device=device,
@@ -73,6 +74,7 @@ def make_command(
         settings=settings,
         issuer=issuer,
         rights=read_scope(scope) if scope else LOCAL_RIGHTS,
+        issued_at=at,
     )
 
 

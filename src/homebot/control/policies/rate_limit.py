@@ -18,7 +18,7 @@ _NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
 
 def judge_rate(settings: RateLimitSettings, command: IssuedCommand, facts: Facts) -> Verdict:
     """Refuse a command that turns a value round once more than *settings* allow."""
-    turns = facts.recent.turns(command, facts.monotonic - settings.seconds)
+    turns = facts.recent.turns(command, facts.monotonic, settings.seconds)
     if turns < settings.changes:
         return _NOT_CONCERNED
     used = FactUsed(f"changes of {command.target} in {settings.seconds:g} s", float(turns))

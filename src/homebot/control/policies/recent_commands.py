@@ -83,15 +83,16 @@ class RecentCommands:
                     self._sent.popitem(last=False)
                 continue
             self._sent.move_to_end(place)
+            is_undone = _is_undone(sent, command, capability, now)
             if sent.command != command.id:
                 sent.before, sent.command = (sent.value, sent.at), command.id
             sent.at = now
-            if value == sent.value:
+            if value == sent.value and not is_undone:
                 if sent.is_turn and sent.turned_by == command.id:
                     sent.turns[-1] = now
                 continue
             direction = _direction(sent, value)
-            sent.is_turn = not direction or direction * sent.direction < 0
+            sent.is_turn = is_undone or not direction or direction * sent.direction < 0
             if sent.is_turn:
                 sent.turns.append(now)
             sent.direction = direction or sent.direction
@@ -117,13 +118,15 @@ class RecentCommands:
             return None
         return sent.before if sent.command == command.id else (sent.value, sent.at)
 
-    def turns(self, command: IssuedCommand, since: float) -> int:
-        """Return how often the values that *command* would turn were turned after *since*; 0 if it turns none."""
+    def turns(self, command: IssuedCommand, now: float, seconds: float) -> int:
+        """Return how often the values that *command* would turn were turned within *seconds*; 0 if it turns none."""
         most = 0
         for capability, value in _values(command):
             sent = self._sent.get((command.device.id, command.part.id, capability))
-            if sent is not None and sent.turns and _turns(sent, value):
-                most = max(most, _count_after(since, sent.turns))
+            if sent is None or not sent.turns:
+                continue
+            if _turns(sent, value) or _is_undone(sent, command, capability, now):
+                most = max(most, _count_after(now - seconds, sent.turns))
         return most
 
 
@@ -144,6 +147,17 @@ def _count_after(since: float, times: deque[float]) -> int:
             break
         count += 1
     return count
+
+
+def _is_undone(sent: _Sent, command: IssuedCommand, capability: str, now: float) -> bool:
+    """Return whether the part reported after another command turned it on that it is off, or the other way round."""
+    if capability != _POWER or sent.command == command.id:
+        return False
+    states = [one for one in command.device.states if one.part == command.part.id and one.capability in POWERS]
+    state = next((one for one in states if one.capability == "on_off"), states[0] if states else None)
+    if state is None or command.issued_at - state.told_at.to_seconds() >= now - sent.at:
+        return False
+    return is_on(state.value.plain()) is not sent.value
 
 
 def _turns(sent: _Sent, value: PlainValue) -> bool:
