@@ -45,16 +45,18 @@ def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence,
     """Return whether somebody is in *room*, and the readings that tell.
 
     Present if any sensor detects motion, or did within *absent_after* seconds; unknown if there is no sensor, or any
-    of them is silent, or has never detected anybody; absent otherwise.
+    of them is silent, has never detected anybody, or was first heard within these seconds; absent otherwise.
     """
     found: list[FactUsed] = []
     doubtful: list[FactUsed] = []
-    for one in facts.house.readings(room, OCCUPANCY):
+    house = facts.house
+    for one in house.readings(room, OCCUPANCY):
         used = FactUsed(f"{OCCUPANCY} of {one.sensor}", one.value, one.since)
-        is_quiet = one.value is False and one.sensor in facts.house.detections
-        if one.value is True or (is_quiet and facts.age(one.since) < absent_after):
+        is_proven = one.value is False and one.sensor in house.detections
+        is_recent = is_proven and facts.age(one.since) < absent_after
+        if one.value is True or (is_recent and house.detected_since(one.sensor) is not None):
             return "present", (used,)
-        (found if is_quiet else doubtful).append(used)
+        (found if is_proven and not is_recent else doubtful).append(used)
     if doubtful or not found:
         return "unknown", tuple(doubtful)
     return "absent", tuple(found)
@@ -105,7 +107,9 @@ def _doubt(used: tuple[FactUsed, ...], facts: Facts) -> str:
     if silent := [one.name for one in used if one.value is None]:
         reasons.append(f"no current {' or '.join(silent)}")
     for one in used:
-        if one.value is False:
-            sensor = one.name.removeprefix(f"{OCCUPANCY} of ")
+        sensor = one.name.removeprefix(f"{OCCUPANCY} of ")
+        if one.value is False and sensor in facts.house.detections:
+            reasons.append(f"{sensor} has been heard for only {facts.age(one.since):.0f} s")
+        elif one.value is False:
             reasons.append(f"{sensor} has never detected anybody; walk past it once")
     return "; ".join(reasons)
