@@ -9,7 +9,7 @@ kind            message                           meaning
 ==============  ================================  ==============================================================
 ``recording``   :class:`RecordingHeader`          the first line, and only that
 ``index``       :class:`IndexRow`                 a row of the directory's index at the start
-``device``      :class:`homebot.devices.Device`   a device as the directory knew it at the start
+``device``      :class:`homebot.devices.Device`   a device as the directory knew it at the start, or when it appeared
 ``gateway``     :class:`GatewayNews`              a gateway went online or offline
 ``sighting``    :class:`Sighting`                 a gateway sighted a device
 ``report``      :class:`Report`                   a device reported values, or an event such as a press

@@ -85,6 +85,7 @@ class Recorder:
         self._devices = Devices(node)
         self._commands = CommandNews()
         self._gateways: set[str] = set()
+        self._first_devices: frozenset[str] = frozenset()
         self._subscriptions: list[_Source] = []
         self._lost = 0
         self._started_at = self._clock.now()
@@ -143,6 +144,7 @@ class Recorder:
             places=facts.places,
             apps=facts.apps,
         )
+        self._first_devices = frozenset(one.id for one in devices)
         self._note(self._started_at, header)
         for message in (*rows, *devices, *(news for part in held for news in _held(part))):
             self._note(self._started_at, message)
@@ -168,6 +170,8 @@ class Recorder:
         async for change in self._devices.follow():
             if change.kind == "removed":
                 continue
+            if change.kind == "appeared" and change.device.id not in self._first_devices:
+                self._note(self._clock.now(), change.device)
             try:
                 await self._devices.listen(change.device, self._take_raw)
             except (RefusedError, ServiceError) as exc:

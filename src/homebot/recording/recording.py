@@ -88,7 +88,7 @@ class Recording:
     Attributes:
         header: The run.
         index: The rows of the directory's index at the start.
-        devices: The devices at the start, by id.
+        devices: The devices by id, each as it was at the start or when it first appeared, in this order.
         before: What gateways had told before the start: their states, then sightings, reports and raw messages.
         events: What they told then, and what the owner asked of the directory, in the order of time.
         commands: The commands that were given, in the order of time.
@@ -184,7 +184,7 @@ def _take(recording: Recording, line: RecordingLine, number: int) -> None:
     recording.ends_at = max(recording.ends_at, line.at)
     match line.message:
         case Device() as device:
-            recording.devices[device.id] = device
+            recording.devices.setdefault(device.id, device)
         case IndexRow() as row:
             recording.index.append(row)
         case LeaseNews() as news:

@@ -26,6 +26,7 @@ from homebot.graph import Node
 from homebot.recording.lines import RecordedCommand
 from homebot.recording.recorded_commands import CommandNews
 from homebot.recording.recording import Recording, TimedCommand
+from homebot.replay.ids_to_come import ids_to_come
 from homebot.replay.recorded_outcomes import RecordedOutcomes
 from homebot.replay.replay_apps import app_tables
 from homebot.replay.replay_feed import ReplayFeed
@@ -106,7 +107,7 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
         random=Random(0),  # noqa: S311 - a replay has no secrets
         trusts_apps=recording.header.trusts_apps,
         rehearsal=outcomes,
-        known=recording.index,
+        known=(*recording.index, *ids_to_come(recording)),
     )
     async with Node(runtime.graph, "replay", namespace="/homebot") as node:
         began, news = clock.now(), CommandNews()

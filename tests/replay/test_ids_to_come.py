@@ -1,0 +1,50 @@
+"""Devices that appear in a recording get the ids that they had, whatever a replay hears of them first."""
+
+from __future__ import annotations
+
+from homebot.devices import Device
+from homebot.devices.device import Endpoint
+from homebot.devices.services import IndexRow
+from homebot.discovery.record import read_tombstone
+from homebot.messages import Time
+from homebot.recording.lines import RecordingHeader
+from homebot.recording.recording import Recording
+from homebot.replay.ids_to_come import ids_to_come
+
+AT = Time(sec=1_767_225_600, nanosec=0)
+
+
+def device(name: str, *keys: str) -> Device:
+    endpoints = tuple(Endpoint(gateway="mqtt", key=key, address="", command_address="") for key in keys)
+    return Device(
+        id=name,
+        name=name,
+        service_type="light",
+        endpoints=endpoints,
+        metadata=(),
+        first_seen=AT,
+        last_seen=AT,
+        expires=AT,
+        freshness="fresh",
+    )
+
+
+def keys_by_id(*devices: Device, index: tuple[str, ...] = ()) -> dict[str, list[str]]:
+    recording = Recording(RecordingHeader(format=2, version="1", home="home", started_at=AT))
+    recording.devices = {one.id: one for one in devices}
+    recording.index = [IndexRow(table="devices", id=one, record="{}") for one in index]
+    rows = ids_to_come(recording)
+    assert {row.table for row in rows} <= {"tombstones"}
+    return {row.id: [key for _, key in read_tombstone(row.id, row.record).keys] for row in rows}
+
+
+def test_each_device_is_found_by_its_announcements() -> None:
+    assert keys_by_id(device("hall", "a", "b"), device("study", "c")) == {"hall": ["a", "b"], "study": ["c"]}
+
+
+def test_what_the_index_has_already_needs_nothing() -> None:
+    assert keys_by_id(device("hall", "a"), device("study", "c"), index=("hall",)) == {"study": ["c"]}
+
+
+def test_what_was_split_from_a_device_does_not_get_its_announcement_before() -> None:
+    assert keys_by_id(device("hall", "a", "b"), device("hall_2", "b")) == {"hall": ["a", "b"]}
