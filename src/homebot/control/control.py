@@ -201,8 +201,11 @@ class Control:
         return await self._approvals.unapproved(request)
 
     async def health(self, _: HealthRequest) -> HealthResponse:
-        """Return the health of the journal, with a note on the devices that wait for the owner's approval."""
-        return self._journal.health().with_checked(notes=await self._approvals.notes())
+        """Return the health of the journal, with notes on what waits for the owner: approvals, and new sensors."""
+        notes = await self._approvals.notes()
+        if self._settings.presence_guard is not None:
+            notes += self._judge.notes()
+        return self._journal.health().with_checked(notes=notes)
 
     async def read_journal(self, request: ReadJournalRequest) -> ReadJournalResponse:
         """Return entries of the journal."""

@@ -28,6 +28,7 @@ from homebot.graph import Node
 
 __all__ = ["Judge"]
 
+_MOST_NAMED: Final = 5
 _SET: Final = 5.0
 """Seconds by which the clock of the computer and the monotonic one come apart where it was set, or has slept."""
 
@@ -93,6 +94,15 @@ class Judge:
                 self._journal.judged(command, verdict)
         last = verdicts[-1]
         return None if last.allowed else Refused(last.policy, last.reason, command_id=command.id)
+
+    def notes(self) -> tuple[str, ...]:
+        """Return a note on the motion sensors that the presence guard does not trust yet, for people."""
+        names = self._house.unproven()
+        if not names:
+            return ()
+        named = ", ".join(names[:_MOST_NAMED]) + (", …" if len(names) > _MOST_NAMED else "")
+        count = "1 motion sensor has" if len(names) == 1 else f"{len(names)} motion sensors have"
+        return (f"{count} never detected anybody, so apps turn off nothing there; walk past: {named}",)
 
     def rights(self, issuer: str) -> ClientRights:
         """Return the rights of *issuer*, by the configuration; those of a client of the door were checked before."""

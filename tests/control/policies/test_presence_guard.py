@@ -14,6 +14,7 @@ from homebot.control.journal.learnt_row import LearntRow
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light, WindowCovering
+from homebot.devices.health import HealthRequest
 from homebot.devices.outcomes import Confirmed, NoAnswer, Refused
 from homebot.devices.value import Value
 from homebot.errors import ConfigError
@@ -183,6 +184,18 @@ async def test_a_sensor_that_never_detected_anybody_tells_nothing(open_home: Ope
         )
         await leave(home)
         assert (await lamp.turn_off()).succeeded
+
+
+async def test_the_health_of_the_home_names_the_sensors_that_never_detected_anybody(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        home.put("elsewhere", "occupancy_sensor", readable=("occupancy",))
+        await anyio.sleep(1)
+        assert (await home.control.health(HealthRequest())).notes == (
+            "1 motion sensor has never detected anybody, so apps turn off nothing there; walk past: Motion",
+        )
+        await detect(home)
+        assert (await home.control.health(HealthRequest())).notes == ()
 
 
 async def test_one_of_two_sensors_that_never_detected_anybody_makes_the_room_unknown(open_home: OpenHome) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from homebot.control.policies.detections import Detections
-from homebot.devices import Device, State, StateChange
+from homebot.devices import Device, DevicePart, State, StateChange
 from homebot.devices.handles.tracked_device import TrackedDevice
 from homebot.devices.value import PlainValue
 from homebot.folding import fold
@@ -101,6 +101,14 @@ class House:
         """Return when *sensor* last began to detect somebody, in seconds since the Unix epoch; None if not yet."""
         return self._detected_since.get(sensor)
 
+    def unproven(self) -> tuple[str, ...]:
+        """Return the names of the devices in a room with a motion sensor that has never detected anybody."""
+        return tuple(
+            tracked.device.name or tracked.device.id
+            for tracked in self._devices.values()
+            if tracked.device.area and any(self._is_unproven(tracked.device, one) for one in tracked.device.parts)
+        )
+
     def devices(self, room: str | None = None) -> Iterable[TrackedDevice]:
         """Return the devices in *room*, or all."""
         return (self._devices if room is None else self._rooms.get(fold(room), {})).values()
@@ -111,6 +119,10 @@ class House:
                 sensor = _sensor(device.id, state.part)
                 self.detections.note(sensor, state.told_at.to_seconds())
                 self._detected_since[sensor] = state.since.to_seconds()
+
+    def _is_unproven(self, device: Device, part: DevicePart) -> bool:
+        tells = any(one.name == OCCUPANCY and one.readable for one in part.part.capabilities)
+        return tells and _sensor(device.id, part.id) not in self.detections
 
     def _leave_room(self, tracked: TrackedDevice) -> None:
         room = fold(tracked.device.area)
