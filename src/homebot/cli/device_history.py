@@ -11,9 +11,9 @@ from homebot.cli.journal_client import JournalClient
 from homebot.cli.journal_records import JournalEntryRecord, TriggerRecord
 from homebot.cli.records import DeviceRecord, StateRecord, TimeRecord
 from homebot.cli.time_format import to_seconds
-from homebot.cli.values import plain_value
+from homebot.cli.values import PlainValue, plain_value
 
-__all__ = ["Chain", "DeviceHistory", "asks_for", "changed_at"]
+__all__ = ["Chain", "DeviceHistory", "asks_for", "changed_at", "is_live"]
 
 _STATES = {"close": "closed", "lock": "locked", "unlock": "unlocked"}
 """The states that commands with other words lead to."""
@@ -73,12 +73,19 @@ class DeviceHistory:
         self.begins: TimeRecord = {"sec": 0, "nanosec": 0}
 
     def last_change(self, device: DeviceRecord) -> Chain | None:
-        """Return the chain of the last change of *device*; None where the journal has none, or an older one."""
+        """Return the chain of the last change of *device*; None where the journal has none, or an older one.
+
+        What homebot heard later of the same value, as after a restart, is no change.
+        """
         found = self._client.read(device=device["id"])
         self.begins = found["begins"]
         entries = found["entries"]
         last = next((one for one in reversed(entries) if _is_change(one, entries)), None)
-        if last is None or to_seconds(last["at"]) + _LATE < changed_at(device):
+        if last is None:
+            return None
+        until = to_seconds(last["at"]) + _LATE
+        newer = [one for one in settable_states(device) if to_seconds(one["since"]) > until]
+        if newer and not _knows(entries, newer, last):
             return None
         return self._chain(last, _DEEPEST)
 
@@ -118,6 +125,12 @@ def changed_at(device: DeviceRecord) -> float:
     return max((to_seconds(one["since"]) for one in settable_states(device)), default=0.0)
 
 
+def is_live(device: DeviceRecord) -> bool:
+    """Return whether the device said itself what :func:`changed_at` is about, rather than the memory of a broker."""
+    newest = max(settable_states(device), key=lambda one: to_seconds(one["since"]), default=None)
+    return newest is not None and newest["live"]
+
+
 def settable_states(device: DeviceRecord) -> Iterable[StateRecord]:
     """Yield the states of *device* that a command could have changed."""
     settable = {
@@ -136,6 +149,19 @@ def asks_for(entry: JournalEntryRecord, state: str) -> bool:
         word = entry["text"].strip().casefold()
         return wanted in {word, _STATES.get(word)}
     return any(_means(one, wanted) for one in entry["settings"])
+
+
+def _knows(entries: Iterable[JournalEntryRecord], states: Iterable[StateRecord], last: JournalEntryRecord) -> bool:
+    """Return whether *entries*, with the change *last*, tell of the values of *states*, and of no others."""
+    known: dict[tuple[str, str], PlainValue] = {}
+    for entry in entries:
+        for one in entry["settings"] if entry["kind"] in _TRACES else ():
+            known[entry["part"], one["capability"]] = plain_value(one["value"])
+    told = {(one["part"], one["capability"]): plain_value(one["value"]) for one in states}
+    shared = known.keys() & told.keys()
+    if last["kind"] == "reverted":  # to what it was before, whatever that is
+        return all(known[one] != told[one] for one in shared)
+    return bool(shared) and all(known[one] == told[one] for one in shared)
 
 
 def _means(setting: SettingRecord, wanted: str) -> bool:

@@ -235,6 +235,7 @@ class StillHouse:
         restless: For how many questions the devices change places.
         is_near: Whether devices are found by words that are only like theirs.
         journal: The entries of the journal, oldest first.
+        is_restarted: Whether homebot knows the lamp's state from retained messages alone.
     """
 
     def __init__(self) -> None:
@@ -249,6 +250,7 @@ class StillHouse:
         self.restless = 0
         self.is_near = False
         self.journal: list[JournalEntry] = []
+        self.is_restarted = False
 
     def node(self, graph: Graph) -> Node:
         node = Node(graph, "still")
@@ -268,6 +270,9 @@ class StillHouse:
 
     def _devices(self) -> tuple[Device, ...]:
         lamp = kitchen_lamp()
+        if self.is_restarted:
+            retained = tuple(one.model_copy(update={"live": False}) for one in lamp.states)
+            lamp = lamp.model_copy(update={"states": retained})
         if self.is_well:
             return (lamp.model_copy(update={"conflicts": ()}),)
         silent = window().model_copy(update={"conflicts": ("it is a door", "it is a wall")})

@@ -229,6 +229,20 @@ def outcomes(name: str) -> list[JournalEntry]:
     return []
 
 
+def before_a_restart(name: str) -> list[JournalEntry]:
+    """What it has where homebot was started since."""
+    match name:
+        case "on":
+            return [*command("a-1", 4000, CONFIRMED, issuer="client:tablet", reports=(0.4,), on_off=True)]
+        case "reverted":
+            reverted = (result_of(Reverted(10.0)),)
+            back = entry(kind="reverted", at=ago(3990), device=LAMP, part="light", command="a-1", results=reverted)
+            return [*command("a-1", 4000, CONFIRMED, reports=(0.4,), on_off=False), back]
+        case "off":
+            return [*command("a-1", 4000, CONFIRMED, reports=(0.4,), on_off=False)]
+    return []
+
+
 @pytest.mark.parametrize(
     ("name", "case", "arguments"),
     [
@@ -277,3 +291,22 @@ def test_they_print_what_they_should(
     out, err = capsys.readouterr()
     assert err == ""
     check(name, out)
+
+
+@pytest.mark.parametrize(
+    ("name", "case", "arguments"),
+    [
+        ("why_restarted", "on", ["why", "Kitchen lamp"]),
+        ("why_restarted_json", "on", ["why", "Kitchen lamp", "--json"]),
+        ("why_restarted_reverted", "reverted", ["why", "Kitchen lamp"]),
+        ("why_restarted_otherwise", "off", ["why", "Kitchen lamp"]),
+        ("why_restarted_unknown", "", ["why", "Kitchen lamp"]),
+    ],
+)
+def test_after_a_restart_the_last_change_is_the_one_before_it(
+    still: StillHouse, still_homebot: Homebot, capsys: Text, name: str, case: str, arguments: list[str]
+) -> None:
+    """What a broker retained says how the device is, and not since when."""
+    still.journal, still.is_restarted = before_a_restart(case), True
+    assert main(["--door", still_homebot.door, *arguments]) == 0
+    check(name, capsys.readouterr().out)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import math
 
 from homebot.cli.arguments import set_client_command
-from homebot.cli.device_history import Chain, DeviceHistory, changed_at
+from homebot.cli.device_history import Chain, DeviceHistory, changed_at, is_live
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, with_client
@@ -69,6 +70,8 @@ def _tell(device: DeviceRecord, chain: Chain | None, client: JournalClient, now:
             print_rows([*chain_lines(chain, client.names, now)])
     elif (at := changed_at(device)) and at <= to_seconds(device["first_seen"]) + _FIRST:
         print(f"It has been so since homebot first heard of it, {ago_text(at, now)}.")
+    elif at and not is_live(device):
+        print(f"It was so already {ago_text(at, now)}; a retained value does not tell since when.")
     elif at:
         print(f"It changed {ago_text(at, now)}: {UNEXPLAINED}.")
     else:
@@ -77,6 +80,8 @@ def _tell(device: DeviceRecord, chain: Chain | None, client: JournalClient, now:
 
 def _json(device: DeviceRecord, chain: Chain | None, client: JournalClient) -> dict[str, object]:
     at = changed_at(device)
+    if chain is not None:
+        at = min(at or math.inf, to_seconds(chain.entries[-1]["at"]))
     return {
         "device": device["id"],
         "name": device["name"],
