@@ -16,7 +16,7 @@ class KeptStore:
     def __init__(self) -> None:
         self._entries = MemoryStore(1000, 86_400.0)
         self.rows: dict[tuple[str, str], LearntRow] = {}
-        self.dropped, self.failures, self.problem = 0, 0, ""
+        self.dropped, self.failures, self.problem, self.remembers = 0, 0, "", True
 
     def add(self, note: JournalNote) -> None:
         self._entries.add(note)

@@ -61,7 +61,7 @@ class LearntPersistence:
         self._store = store
         self._learners: dict[str, Learner] = {}
         self._loaded: anyio.Event | None = None
-        self.is_awaited = True
+        self.is_awaited = store.remembers
 
     def keeper(self, kind: str) -> KeepLearnt:
         """Return what keeps the records of *kind*."""

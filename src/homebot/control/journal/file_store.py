@@ -76,6 +76,7 @@ class FileStore:
         self.dropped = 0
         self.failures = 0
         self.problem = ""
+        self.remembers = True
 
     def add(self, note: JournalNote) -> None:
         """Keep what was noted; it is written a second later."""

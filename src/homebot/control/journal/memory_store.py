@@ -36,6 +36,7 @@ class MemoryStore:
         self.dropped = 0
         self.failures = 0
         self.problem = ""
+        self.remembers = False
 
     def add(self, note: JournalNote) -> None:
         """Keep what was noted."""

@@ -18,11 +18,13 @@ class JournalStore(Protocol):
         dropped: Entries that were dropped because they were too many or too old.
         failures: Entries that could not be kept.
         problem: The trouble of the store, as text; empty where there is none.
+        remembers: Whether it may have what an earlier run learnt.
     """
 
     dropped: int
     failures: int
     problem: str
+    remembers: bool
 
     def add(self, note: JournalNote) -> None:
         """Keep what was noted; never blocks, and does no input or output."""
