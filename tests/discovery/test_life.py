@@ -313,3 +313,17 @@ def test_patience_is_bounded_whatever_was_heard(times: list[float]) -> None:
         rhythm.record(now)
     assert 0 <= rhythm.expected_silence() <= 7 * DAY
     assert len(rhythm.gaps) <= 8
+
+
+def test_the_first_value_is_first_until_the_device_reports_another_one(
+    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
+) -> None:
+    """Also where it was known from the broker: since when it is so is not known then."""
+    lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",))
+    index.observe(lamp)
+    found = []
+    for is_on, retained in ((False, True), (True, True), (True, False), (True, False), (False, False), (False, False)):
+        index.report(tell(lamp, "on_off", is_on, part="l", retained=retained))
+        (state,) = index.devices()[0].states
+        found.append(state.is_first)
+    assert found == [True] * 4 + [False] * 2

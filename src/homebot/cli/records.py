@@ -59,6 +59,7 @@ class StateRecord(TypedDict):
     since: TimeRecord
     told_at: TimeRecord
     live: bool
+    is_first: bool
 
 
 class CapabilityRecord(TypedDict):

@@ -152,6 +152,7 @@ class State(Message):
         since: The time of the first report of this value.
         told_at: The time of the latest report.
         live: Whether the device itself reported it; False if it is known only from a retained message.
+        is_first: Whether it is the first value since homebot started: it may have been so before *since*.
     """
 
     part: str
@@ -160,6 +161,7 @@ class State(Message):
     since: Time
     told_at: Time
     live: bool
+    is_first: bool = False
 
 
 class Device(Message):

@@ -274,6 +274,7 @@ def _states(merged: MergedParts, newest: Mapping[tuple[int, str], StoredValue]) 
                 since=stored.since,
                 told_at=stored.told_at,
                 live=stored.live,
+                is_first=stored.is_first,
             )
             for (place, capability), stored in newest.items()
         ]

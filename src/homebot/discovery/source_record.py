@@ -46,6 +46,7 @@ class StoredValue:
         live: Whether the device reported it, rather than a retained message.
         column: Where it is searched, which holds ``value`` again; None where it cannot be found.
         row: Its place there.
+        is_first: Whether no report of another value came before it.
     """
 
     reported: Value
@@ -56,6 +57,7 @@ class StoredValue:
     heard_at: float = -math.inf
     column: Column | None = None
     row: int = 0
+    is_first: bool = True
 
 
 @dataclass(slots=True)

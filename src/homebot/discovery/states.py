@@ -86,6 +86,7 @@ class StateRecorder:
                     if entry.claimed and live:
                         self._compare(entry, source, reading)
                     stored.reported, stored.value, stored.since = value, plain, stamp
+                    stored.is_first = not live and stored.is_first
                     if stored.column is not None:
                         stored.column.values[stored.row] = plain
                     new.append((place, reading, stored))

@@ -105,6 +105,7 @@ async def test_a_hand_at_the_switch_is_somebody_although_no_sensor_tells(open_ho
     """It is faster than the sensor, which may not see the switch at all."""
     async with open_home(presence_guard=True) as home:
         put_hall(home)
+        await home.report("lamp", "on_off", False)
         await leave(home)
         await home.report("lamp", "on_off", True)
         await anyio.sleep(100)
@@ -114,6 +115,17 @@ async def test_a_hand_at_the_switch_is_somebody_although_no_sensor_tells(open_ho
         assert refused.reason == "somebody may be in Hall: lamp changed 100 s ago, and no command explains it"
         await anyio.sleep(200)
         assert isinstance(await lamp.turn_off(), Confirmed)
+
+
+async def test_the_first_report_after_a_start_is_no_hand(open_home: OpenHome) -> None:
+    """A lamp that says how it is may have been so for long."""
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await leave(home)
+        await home.report("lamp", "on_off", True)
+        await anyio.sleep(10)
+        await home.report("lamp", "on_off", True)
+        assert isinstance(await (await home.handle(Light, "lamp")).turn_off(), Confirmed)
 
 
 async def test_what_a_command_did_is_no_hand(open_home: OpenHome) -> None:

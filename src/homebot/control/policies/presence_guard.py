@@ -74,8 +74,8 @@ def _hand(command: IssuedCommand, facts: Facts, within: float) -> FactUsed | Non
     """
     settable = [one.name for one in command.part.part.capabilities if one.settable]
     for state in command.device.states:
-        if state.part != command.part.id or not state.live or state.capability not in settable:
-            continue
+        if state.part != command.part.id or not state.live or state.is_first or state.capability not in settable:
+            continue  # of the first value after a start it is not known since when it is so
         since, value = state.since.to_seconds(), state.value.plain()
         age = facts.age(since)
         if age < within and not facts.recent.explain(
