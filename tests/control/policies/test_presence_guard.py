@@ -18,6 +18,7 @@ from homebot.devices.health import HealthRequest
 from homebot.devices.outcomes import Confirmed, NoAnswer, Refused
 from homebot.devices.value import Value
 from homebot.errors import ConfigError
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 
 pytestmark = pytest.mark.virtual_time
 
@@ -52,6 +53,25 @@ async def test_a_lamp_is_not_turned_off_over_somebody(open_home: OpenHome) -> No
             "somebody is in Hall: occupancy of motion is on",
         )
         assert home.commands == []
+
+
+async def test_a_refusal_names_the_sensor_without_the_id_of_its_part(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        home.put("lamp", "light", "on_off", area="Hall")
+        part = simple_part("occupancy_sensor", readable=("occupancy",)).model_copy(update={"id": "pir"})
+        home.gateway.devices.put(GatewayDevice("motion", "Motion", (part,), area="Hall"), "the test says so")
+        lamp = await home.handle(Light, "lamp")
+        for occupied, reason in (
+            (None, "nothing tells whether somebody is in Hall: no current occupancy of motion"),
+            (False, "nothing tells whether somebody is in Hall: motion has never detected anybody; walk past it once"),
+            (True, "somebody is in Hall: occupancy of motion is on"),
+        ):
+            if occupied is not None:
+                await home.gateway.devices.report("motion", {"occupancy": occupied}, "pir")
+                await anyio.sleep(0.01)
+            outcome = await lamp.turn_off()
+            assert isinstance(outcome, Refused)
+            assert outcome.reason == reason
 
 
 async def test_level_0_is_off(open_home: OpenHome) -> None:

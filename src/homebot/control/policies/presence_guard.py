@@ -93,8 +93,13 @@ def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], facts: Fa
             return f"nothing tells whether somebody is in {room}: {_doubt(used, facts)}"
     (one,) = used
     if one.value is True:
-        return f"somebody is in {room}: {one.name} is on"
-    return f"somebody was in {room} {facts.age(one.since):.0f} s ago: {one.name}"
+        return f"somebody is in {room}: {_shown(one)} is on"
+    return f"somebody was in {room} {facts.age(one.since):.0f} s ago: {_shown(one)}"
+
+
+def _shown(used: FactUsed) -> str:
+    """Return the fact in words: the id of the sensor's part tells people nothing."""
+    return used.name.partition("#")[0]
 
 
 def _doubt(used: tuple[FactUsed, ...], facts: Facts) -> str:
@@ -104,12 +109,12 @@ def _doubt(used: tuple[FactUsed, ...], facts: Facts) -> str:
     if not used:
         return "it has no motion sensor"
     reasons: list[str] = []
-    if silent := [one.name for one in used if one.value is None]:
+    if silent := [_shown(one) for one in used if one.value is None]:
         reasons.append(f"no current {' or '.join(silent)}")
     for one in used:
-        sensor = one.name.removeprefix(f"{OCCUPANCY} of ")
+        sensor, shown = (name.removeprefix(f"{OCCUPANCY} of ") for name in (one.name, _shown(one)))
         if one.value is False and sensor in facts.house.detections:
-            reasons.append(f"{sensor} has been heard for only {facts.age(one.since):.0f} s")
+            reasons.append(f"{shown} has been heard for only {facts.age(one.since):.0f} s")
         elif one.value is False:
-            reasons.append(f"{sensor} has never detected anybody; walk past it once")
+            reasons.append(f"{shown} has never detected anybody; walk past it once")
     return "; ".join(reasons)
