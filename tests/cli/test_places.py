@@ -212,6 +212,16 @@ def test_a_room_of_placed_devices_is_renamed(run: Run) -> None:
     assert "Loft (home425)" in run("show", "ceiling")[1]
 
 
+def test_who_renames_a_room_is_told_of_the_devices_that_announce_it(run: Run) -> None:
+    run("place", "ceiling", "Study")
+    assert run("places", "rename", "Study", "Office") == (
+        0,
+        "Study is called Office now\n"
+        "these announce Study and stay there, until `homebot place` moves them: desk_lamp\n",
+    )
+    assert "Office (home425)" in run("show", "ceiling")[1]
+
+
 def test_a_device_gets_names_and_tags(run: Run) -> None:
     assert run("alias", "Desk lamp", "Reading lamp") == (0, "aliases of desk_lamp: Reading lamp\n")
     assert run("alias", "reading lamp", "Corner") == (0, "aliases of desk_lamp: Corner, Reading lamp\n")

@@ -22,6 +22,7 @@ __all__ = ["add_arguments"]
 
 _HEAD = ("ROOM", "FLOOR", "DOORS", "DEVICES")
 _MAX_BYTES = 800_000
+_MOST_NAMED = 5
 _LIST = """\
   homebot places list
 
@@ -116,9 +117,17 @@ def _edit(options: argparse.Namespace) -> int:
             raise PeerError(answer["message"])
         became = f"called {printable(answer['name'])} now" if answer["name"] else "removed"
         print(f"{printable(options.room)} is {became}")
+        if answer["name"] and fold(answer["name"]) != fold(options.room) and (left := _devices_in(door, options.room)):
+            named = ", ".join(map(printable, left[:_MOST_NAMED])) + (", …" if len(left) > _MOST_NAMED else "")
+            print(f"these announce {printable(options.room)} and stay there, until `homebot place` moves them: {named}")
         return 0
 
     return with_client(options, run)
+
+
+def _devices_in(door: DoorClient, room: str) -> list[str]:
+    devices = all_devices(door, lambda device: (device["id"], device["area"]))
+    return [device_id for device_id, area in devices if fold(area) == fold(room)]
 
 
 def _export(options: argparse.Namespace) -> int:
