@@ -377,3 +377,24 @@ async def test_what_a_gateway_cannot_send_in_time_does_not_happen_later(open_hom
         )
         await anyio.sleep(60)
         assert lamp.on is None
+
+
+async def test_a_device_that_misses_the_first_sending_each_time_is_not_given_more_and_more_time(
+    open_home: OpenHome,
+) -> None:
+    async with open_home(retries=1) as home:
+        sent: list[str] = []
+
+        async def miss_the_first(home: Home, command: Command) -> None:
+            sent.append(command.id)
+            if sent.count(command.id) == 2:
+                await obey(home, command)
+
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = miss_the_first
+        await home.report("lamp", "on_off", False)
+        lamp = await home.handle(Light)
+        for number in range(16):
+            outcome = await (lamp.turn_off() if number % 2 else lamp.turn_on())
+            assert isinstance(outcome, Confirmed)
+            assert outcome.latency < 16

@@ -251,7 +251,7 @@ class CommandExecutor:
         for place in pending.command.places if self._unsure_since else ():
             self._unsure_since.pop(place, None)
         for capability, seconds in pending.response_times():
-            self._times.note(pending.command.target, capability, seconds)
+            self._times.note(pending.command.target, capability, seconds, sendings=pending.sendings)
 
     async def _send_and_wait(self, pending: PendingCommand, changed: _Signal) -> Outcome:
         """Send the command, again where no answer comes, and wait until its outcome is known."""

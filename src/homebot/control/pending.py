@@ -65,6 +65,7 @@ class PendingCommand:
         moved_at: When the device was last seen on its way; None where it was not.
         must_answer: Whether the device answers commands, so that one of which it reports nothing waits for the answer.
         superseded_by: The id of the newer command that took its place; empty where there is none.
+        sendings: How often it was sent.
     """
 
     def __init__(
@@ -85,6 +86,7 @@ class PendingCommand:
         self.moved_at: float | None = None
         self.must_answer = False
         self.superseded_by = ""
+        self.sendings = 0
         self._answers: dict[str, float] = {}
         self._refusal = ""
         self._before = before
@@ -144,6 +146,7 @@ class PendingCommand:
     def note_sent(self, now: float) -> None:
         """Note that it is sent now, which may cause an echo."""
         self._sent_at = now
+        self.sendings += 1
         self._echoed_since_sent.clear()
 
     def take(self, capability: str, value: PlainValue, now: float) -> bool:

@@ -28,8 +28,14 @@ class ResponseTimes:
         self._first = first
         self._known: OrderedDict[tuple[str, str], deque[float]] = OrderedDict()
 
-    def note(self, target: str, capability: str, seconds: float) -> None:
-        """Note how long an answer took; also one that came after the limit."""
+    def note(self, target: str, capability: str, seconds: float, *, sendings: int = 1) -> None:
+        """Note how long an answer took, in seconds from the first of so many *sendings*.
+
+        After several it is not known to which it is the answer; it counts as no longer than the first limit, or each
+        answer to a repetition would make the next ones later.
+        """
+        if sendings > 1:
+            seconds = min(seconds, self._first)
         times = self._known.get((target, capability))
         if times is not None:
             self._known.move_to_end((target, capability))
