@@ -20,6 +20,11 @@ def given(at: float, *, value: bool = False, issuer: str = "/app", result: Comma
     return TimedCommand(at, RecordedCommand(id="1", issuer=issuer, device="lamp", settings=settings), result)
 
 
+def pressed(at: float) -> TimedCommand:
+    settings = (Setting(capability="push", value=Value.of(True)),)
+    return TimedCommand(at, RecordedCommand(id="1", issuer="/app", device="bell", settings=settings))
+
+
 def kinds(
     recorded: list[TimedCommand], replayed: list[TimedCommand], ends_at: float = 1000.0
 ) -> list[tuple[str, float]]:
@@ -32,8 +37,24 @@ def test_the_same_command_may_be_a_second_earlier_or_later() -> None:
 
 
 def test_each_command_has_one_counterpart() -> None:
-    assert kinds([given(10)], [given(10), given(10.5)]) == [("added", 10.5)]
-    assert kinds([given(10), given(10.5)], [given(10.2)]) == [("gone", 10.5)]
+    assert kinds([given(10)], [given(9.4), given(10.6)]) == [("added", 10.6)]
+    assert kinds([given(10), given(11.5)], [given(10.6)]) == [("gone", 11.5)]
+
+
+def test_what_an_app_says_again_within_a_second_counts_once() -> None:
+    """A lamp may report the same three times, while a busy computer still acts upon the first."""
+    assert kinds([given(10)], [given(10), given(10.01), given(10.02)]) == []
+    assert kinds([given(10), given(10.5)], [given(10.2)]) == []
+    assert command_diff([given(10), given(10.5)], [given(10)], ISSUERS, 1000.0).same == 1
+
+
+def test_what_is_taken_back_between_is_no_repeat() -> None:
+    strobe = [given(10), given(10.2, value=True), given(10.4)]
+    assert kinds([given(10)], strobe) == [("added", 10.2), ("added", 10.4)]
+
+
+def test_a_button_is_pressed_as_often_as_an_app_says() -> None:
+    assert kinds([pressed(10)], [pressed(10), pressed(10.5)]) == [("added", 10.5)]
 
 
 def test_another_value_is_another_command() -> None:

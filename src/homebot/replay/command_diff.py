@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from homebot.recording.recording import TimedCommand
-from homebot.replay.command_matcher import TOLERANCE, CommandMatcher, is_carried_out
+from homebot.replay.command_matcher import TOLERANCE, CommandMatcher, is_carried_out, without_repeats
 
 __all__ = ["CommandDiff", "DifferentCommand", "command_diff"]
 
@@ -33,7 +33,7 @@ class CommandDiff:
 
     Attributes:
         different: The commands that differ, in the order of time.
-        same: The number of those that both have.
+        same: The number of those that both have; repeats within 1 s count once.
     """
 
     different: tuple[DifferentCommand, ...]
@@ -54,14 +54,14 @@ def command_diff(
     """
     before = [one for one in recorded if one.command.issuer in issuers]
     now = [one for one in replayed if one.command.issuer in issuers]
-    matcher = CommandMatcher(before)
-    added = [one for one in now if is_carried_out(one) and matcher.take(one) is None]
+    sent_before = without_repeats(filter(is_carried_out, before))
+    matcher = CommandMatcher(sent_before)
+    added = [one for one in without_repeats(filter(is_carried_out, now)) if matcher.take(one) is None]
     gone = matcher.left
-    carried_out = sum(is_carried_out(one) for one in before)
     different = [DifferentCommand("added", one, _refusal(one, before)) for one in added]
     different += [DifferentCommand("gone", one, _refusal(one, now)) for one in gone]
     kept = sorted((one for one in different if one.given.at <= ends_at - TOLERANCE), key=_order)
-    return CommandDiff(tuple(kept), carried_out - len(gone))
+    return CommandDiff(tuple(kept), len(sent_before) - len(gone))
 
 
 def _order(one: DifferentCommand) -> tuple[float, str, str, str]:

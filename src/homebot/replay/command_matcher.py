@@ -7,11 +7,12 @@ from collections import defaultdict
 from collections.abc import Iterable
 from typing import Final, TypeAlias, final
 
+from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.value import PlainValue
 from homebot.recording.lines import RecordedCommand
 from homebot.recording.recording import TimedCommand
 
-__all__ = ["TOLERANCE", "CommandMatcher", "is_carried_out"]
+__all__ = ["TOLERANCE", "CommandMatcher", "is_carried_out", "without_repeats"]
 
 TOLERANCE: Final = 1.0
 """Seconds by which the same command may be earlier or later: a busy computer is late, and nobody in a room notices."""
@@ -25,6 +26,27 @@ def is_carried_out(given: TimedCommand) -> bool:
     """Return whether a command was to be sent: no policy and no lease refused it."""
     result = given.result
     return result is None or result.outcome != "refused" or result.policy == "gateway"
+
+
+def without_repeats(commands: Iterable[TimedCommand]) -> list[TimedCommand]:
+    """Return *commands*, in the order of time, without those that say again what their app said within 1 s before.
+
+    How often an app says so depends on how busy the computer was: a lamp may report the same three times while an app
+    still acts upon the first. What does something each time, such as a button, and raw texts are no repeats.
+    """
+    kept: list[TimedCommand] = []
+    latest: dict[tuple[str, str, str], TimedCommand] = {}
+    for one in commands:
+        command = one.command
+        place = command.issuer, command.device, command.part
+        before = latest.get(place)
+        is_repeatable = not command.text and not any(each.capability in MOMENTARY for each in command.settings)
+        is_same = before is not None and _key(before.command) == _key(command)
+        if before is not None and is_same and is_repeatable and one.at <= before.at + TOLERANCE + _ROUNDED:
+            continue
+        latest[place] = one
+        kept.append(one)
+    return kept
 
 
 @final
