@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -310,3 +312,32 @@ def test_after_a_restart_the_last_change_is_the_one_before_it(
     still.journal, still.is_restarted = before_a_restart(case), True
     assert main(["--door", still_homebot.door, *arguments]) == 0
     check(name, capsys.readouterr().out)
+
+
+def test_the_chain_in_the_guide_has_these_words(still: StillHouse, still_homebot: Homebot, capsys: Text) -> None:
+    """The times and the names are others."""
+    cleared = Reading(part="", capability="occupancy", value=Value.of(False))
+    trigger = Trigger(kind="report", id="report-7", device="motion/hall", readings=(cleared,), at=ago(630))
+    nobody = JournalVerdict(policy="presence_guard", allowed=True, reason="nobody is in Hall")
+    confirmed = Confirmed(0.2, Evidence.REPORTED)
+    still.journal = [
+        *command(
+            "a-1",
+            30.2,
+            confirmed,
+            issuer="/lights_out",
+            trigger=trigger,
+            verdicts=(nobody,),
+            reports=(0.2,),
+            on_off=False,
+        )
+    ]
+    assert main(["--door", still_homebot.door, "why", "Kitchen lamp"]) == 0
+    printed = capsys.readouterr().out.replace("Kitchen lamp", "Hall lamp").replace("motion/hall", "Hall motion")
+    guide = (Path(__file__).parents[3] / "docs" / "journal.md").read_text()
+    _, shown = guide.partition("$ homebot why 'Hall lamp'\n")[2].split("$ homebot", 1)[0].split("\n", 1)
+    assert _without_times(shown) == _without_times(printed.split("\n", 1)[1])
+
+
+def _without_times(text: str) -> list[str]:
+    return re.sub(r"\d+ (s|min) ago|\d\d:\d\d:\d\d(\.\d)?", "", text).strip().splitlines()

@@ -1,0 +1,91 @@
+"""Every command that the guides to control and the journal show is run here; what they print has homebot's words."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import signal
+import subprocess
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import pytest
+from tests.test_readme import environment, free_door, run
+
+from homebot.devices.outcomes import Confirmed, Contradicted, Evidence
+
+GUIDES = {name: (Path(__file__).parents[2] / "docs" / f"{name}.md").read_text() for name in ("control", "journal")}
+COMMANDS = [
+    re.sub(r" +#.*", "", command)
+    for guide in GUIDES.values()
+    for command in re.findall(r"^\$ (.*)$", guide, re.MULTILINE)
+]
+
+HOUSE = """
+[house]
+dialect = "homeassistant"
+[rooms.hall]
+[devices.hall_lamp]
+kind = "lamp"
+room = "hall"
+[devices.front_door]
+kind = "lock"
+room = "hall"
+"""
+
+PRINTED: Mapping[str, tuple[int, str]] = {
+    "homebot leases": (0, "nobody holds anything"),
+    "homebot release 'Front door'": (1, "homebot: nobody holds front_door"),
+    "homebot approve 'Front door'": (0, "front_door is approved"),
+    "homebot do 'Hall lamp' on": (0, "hall_lamp: "),
+    "homebot do 'Hall lamp' off": (0, "hall_lamp: "),
+    "homebot why 'Hall lamp'": (0, "hall_lamp is o"),
+    "homebot why-not 'Hall lamp' on": (0, "hall_lamp is o"),
+}
+FOLLOWING = "homebot journal --follow"
+
+
+@pytest.fixture(scope="module")
+def door(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """``homebot run`` with a lamp and a lock, until the tests are through."""
+    folder, door = tmp_path_factory.mktemp("house"), free_door()
+    (folder / "house.toml").write_text(HOUSE)
+    arguments = ["homebot", "run", "--house", "house.toml", "--ephemeral"]
+    process = subprocess.Popen(arguments, env=environment(door), stderr=subprocess.PIPE, text=True, cwd=folder)
+    assert process.stderr is not None
+    waited_for = {"found hall_lamp", "found front_door", "is running"}
+    for line in process.stderr:
+        waited_for -= {one for one in waited_for if one in line}
+        if not waited_for:
+            break
+    yield door
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=120)
+    assert process.returncode == 0
+
+
+def test_no_command_is_forgotten() -> None:
+    assert {*COMMANDS} == {*PRINTED, FOLLOWING}
+
+
+@pytest.mark.parametrize("command", PRINTED)
+def test_a_command_of_the_guides_does_what_they_say(door: str, command: str) -> None:
+    code, printed = PRINTED[command]
+    done = run(command, door=door)
+    assert (done.returncode, (done.stdout + done.stderr)[: len(printed)]) == (code, printed)
+
+
+def test_the_journal_is_followed(door: str) -> None:
+    with subprocess.Popen(
+        shlex.split(FOLLOWING), env=environment(door), stdout=subprocess.PIPE, text=True
+    ) as following:
+        assert following.stdout is not None
+        run("homebot do 'Hall lamp' on", door=door)
+        assert "hall_lamp" in following.stdout.readline()
+        following.send_signal(signal.SIGINT)
+
+
+def test_the_outcomes_shown_have_the_words_of_homebot() -> None:
+    shown = re.findall(r"^Hall lamp: (.*)$", GUIDES["control"], re.MULTILINE)
+    witnessed = Confirmed(0.4, Evidence.WITNESSED, "Hall lux")
+    assert shown == [witnessed.text, Contradicted("Hall lux measured no change", "Hall lux").text]
