@@ -51,7 +51,7 @@ def summary_text(diff: CommandDiff) -> str:
     added = sum(one.kind == "added" for one in diff.different)
     gone = len(diff.different) - added
     if not diff.different:
-        return f"no difference: {diff.same:,} commands are the same"
+        return f"no difference: {'1 command is' if diff.same == 1 else f'{diff.same:,} commands are'} the same"
     return f"{added:,} added, {gone:,} gone, {diff.same:,} the same"
 
 

@@ -25,6 +25,7 @@ kind            message                           meaning
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from typing import Final
 
@@ -197,6 +198,10 @@ def read_line(text: str | bytes) -> RecordingLine:
     """
     try:
         found = parse_strict(text)
+    except UnicodeDecodeError as exc:
+        raise UsageError("is no text in UTF-8") from exc
+    except json.JSONDecodeError as exc:
+        raise UsageError(f"is no JSON: {exc.msg} at character {exc.pos + 1}") from exc
     except (ValueError, RecursionError) as exc:
         raise UsageError(f"is no JSON: {str(exc)[:_SHOWN]}") from exc
     if not isinstance(found, dict) or found.keys() != {"at", "kind", "message"}:

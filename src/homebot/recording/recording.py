@@ -96,6 +96,7 @@ class Recording:
         lost: Lines that are missing.
         ends_at: Seconds since the start at which it ends.
         end: Why it ended, as text; empty where it was told to.
+        is_whole: Whether it has an end; that of a recorder which was killed has none.
     """
 
     header: RecordingHeader
@@ -108,6 +109,7 @@ class Recording:
     lost: int = 0
     ends_at: float = 0.0
     end: str = ""
+    is_whole: bool = False
 
     @property
     def gateways(self) -> tuple[str, ...]:
@@ -127,9 +129,12 @@ def load_recording(path: Path) -> Recording:
     try:
         with _opened(path) as file:
             return read_recording(_lines(file, str(path)), str(path))
-    except (OSError, EOFError, zlib.error) as exc:
-        reason = getattr(exc, "strerror", None) or exc
-        raise UsageError(f"{path} cannot be read: {reason}") from exc
+    except gzip.BadGzipFile as exc:
+        raise UsageError(f"{path} is damaged, or not compressed, and its name ends in .gz") from exc
+    except zlib.error as exc:
+        raise UsageError(f"{path} is damaged: {exc}") from exc
+    except OSError as exc:
+        raise UsageError(f"{path} cannot be read: {exc.strerror or exc}") from exc
 
 
 def read_recording(lines: Iterable[bytes], source: str) -> Recording:
@@ -147,6 +152,8 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
     is_over = False
     for number, text in enumerate(lines, 1):
         where = f"{source}, line {number}"
+        if number == 1 and b'"recording"' not in text:
+            raise UsageError(f"{source} is no recording: its first line is no header")
         try:
             line = read_line(text)
         except UsageError as exc:
@@ -194,7 +201,7 @@ def _take(recording: Recording, line: RecordingLine, number: int) -> None:
         case LostLines(count=count):
             recording.lost += count
         case RecordingEnd(reason=reason):
-            recording.end = reason
+            recording.end, recording.is_whole = reason, True
         case message if line.at <= 0 and not isinstance(message, OwnerRequest):
             recording.before.append(message)
         case _:
@@ -211,9 +218,28 @@ def _opened(path: Path) -> IO[bytes]:
 
 def _lines(file: IO[bytes], source: str) -> Iterator[bytes]:
     """Yield lines of a bounded length, from a bounded amount of text: a small file may unpack to a huge one."""
-    size = 0
-    while line := file.readline(_LONGEST_LINE + 1):
+    size, count = 0, 0
+    while line := _read_line(file, source, count):
         size += len(line)
         if len(line) > _LONGEST_LINE or size > _MOST_BYTES:
             raise UsageError(f"{source} is too large: a line has at most 16 MiB, all of them have 4 GiB")
+        if not line.endswith(b"\n") and count:
+            raise _cut_off(source, count)
+        count += 1
         yield line
+
+
+def _read_line(file: IO[bytes], source: str, count: int) -> bytes:
+    """Return the line after *count* others; empty where there is none."""
+    try:
+        return file.readline(_LONGEST_LINE + 1)
+    except EOFError as exc:
+        raise _cut_off(source, count) from exc
+
+
+def _cut_off(source: str, count: int) -> UsageError:
+    reader = "zcat" if source.endswith(".gz") else "cat"
+    return UsageError(
+        f"{source} ends in the middle of a line: the copy is not complete, or homebot was killed while it wrote; "
+        f"`{reader} {source} | head -n {count} > whole.jsonl` keeps what is whole"
+    )

@@ -26,7 +26,7 @@ from homebot.graph import Node
 from homebot.recording.lines import RecordedCommand
 from homebot.recording.recorded_commands import CommandNews
 from homebot.recording.recording import Recording, TimedCommand
-from homebot.replay.ids_to_come import ids_to_come
+from homebot.replay.known_devices import check_index, ids_to_come
 from homebot.replay.recorded_outcomes import RecordedOutcomes
 from homebot.replay.replay_apps import app_tables
 from homebot.replay.replay_feed import ReplayFeed
@@ -94,6 +94,7 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
     Raises:
         UsageError: An app cannot be started as it is configured, or the recording does not fit together.
     """
+    check_index(recording)
     clock = LoopClock(recording.header.started_at.to_seconds())
     feed = ReplayFeed(recording, clock, settle)
     outcomes = RecordedOutcomes(recording.commands, lambda: feed.now)

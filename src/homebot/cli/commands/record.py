@@ -52,7 +52,7 @@ def _record(options: argparse.Namespace) -> int:
         answer = door.call(START_RECORDER, timeout=_LONGEST)
         if not answer["success"]:
             raise RefusedError("recording", str(answer["message"]))
-        with RecordingFile(Path(options.file), options.max_mb, force=options.force) as file:
+        with _created(door, options) as file:
             problem = _fetch(door, file, options.seconds)
         print(f"{file.path}: {file.lines:,} lines{f', {file.dropped:,} did not fit' if file.dropped else ''}")
         if problem is not None:
@@ -63,6 +63,16 @@ def _record(options: argparse.Namespace) -> int:
     if path.exists() and not options.force:
         raise UsageError(f"{path} is there already; --force replaces it")
     return with_client(options, run)
+
+
+def _created(door: DoorClient, options: argparse.Namespace) -> RecordingFile:
+    """Return the new file; where that is none, end the recorder, which would wait for this client for half a minute."""
+    try:
+        return RecordingFile(Path(options.file), options.max_mb, force=options.force)
+    except UsageError:
+        while not door.call(READ_RECORDING, {"is_last": True}, _LONGEST)["is_over"]:
+            pass
+        raise
 
 
 def _fetch(door: DoorClient, file: RecordingFile, seconds: float | None) -> LinkError | OSError | None:

@@ -92,7 +92,11 @@ def _warn(recording: Recording, replayed: Replayed) -> None:
     for name, error in replayed.crashes.items():
         print(f"homebot: {name} crashed: {error}", file=sys.stderr)
     if recording.lost:
-        print(f"homebot: the recording lacks {recording.lost:,} lines, which came too fast", file=sys.stderr)
+        why = "did not fit" if recording.end else "came too fast"
+        print(f"homebot: the recording lacks {recording.lost:,} lines, which {why}", file=sys.stderr)
+    if recording.end or not recording.is_whole:
+        why = recording.end or "homebot or the recorder stopped before it was over"
+        print(f"homebot: the recording ends early: {why}", file=sys.stderr)
 
 
 def _print_commands(

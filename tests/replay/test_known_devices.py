@@ -1,15 +1,18 @@
-"""Devices that appear in a recording get the ids that they had, whatever a replay hears of them first."""
+"""Devices that the directory knows at the start of a replay; those that appear then get the ids that they had."""
 
 from __future__ import annotations
 
+import pytest
+
 from homebot.devices import Device
 from homebot.devices.device import Endpoint
-from homebot.devices.services import IndexRow
+from homebot.devices.services import IndexRow, IndexTable
 from homebot.discovery.record import read_tombstone
+from homebot.errors import UsageError
 from homebot.messages import Time
 from homebot.recording.lines import RecordingHeader
 from homebot.recording.recording import Recording
-from homebot.replay.ids_to_come import ids_to_come
+from homebot.replay.known_devices import check_index, ids_to_come
 
 AT = Time(sec=1_767_225_600, nanosec=0)
 
@@ -48,3 +51,11 @@ def test_what_the_index_has_already_needs_nothing() -> None:
 
 def test_what_was_split_from_a_device_does_not_get_its_announcement_before() -> None:
     assert keys_by_id(device("hall", "a", "b"), device("hall_2", "b")) == {"hall": ["a", "b"]}
+
+
+@pytest.mark.parametrize("table", ["devices", "tombstones"])
+def test_a_damaged_row_of_the_index_is_refused(table: IndexTable) -> None:
+    recording = Recording(RecordingHeader(format=2, version="1", home="home", started_at=AT))
+    recording.index = [IndexRow(table=table, id="hall", record="{nonsense")]
+    with pytest.raises(UsageError, match="the recording is damaged: the row 'hall' of its index: no record: Invalid"):
+        check_index(recording)

@@ -1,0 +1,88 @@
+"""What `homebot replay` says of a file that it cannot use: one sentence, and the exit code 2."""
+
+from __future__ import annotations
+
+import gzip
+from pathlib import Path
+
+import pytest
+
+from homebot.cli import main
+from homebot.messages import Time
+from homebot.recording.lines import LostLines, RecordingEnd, RecordingHeader, RecordingLine, line_text
+
+HEADER = RecordingHeader(format=2, version="1", home="home", started_at=Time(sec=1_767_225_600, nanosec=0))
+WHOLE = "".join(
+    f"{line_text(RecordingLine(at, message))}\n"
+    for at, message in ((0.0, HEADER), (1.0, LostLines(count=0)), (2.0, RecordingEnd()))
+).encode()
+ENDS_EARLY = "homebot: the recording ends early: "
+CUT = "ends in the middle of a line: the copy is not complete, or homebot was killed while it wrote; "
+REPAIRED = "head -n 2 > whole.jsonl` keeps what is whole"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def damaged(compressed: bytes) -> bytes:
+    """*compressed* with another byte in its middle."""
+    middle = len(compressed) // 2
+    return compressed[:middle] + bytes([compressed[middle] ^ 0xFF]) + compressed[middle + 1 :]
+
+
+CASES: dict[str, tuple[str, bytes | None, str]] = {
+    "missing": ("day", None, "day cannot be read: No such file or directory"),
+    "empty": ("day", b"", "day is empty, and no recording"),
+    "toml": ("day", b"[home]\n", "day is no recording: its first line is no header"),
+    "binary": ("day", b"\xff\xfe\n", "day is no recording: its first line is no header"),
+    "quotes": ("day", b"{'recording'}\n", "day is no recording: its first line is no header"),
+    "json": (
+        "day",
+        b'{"recording": 1}\n',
+        "day, line 1: must be a JSON object with the fields 'at', 'kind' and 'message'",
+    ),
+    "bytes": ("day", WHOLE.replace(b"home", b"\xff"), "day, line 1: is no text in UTF-8"),
+    "brace": ("day", WHOLE.replace(b"}\n", b"\n"), "day, line 1: is no JSON: Expecting ',' delimiter at character"),
+    "old": (
+        "day",
+        WHOLE.replace(b'"format":2', b'"format":1'),
+        "field 'message.format': is 1, and this homebot reads 2",
+    ),
+    "cut": ("day", WHOLE[:-3], f"day {CUT}`cat day | {REPAIRED}"),
+    "line": ("day", WHOLE.replace(b'"count"', b'"cuont"'), "day, line 2: field 'message': "),
+    "plain": ("day.gz", WHOLE, "day.gz is damaged, or not compressed, and its name ends in .gz"),
+    "cut_gz": ("day.gz", gzip.compress(WHOLE)[:-1], f"day.gz {CUT}`zcat day.gz | head -n 3 > whole.jsonl`"),
+    "damaged_gz": ("day.gz", damaged(gzip.compress(WHOLE * 1000)), "day.gz"),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    CASES.values(),
+    ids=CASES,
+)
+def test_a_file_that_is_no_whole_recording_is_refused(
+    folder: Path, capsys: pytest.CaptureFixture[str], name: str, content: bytes | None, said: str
+) -> None:
+    if content is not None:
+        (folder / name).write_bytes(content)
+    assert main(["replay", name, "--diff"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("homebot: ")
+    assert said in err
+    assert err.count("\n") == 1
+
+
+def test_a_recording_without_its_end_is_replayed_and_said_to_end_early(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "whole").write_bytes(WHOLE)
+    assert main(["replay", "whole", "--diff"]) == 0
+    assert capsys.readouterr() == ("no difference: 0 commands are the same\n", "")
+    (folder / "cut").write_bytes(b"".join(WHOLE.splitlines(keepends=True)[:2]))
+    assert main(["replay", "cut", "--diff"]) == 0
+    assert capsys.readouterr().err == f"{ENDS_EARLY}homebot or the recorder stopped before it was over\n"
