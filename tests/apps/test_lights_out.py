@@ -87,7 +87,7 @@ async def test_a_deaf_lamp_is_told_about_with_what_became_of_the_command() -> No
             await house.run_for("30m")
             assert not is_on(world, "other_lamp")
     told = [line["message"] for line in lines if line["event"] == "app.command_failed"]
-    assert told == ["hall_lamp: contradicted: on_off is on"]
+    assert told == ["hall_lamp: no answer within 10 s"]
 
 
 async def test_a_person_of_habits_sits_in_the_light_in_a_room_where_nothing_tells_of_them() -> None:

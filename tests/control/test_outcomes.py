@@ -398,3 +398,25 @@ async def test_a_device_that_misses_the_first_sending_each_time_is_not_given_mor
             outcome = await (lamp.turn_off() if number % 2 else lamp.turn_on())
             assert isinstance(outcome, Confirmed)
             assert outcome.latency < 16
+
+
+async def test_what_a_device_reported_before_the_last_sending_contradicts_nothing(open_home: OpenHome) -> None:
+    """The last one may have been obeyed, and its report lost."""
+    async with open_home(retries=1) as home:
+
+        async def say_once_how_it_was(home: Home, command: Command) -> None:
+            if len(home.commands) == 1:
+                home.later(1.0, "lamp", "on_off", False)
+
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = say_once_how_it_was
+        outcome = await (await home.handle(Light)).turn_on()
+        assert outcome.text == "no answer within 10 s"
+
+
+async def test_a_device_that_answers_each_sending_with_how_it_was_is_contradicted(open_home: OpenHome) -> None:
+    async with open_home(retries=1) as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = report((1.0, False))
+        outcome = await (await home.handle(Light)).turn_on()
+        assert outcome.text == "contradicted: on_off is off"

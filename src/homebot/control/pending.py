@@ -98,6 +98,7 @@ class PendingCommand:
         self._answered: set[str] = set()
         self._back_after: dict[str, float] = {}
         self._seen: dict[str, PlainValue] = {}
+        self._seen_before: set[str] = set()
         self._fitting: dict[str, float] = {}
         self._moving: set[str] = set()
         self._noted = 0
@@ -147,6 +148,7 @@ class PendingCommand:
         """Note that it is sent now, which may cause an echo."""
         self._sent_at = now
         self.sendings += 1
+        self._seen_before.update(self._seen)
         self._echoed_since_sent.clear()
 
     def take(self, capability: str, value: PlainValue, now: float) -> bool:
@@ -167,6 +169,7 @@ class PendingCommand:
         if capability in self.echoed:
             self._answered.add(capability)
         self._seen[capability] = value
+        self._seen_before.discard(capability)
         if is_met:
             if now - self._sent_at <= FAST and capability not in self._fitting:
                 self.fast[capability] = now
@@ -291,6 +294,8 @@ class PendingCommand:
                 return Confirmed(now - self._began, Evidence.ACKNOWLEDGED, command_id=name)
             return Confirmed(max(self._fitting.values()) - self._began, Evidence.REPORTED, command_id=name)
         others = [(one, seen) for one, seen in self._seen.items() if one not in self._fitting]
+        if others and all(one in self._seen_before for one, _ in others):
+            return NoAnswer(now - self._began, command_id=name)  # what it reported before it was sent again
         if others:
             saw = ", ".join(f"{capability} is {value_text(value)}" for capability, value in others)
             return Contradicted(saw, command_id=name)
