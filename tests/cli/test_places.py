@@ -292,6 +292,14 @@ def test_places_are_exported_and_imported(run: Run, tmp_path: Path) -> None:
     assert "Hall (Downstairs, home425)" in run("show", "ceiling")[1]
 
 
+def test_an_import_that_moves_a_room_to_another_floor_says_so(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "house.toml"
+    file.write_text('[places.rooms.Hall]\nfloor = "Cellar"\n')
+    assert run("places", "import", str(file)) == (0, "imported room Hall\n")
+    assert run("places", "import", str(file)) == (0, "everything in the file is known already\n")
+    assert ["Hall", "Cellar", "Kitchen", "0"] in [line.split() for line in run("places", "list")[1].splitlines()]
+
+
 @pytest.mark.parametrize(
     ("text", "problem"),
     [

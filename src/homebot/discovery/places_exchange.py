@@ -25,7 +25,7 @@ class Imported:
     """The result of an import.
 
     Attributes:
-        added: Rooms, and devices of which something is new, as text.
+        added: Rooms and devices of which something is new, as text.
         kept: Rooms of devices that were stated before and are others in the file, as text.
     """
 
@@ -88,9 +88,9 @@ class PlacesExchange:
         by_identifier = yield from self._by_identifier(frozenset(name for names in places.devices for name in names))
         owner.check_room(sum(self._count(names, by_identifier) for names in places.devices))
         before = owner.plan
-        added = [f"room {room.name}" for room in places.rooms if before.room(room.name) is None]
         if places.rooms:
             owner.import_rooms(places.rooms, SOURCE)
+        added = [f"room {room.name}" for room in places.rooms if before.room(room.name) != owner.plan.room(room.name)]
         kept: list[str] = []
         for names, facts in places.devices.items():
             yield
