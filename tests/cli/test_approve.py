@@ -25,12 +25,17 @@ Run = Callable[..., tuple[int, str]]
 
 
 def index_node(graph: Graph) -> Node:
-    """A directory with a lamp and a lock, and the services of the control layer that are asked here."""
+    """A directory with a lamp, a lock and a double switch, and the control layer's services that are asked here."""
     node = Node(graph, "discovery")
     index = DeviceIndex(forget_after=1000.0)
     lock = Part(id="l", service_type="door_lock", capabilities=(Capability(name="lock", settable=True),))
     index.observe(sighting(0, "Lamp", ""), NOW)
     index.observe(sighting(1, "Front door", "Hall").model_copy(update={"parts": (lock,)}), NOW)
+    gangs = tuple(
+        Part(id=side, service_type="switch", capabilities=(Capability(name="on_off", settable=True),))
+        for side in ("left", "right")
+    )
+    index.observe(sighting(2, "Double switch", "Hall").model_copy(update={"parts": gangs}), NOW)
     persistence = IndexPersistence(node, index, None)
     DirectoryServices(node, index, persistence, lambda at_most: len(index.take_changes(at_most)) >= at_most).register()
     control = Control(Node(graph, "control"))
@@ -66,7 +71,7 @@ def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
     assert f"{note} (`homebot approve DEVICE`): front_door" in run("doctor")[1]
     assert "front_door" in run("find", "unapproved")[1]
     assert "lamp" not in run("find", "unapproved")[1]
-    assert approved(run("devices", "--json")[1]) == {"front_door": False, "lamp": None}
+    assert approved(run("devices", "--json")[1]) == {"front_door": False, "lamp": None, "double_switch": None}
     assert approved(run("find", "--json", "lock")[1]) == {"front_door": False}
     assert approved(f"[{run('show', '--json', 'Front door')[1]}]") == {"front_door": False}
     assert run("approve", "front door") == (0, "front_door is approved")
@@ -76,7 +81,7 @@ def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
     assert waits not in shown
     assert "approved yes by the owner now" in shown
     assert note not in run("doctor")[1]
-    assert approved(run("devices", "--json")[1]) == {"front_door": True, "lamp": None}
+    assert approved(run("devices", "--json")[1]) == {"front_door": True, "lamp": None, "double_switch": None}
     assert run("find", "unapproved")[0] == 1
     assert run("approve", "front door", "--undo") == (0, "front_door is not approved any more")
     assert waits in run("show", "Front door")[1]

@@ -43,11 +43,17 @@ def run(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], capsys: p
     return homebot
 
 
+def test_a_lease_of_one_gang_of_several_says_which(run: Run) -> None:
+    gang = {**HOLD, "device": "double_switch", "part": "left"}
+    assert "held: true" in run("service", "call", "/control/hold", json.dumps(gang))[1]
+    assert run("leases")[1] == "DEVICE HELD BY ISSUER FOR\ndouble_switch#left on robot the client local 1 min"
+
+
 def test_a_lease_is_listed_and_ended(run: Run) -> None:
     assert run("leases") == (0, "nobody holds anything", "")
     assert run("release", "Lamp") == (1, "", "homebot: nobody holds lamp\n")
     assert "held: true" in run("service", "call", "/control/hold", json.dumps(HOLD))[1]
-    assert run("leases")[1] == "DEVICE HELD BY ISSUER FOR\nlamp#l on robot the client local 1 min"
+    assert run("leases")[1] == "DEVICE HELD BY ISSUER FOR\nlamp on robot the client local 1 min"
     assert run("leases", "Front door")[1] == "nobody holds Front door"
     (held,) = json.loads(run("leases", "Lamp", "--json")[1])
     (holder,) = held["holders"]

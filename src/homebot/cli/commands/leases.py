@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import cast
 
 from homebot.cli.arguments import set_client_command
@@ -12,16 +12,17 @@ from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.journal_words import issuer_text, settings_text
 from homebot.cli.lease_records import HeldPartRecord, LeasesRecord
-from homebot.cli.records import TimeRecord
+from homebot.cli.records import DeviceRecord, TimeRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_table
 from homebot.cli.time_format import age, from_seconds, iso, to_seconds
 from homebot.cli.values import plain_value
-from homebot.devices.names import GET_LEASES
+from homebot.devices.names import FIND_DEVICES, GET_LEASES
 
 __all__ = ["add_arguments"]
 
 _HEAD = ("DEVICE", "HELD", "BY", "ISSUER", "FOR", "OUTRANKED")
+_SEVERAL = 2
 _EXAMPLES = """\
   homebot leases
   homebot leases 'Front door' --json
@@ -47,8 +48,9 @@ def _leases(options: argparse.Namespace) -> int:
         if options.json:
             print(list_text([json_text(_json(one)) for one in parts]))
         elif parts:
-            now = house_time(door)
-            print_table(_HEAD, [row for one in parts for row in _rows(one, now)], if_any=("OUTRANKED",))
+            now, labels = house_time(door), _labels(door, parts)
+            rows = [row for one in parts for row in _rows(labels[one["device"], one["part"]], one, now)]
+            print_table(_HEAD, rows, if_any=("OUTRANKED",))
         else:
             print(f"nobody holds {printable(options.device)}" if device else "nobody holds anything")
         return 0
@@ -56,13 +58,28 @@ def _leases(options: argparse.Namespace) -> int:
     return with_client(options, run)
 
 
-def _rows(held: HeldPartRecord, now: float) -> Iterator[tuple[str, ...]]:
+def _labels(door: DoorClient, parts: Iterable[HeldPartRecord]) -> dict[tuple[str, str], str]:
+    """Return the ids of the held devices, each with its part where several take commands."""
+    places = [(one["device"], one["part"]) for one in parts]
+    answer = door.call(FIND_DEVICES, {"ids": sorted({device for device, _ in places})})
+    simple = {
+        one["id"]
+        for one in cast("list[DeviceRecord]", answer["devices"])
+        if sum(any(can["settable"] for can in part["part"]["capabilities"]) for part in one["parts"]) < _SEVERAL
+    }
+    return {
+        (device, part): printable(f"{device}#{part}" if part and device not in simple else device)
+        for device, part in places
+    }
+
+
+def _rows(label: str, held: HeldPartRecord, now: float) -> Iterator[tuple[str, ...]]:
     outranked = ""
     if held["outranked_until"]["sec"]:
         outranked = f"{_left(held['outranked_until'], now)}: {printable(held['saw'], 60)}"
     for holder in held["holders"]:
         yield (
-            printable(f"{held['device']}#{held['part']}" if held["part"] else held["device"]),
+            label,
             settings_text([held["setting"]]),
             printable(holder["by"], 60),
             issuer_text(holder["issuer"]),
