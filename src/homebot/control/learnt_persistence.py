@@ -82,7 +82,8 @@ class LearntPersistence:
         with anyio.move_on_after(_PATIENCE):
             await self._loaded.wait()
         if not self._loaded.is_set() and self.is_awaited:
-            text = "what earlier commands taught cannot be read yet; commands are sent without it"
+            kinds = ", ".join(sorted(self._learners))
+            text = f"what was learnt in earlier runs ({kinds}) cannot be read yet; commands are sent without it"
             self._node.log.warning(LATE, message=text)
         self.is_awaited = False
 
