@@ -14,6 +14,7 @@ from homebot.errors import UsageError
 from homebot.messages import Time
 from homebot.recording.lines import RecordedApp, RecordedCommand, RecordingHeader, RecordingLine, line_text, read_line
 from homebot.recording.recording import read_recording
+from homebot.recording.repetitions import Repetition
 from homebot.recording.secrets import without_secrets
 from homebot.replay.replay import replay_config
 
@@ -46,6 +47,7 @@ MESSAGES = (
         retained=False,
         received_at=AT,
     ),
+    Repetition(of="report", gateway="mqtt", key="lamp", at=AT),
     RawMessage(gateway="mqtt", key="lamp", address="a", payload=b"on", retained=False, received_at=AT),
     RecordedCommand(
         id="1", issuer="/app", device="lamp", settings=(Setting(capability="on_off", value=Value.of(False)),)

@@ -26,17 +26,18 @@ class LineBuffer:
         self._bytes = 0
         self._gap = 0
 
-    def add(self, line: RecordingLine) -> None:
-        """Add a line, or count it where there is no room."""
+    def add(self, line: RecordingLine) -> bool:
+        """Add a line, or count it where there is no room; return whether it was added."""
         text = line_text(line)
         if len(self._lines) >= _MOST_LINES or self._bytes + len(text) > _MOST_BYTES:
             self.lost += 1
             self._gap += 1
-            return
+            return False
         if self._gap:
             self._put(line_text(RecordingLine(line.at, LostLines(count=self._gap))))
             self._gap = 0
         self._put(text)
+        return True
 
     def take(self, most: int = _MOST_LINES, most_bytes: int = _MOST_BYTES) -> list[str]:
         """Return the oldest lines, without their ends, and forget them: one at least where there is any.

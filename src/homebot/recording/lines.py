@@ -13,6 +13,7 @@ kind            message                           meaning
 ``gateway``     :class:`GatewayNews`              a gateway went online or offline
 ``sighting``    :class:`Sighting`                 a gateway sighted a device
 ``report``      :class:`Report`                   a device reported values, or an event such as a press
+``again``       :class:`Repetition`               the last sighting or report of its source again
 ``raw``         :class:`RawMessage`               a raw message of a device
 ``command``     :class:`RecordedCommand`          somebody gave a command
 ``outcome``     :class:`CommandResult`            what became of a command
@@ -40,6 +41,7 @@ from homebot.messages import Time
 from homebot.messages.json import message_from_json, message_to_text
 from homebot.messages.message import Message, UInt32
 from homebot.recording.lease_news import LeaseNews
+from homebot.recording.repetitions import Repetition
 from homebot.strict_json import parse_strict
 
 __all__ = [
@@ -174,6 +176,7 @@ _KINDS: Final[dict[str, type[Message]]] = {
     "gateway": GatewayNews,
     "sighting": Sighting,
     "report": Report,
+    "again": Repetition,
     "raw": RawMessage,
     "command": RecordedCommand,
     "outcome": CommandResult,

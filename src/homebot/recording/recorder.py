@@ -38,6 +38,7 @@ from homebot.recording.lines import (
     RecordingLine,
 )
 from homebot.recording.recorded_commands import CommandNews
+from homebot.recording.repetitions import Repetitions
 from homebot.recording.secrets import without_secrets
 
 __all__ = ["Recorder", "RunFacts"]
@@ -84,6 +85,7 @@ class Recorder:
         self._facts = facts
         self._devices = Devices(node)
         self._commands = CommandNews()
+        self._repetitions = Repetitions()
         self._gateways: set[str] = set()
         self._first_devices: frozenset[str] = frozenset()
         self._subscriptions: list[_Source] = []
@@ -202,7 +204,8 @@ class Recorder:
         self._note(request.at.to_seconds(), request)
 
     def _note(self, at: float, message: Message) -> None:
-        self.lines.add(RecordingLine(at - self._started_at, message))
+        if not self.lines.add(RecordingLine(at - self._started_at, self._repetitions.shortened(message))):
+            self._repetitions.forget()
 
 
 def _held(part: HeldPart) -> Iterator[LeaseNews]:

@@ -27,6 +27,7 @@ from homebot.recording.lines import (
     RecordingLine,
     read_line,
 )
+from homebot.recording.repetitions import Repetitions
 
 __all__ = ["RecordedEvent", "Recording", "TimedCommand", "TimedLease", "load_recording", "read_recording"]
 
@@ -149,6 +150,7 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
     """
     recording: Recording | None = None
     results: dict[str, CommandResult] = {}
+    repetitions = Repetitions()
     is_over = False
     for number, text in enumerate(lines, 1):
         where = f"{source}, line {number}"
@@ -156,6 +158,7 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
             raise UsageError(f"{source} is no recording: its first line is no header")
         try:
             line = read_line(text)
+            line = replace(line, message=repetitions.whole(line.message))
         except UsageError as exc:
             raise UsageError(f"{where}: {exc}") from exc
         if recording is None:

@@ -1,0 +1,126 @@
+"""Sightings and reports that say again what the last of their source said, in a tenth of the text. Pure.
+
+A device that sends its state every second is nearly all of a recording otherwise.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import Final, Literal, TypeAlias, final
+
+from homebot.devices import Sighting
+from homebot.devices.gateway_messages import Report
+from homebot.errors import UsageError
+from homebot.messages import Time
+from homebot.messages.message import Message
+
+__all__ = ["Repetition", "Repetitions"]
+
+_MOST: Final = 20_000
+"""Sources whose last message is known; the one that was silent for longest is forgotten, and is told in full again."""
+
+_SECOND: Final = 1_000_000_000
+_TIMES: Final = frozenset({"seen_at", "expires_at", "received_at", "heard_at"})
+
+_Source: TypeAlias = tuple[Literal["sighting", "report"], str, str, str]
+
+
+class Repetition(Message):
+    """The last sighting or report of a source again, at another time; a sighting lasts as long as that did.
+
+    Attributes:
+        of: What is repeated.
+        gateway: Its gateway.
+        key: Its key.
+        stream: The stream of a report.
+        at: The time at which it was seen, or received.
+    """
+
+    of: Literal["sighting", "report"]
+    gateway: str
+    key: str
+    stream: str = ""
+    at: Time
+
+
+@final
+class Repetitions:
+    """The last messages of all sources; a recorder has one, and a reader that takes the same messages in its order."""
+
+    def __init__(self) -> None:
+        self._last: OrderedDict[_Source, Sighting | Report] = OrderedDict()
+
+    def shortened(self, message: Message) -> Message:
+        """Return a :class:`Repetition` in place of a *message* that is one, and any other as it is."""
+        if not isinstance(message, Sighting | Report):
+            return message
+        source = _source(message)
+        last = self._last.get(source)
+        self._put(source, message)
+        if last is None or not _is_same(last, message):
+            return message
+        kind, gateway, key, stream = source
+        return Repetition.of_checked(of=kind, gateway=gateway, key=key, stream=stream, at=_at(message))
+
+    def whole(self, message: Message) -> Message:
+        """Return the message that a :class:`Repetition` stands for, and any other as it is.
+
+        Raises:
+            UsageError: There is none before it.
+        """
+        if isinstance(message, Sighting | Report):
+            self._put(_source(message), message)
+        if not isinstance(message, Repetition):
+            return message
+        source = message.of, message.gateway, message.key, message.stream
+        match self._last.get(source):
+            case Sighting() as last:
+                expires_at = _time(_nanoseconds(message.at) + _lasts(last))
+                again: Sighting | Report = last.with_checked(seen_at=message.at, expires_at=expires_at, heard_at=0.0)
+            case Report() as last:
+                again = last.with_checked(received_at=message.at, heard_at=0.0)
+            case _:
+                raise UsageError(f"repeats a {message.of} of {message.key[:60]!r}, and there is none before")
+        self._put(source, again)
+        return again
+
+    def forget(self) -> None:
+        """Forget all, so that each source is told in full again: something was lost on the way into the file."""
+        self._last.clear()
+
+    def _put(self, source: _Source, message: Sighting | Report) -> None:
+        self._last[source] = message
+        self._last.move_to_end(source)
+        if len(self._last) > _MOST:
+            self._last.popitem(last=False)
+
+
+def _source(message: Sighting | Report) -> _Source:
+    if isinstance(message, Sighting):
+        return "sighting", message.gateway, message.key, ""
+    return "report", message.gateway, message.key, message.stream
+
+
+def _is_same(last: Sighting | Report, message: Sighting | Report) -> bool:
+    before, now = last.__dict__, message.__dict__
+    if any(before[name] != value for name, value in now.items() if name not in _TIMES):
+        return False
+    if isinstance(last, Sighting) and isinstance(message, Sighting):
+        return _lasts(last) == _lasts(message)
+    return True
+
+
+def _at(message: Sighting | Report) -> Time:
+    return message.seen_at if isinstance(message, Sighting) else message.received_at
+
+
+def _lasts(sighting: Sighting) -> int:
+    return _nanoseconds(sighting.expires_at) - _nanoseconds(sighting.seen_at)
+
+
+def _nanoseconds(time: Time) -> int:
+    return time.sec * _SECOND + time.nanosec
+
+
+def _time(nanoseconds: int) -> Time:
+    return Time.of_checked(sec=nanoseconds // _SECOND, nanosec=nanoseconds % _SECOND)
