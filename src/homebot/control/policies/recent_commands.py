@@ -83,7 +83,7 @@ class RecentCommands:
                     self._sent.popitem(last=False)
                 continue
             self._sent.move_to_end(place)
-            is_undone = _is_undone(sent, command, capability, now)
+            is_undone = capability == _POWER and _is_undone(sent, command, now)
             if sent.command != command.id:
                 sent.before, sent.command = (sent.value, sent.at), command.id
             sent.at = now
@@ -125,7 +125,7 @@ class RecentCommands:
             sent = self._sent.get((command.device.id, command.part.id, capability))
             if sent is None or not sent.turns:
                 continue
-            if _turns(sent, value) or _is_undone(sent, command, capability, now):
+            if _turns(sent, value) or (capability == _POWER and _is_undone(sent, command, now)):
                 most = max(most, _count_after(now - seconds, sent.turns))
         return most
 
@@ -149,12 +149,17 @@ def _count_after(since: float, times: deque[float]) -> int:
     return count
 
 
-def _is_undone(sent: _Sent, command: IssuedCommand, capability: str, now: float) -> bool:
-    """Return whether the part reported after another command turned it on that it is off, or the other way round."""
-    if capability != _POWER or sent.command == command.id:
+def _is_undone(sent: _Sent, command: IssuedCommand, now: float) -> bool:
+    """Return whether the part reported after another command turned it on that it is off, or the other way round.
+
+    *sent* is the other command.
+    """
+    if sent.command == command.id:
         return False
-    states = [one for one in command.device.states if one.part == command.part.id and one.capability in POWERS]
-    state = next((one for one in states if one.capability == "on_off"), states[0] if states else None)
+    state = None
+    for one in command.device.states:
+        if one.part == command.part.id and one.capability in POWERS and (state is None or one.capability == "on_off"):
+            state = one
     if state is None or command.issued_at - state.told_at.to_seconds() >= now - sent.at:
         return False
     return is_on(state.value.plain()) is not sent.value
