@@ -50,6 +50,18 @@ async def test_a_device_is_called_by_its_id_or_its_name(open_home: OpenHome, tar
         assert sent(home) == [("lamp", "on_off", True)]
 
 
+async def test_a_device_that_is_away_and_does_not_answer_is_said_to_be_away(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = ignore
+        home.gateway.devices.report_reachable("lamp", reachable=False)
+        (result,) = (await command(home, "lamp", "on")).results
+        assert result.result.text.startswith("no answer within 10 s; lamp is offline")
+        home.gateway.devices.report_reachable("lamp", reachable=True)
+        (result,) = (await command(home, "lamp", "on")).results
+        assert result.result.text == "no answer within 10 s"
+
+
 async def test_the_worst_outcome_is_that_of_all(open_home: OpenHome) -> None:
     async with open_home() as home:
         home.put("one", "light", "on_off")

@@ -104,6 +104,8 @@ class CommandService:
                     cause=request.cause,
                 )
             )
+            if result.outcome == "no_answer" and device.reachable.state == "no":
+                result = result.with_checked(text=f"{result.text}; {device.reachable.why}")
         commanded.append(CommandedPart(device=device.id, name=name, part=part.id, result=result))
 
     async def _targets(self, target: str) -> list[_Target]:
