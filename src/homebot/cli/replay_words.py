@@ -79,7 +79,9 @@ def part_names(devices: Iterable[Device]) -> dict[str, str]:
     for device in devices:
         names[device.id] = device.name
         if len(device.parts) > 1:
-            names |= {f"{device.id}#{one.id}": f"{device.name} {one.part.name or one.id}" for one in device.parts}
+            names |= {
+                f"{device.id}#{one.id}": f"{device.name} {one.part.name or one.id}".rstrip() for one in device.parts
+            }
     return names
 
 
