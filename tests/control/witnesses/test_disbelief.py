@@ -171,6 +171,24 @@ async def test_a_liar_is_not_believed_after_a_restart(open_home: OpenHome) -> No
         assert (await lamp.turn_on()).text == CANNOT_TELL
 
 
+async def test_a_first_report_after_a_restart_is_no_hand(open_home: OpenHome) -> None:
+    store, clock = KeptStore(), LoopClock()
+    async with open_home(store=store, clock=clock) as home:
+        await liar(home)
+    async with open_home(store=store, clock=clock) as home:
+        home.put("lamp", "light", "on_off", area="Hall")
+        home.put("lux", "light_sensor", readable=("illuminance",), area="Hall")
+        home.behaviours["lamp"] = ignore
+        await home.report("lux", "illuminance", 0.0)
+        lamp = await home.handle(Light, "lamp")
+        assert isinstance(await lamp.turn_on(), NoAnswer)
+        await anyio.sleep(100)
+        await home.report("lamp", "on_off", True)
+        await anyio.sleep(1)
+        home.behaviours["lamp"] = obey
+        assert isinstance(await lamp.turn_on(), Contradicted)
+
+
 async def test_a_lamp_that_is_believed_again_is_believed_after_a_restart(open_home: OpenHome) -> None:
     store, clock = KeptStore(), LoopClock()
     async with open_home(store=store, clock=clock) as home:
@@ -232,6 +250,8 @@ async def test_two_lamps_that_lie_at_once_are_both_believed(open_home: OpenHome)
         assert [one["message"] for one in lines if one["event"] == "control.witness_stuck"] == [
             "Lux measured no change of two devices: it is no witness until its illuminance changes"
         ]
+        await lamp.turn_off()
+        await anyio.sleep(60)
         assert await toggle(lamp, 1, gap=60) == [REPORTED]
         home.behaviours["other"] = shining("lux", 150.0)
         await other.turn_off()

@@ -76,7 +76,7 @@ class Disbelief:
         disproof = self._covering(command)
         return None if disproof is None else disproof.before
 
-    def begin(self, command: IssuedCommand) -> None:
+    def note_command(self, command: IssuedCommand) -> None:
         """Note that *command* is given, by whatever way, or is over: what changes now is its effect."""
         if command.place in self.parts:
             self._commanded_at[command.place] = self._clock.monotonic()
@@ -92,8 +92,8 @@ class Disbelief:
             watch.began = first.began
             watch.marks = {one: mark for one, mark in first.marks.items() if one in watch.marks}
 
-    def end(self, place: Place) -> None:
-        """Forget that a part is not believed."""
+    def believe(self, place: Place) -> None:
+        """Forget that a part was not believed."""
         if self.parts.pop(place, None) is not None:
             self._commanded_at.pop(place, None)
             self._keep(disproof_name(place), "", "")
@@ -121,13 +121,13 @@ class Disbelief:
         return Contradicted(f"{disproof.name} measured no change", disproof.name, command_id=command.id)
 
     async def judge(self, command: IssuedCommand, outcome: Outcome) -> Outcome:
-        """Return *outcome*; a report that is not believed, and of which no sensor can tell now, contradicts nobody."""
+        """Return *outcome*, or that it is contradicted, where its report is not believed and no sensor can tell now."""
         disproof = self._covering(command)
         if disproof is None or not isinstance(outcome, Confirmed) or outcome.evidence is Evidence.WITNESSED:
             return outcome
         at = await self._home.state_of({disproof.sensor[0]})
         if not self._can_be_asked(command, disproof, at):
-            self.end(command.place)
+            self.believe(command.place)
             return outcome
         if not await self._counts(disproof):
             return outcome
@@ -140,7 +140,7 @@ class Disbelief:
         if sensor.stuck_at == sensor.history.count:
             return
         sensor.stuck_at = sensor.history.count
-        self._end_all(sensor.place)
+        self._believe_all(sensor.place)
         name, capability = sensor.device.name, sensor.capability
         text = f"{name} measured no change of two devices: it is no witness until its {capability} changes"
         self._node.log.warning(STUCK, message=text, sensor=sensor.device.id)
@@ -165,7 +165,7 @@ class Disbelief:
         self._commanded_at[place] = self._clock.monotonic()
         self._keep(disproof_name(place), disproof_record(place, disproof), command.id)
         if len(self.parts) > _MOST:
-            self.end(next(iter(self.parts)))
+            self.believe(next(iter(self.parts)))
 
     async def _counts(self, disproof: Disproof) -> bool:
         """Count one more command that is not believed; return False where the witness is taken to be dead by now."""
@@ -175,7 +175,7 @@ class Disbelief:
         if disproof.unheard <= _MOST_UNHEARD:
             return True
         self._learning.forget(disproof.sensor)
-        self._end_all(disproof.sensor)
+        self._believe_all(disproof.sensor)
         text = f"{disproof.name} reported nothing at all at {_MOST_UNHEARD} commands: it is no witness any more"
         self._node.log.warning(FORGOTTEN, message=text, sensor=disproof.sensor[0])
         return False
@@ -187,9 +187,9 @@ class Disbelief:
         sensor = self._home.sensors[disproof.sensor]  # not known yet right after a start
         return sensor is None or sensor in self._home.sensors.candidates(command)
 
-    def _end_all(self, sensor: tuple[str, str, str]) -> None:
+    def _believe_all(self, sensor: tuple[str, str, str]) -> None:
         for place in [place for place, disproof in self.parts.items() if disproof.sensor == sensor]:
-            self.end(place)
+            self.believe(place)
 
     def _take_change(self, place: Place, capability: str, value: PlainValue) -> None:
         """Take in a change; one that no command explains, to what was not believed, is a person's doing."""
@@ -203,4 +203,4 @@ class Disbelief:
         if self._clock.monotonic() - self._commanded_at.get(place, -_EFFECT) < _EFFECT:
             return
         if disproof.covers(strength_of({capability: value}, ())):
-            self.end(place)
+            self.believe(place)

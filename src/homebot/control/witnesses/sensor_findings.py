@@ -97,7 +97,8 @@ def observed(watch: CommandWatch, sensor: Sensor, effect: Effect, at: HomeState,
     if found is None:
         return None
     if not found.change:
-        return found if at.is_alive(sensor.place, watch.reported) else None  # else it may have been silent
+        is_sound = at.is_alive(sensor.place, watch.reported) and not _is_in_doubt(watch, sensor)
+        return found if is_sound else None  # else it may have been silent, or stuck
     return replace(found, fell_silent=not at.is_alive(sensor.place, watch.reported + found.delay + _TOGETHER))
 
 

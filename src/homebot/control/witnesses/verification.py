@@ -80,7 +80,7 @@ class WitnessVerification:
         """
         home, place, disbelief = self._home, command.place, self._disbelief
         if self.doubted:
-            disbelief.begin(command)
+            disbelief.note_command(command)
         if not home.sensors.ids:
             return None
         is_at_rest = home.activity.begin(command.id, place)
@@ -96,7 +96,7 @@ class WitnessVerification:
     def end(self, command: IssuedCommand) -> None:
         """Note that *command* is over."""
         if self.doubted:
-            self._disbelief.begin(command)
+            self._disbelief.note_command(command)
         if command.id in self._home.activity.commands:
             self._home.activity.end(command.id, self._clock.monotonic())
             self._home.discard(command.id)
@@ -107,7 +107,7 @@ class WitnessVerification:
 
     def note_text(self, command: IssuedCommand) -> None:
         """Note that *command* is sent as a text."""
-        self._disbelief.begin(command)
+        self._disbelief.note_command(command)
 
     async def verify(
         self, watch: CommandWatch | None, pending: PendingCommand, outcome: Outcome, wait: _Wait
@@ -173,7 +173,7 @@ class WitnessVerification:
 
     def _confirmed(self, watch: CommandWatch, outcome: Outcome, saw: SensorFinding) -> Outcome:
         self._counts["commands_witnessed"] += 1
-        self._disbelief.end(watch.command.place)
+        self._disbelief.believe(watch.command.place)
         reported = outcome.latency if isinstance(outcome, Confirmed) else 0.0
         latency = max(reported, saw.seen_at - watch.given)
         return Confirmed(latency, Evidence.WITNESSED, saw.sensor.device.name, command_id=watch.command.id)
@@ -193,6 +193,6 @@ class WitnessVerification:
 
     def _note_seen_late(self, watch: CommandWatch, sensor: Sensor) -> None:
         device = watch.command.device
-        self._disbelief.end(watch.command.place)
+        self._disbelief.believe(watch.command.place)
         text = f"{sensor.device.name} saw {device.name} obey after all, later than ever"
         self._node.log.info(SEEN_LATE, message=text, device=device.id, command=watch.command.id)
