@@ -316,4 +316,5 @@ class StateChange(Message):
             since=self.told_at,
             told_at=self.told_at,
             live=self.live,
+            is_first=False,
         )

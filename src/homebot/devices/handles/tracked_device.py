@@ -112,7 +112,13 @@ class _JustReported(NamedTuple):
     def state(self) -> State:
         at = Time.from_seconds(self.at)
         return State.of_checked(
-            part=self.part, capability=self.capability, value=self.value, since=at, told_at=at, live=True
+            part=self.part,
+            capability=self.capability,
+            value=self.value,
+            since=at,
+            told_at=at,
+            live=True,
+            is_first=False,
         )
 
 
