@@ -264,6 +264,23 @@ async def test_a_device_that_was_removed_is_gone(open_home: OpenHome) -> None:
         assert isinstance(await lamp.turn_on(), Gone)
 
 
+async def test_a_device_that_is_removed_before_it_answers_is_gone(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = report()
+        lamp = await home.handle(Light)
+        outcomes: list[Outcome] = []
+
+        async def turn_on() -> None:
+            outcomes.append(await lamp.turn_on())
+
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(turn_on)
+            await anyio.sleep(1)
+            home.gateway.devices.remove("lamp", "sold")
+        assert [type(one) for one in outcomes] == [Gone]
+
+
 async def test_a_lamp_that_goes_back_is_told_as_an_event(open_home: OpenHome) -> None:
     async with open_home() as home:
         home.put("lamp", "light", "on_off")

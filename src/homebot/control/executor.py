@@ -19,7 +19,7 @@ from homebot.control.journal import CommandJournal
 from homebot.control.judge import Judge
 from homebot.control.learnt_persistence import LearntPersistence
 from homebot.control.leases import LEASE_POLICY, Leases
-from homebot.control.pending import PendingCommand, PendingCommands
+from homebot.control.pending import PendingCommand, PendingCommands, Signal
 from homebot.control.report_watch import ReportWatch
 from homebot.control.response_times import ResponseTimes
 from homebot.control.settings import ControlSettings
@@ -190,7 +190,7 @@ class CommandExecutor:
             await self._learnt.load()
         echoes = self._expected_echoes(command)
         known, recent = ({}, False) if self._witnesses.disproves(command) else self._known(command, echoes)
-        changed = _Signal()
+        changed = Signal()
         pending = PendingCommand(command, known, command.told_by_device, self._clock.monotonic(), changed.set, echoes)
         watch = self._watch.watch(command.part.routes, partial(self._take, pending))
         self._answers.expect(pending)
@@ -205,6 +205,8 @@ class CommandExecutor:
                 await asyncio.sleep(_REHEARSED)
                 return rehearsed_result(assumed, pending.wanted)
             outcome = await self._send_and_verify(pending, changed)
+            if isinstance(outcome, NoAnswer) and await self._is_gone(command):
+                return result_of(Gone(command_id=command.id))
             if echoes is not NO_ECHOES:
                 self._note_echoes(pending, outcome)
             if isinstance(outcome, NoAnswer | Contradicted):
@@ -218,6 +220,14 @@ class CommandExecutor:
                 watch.stop()
             self._answers.forget(pending)
         return result_of(outcome, pending.reported)
+
+    async def _is_gone(self, command: IssuedCommand) -> bool:
+        """Return whether the device or its part was removed while its answer was awaited."""
+        try:
+            device = await self.find_device(command.device.id)
+        except ServiceError:
+            return False
+        return device is None or all(one.id != command.part.id for one in device.parts)
 
     def rehearsed(self, command: IssuedCommand) -> Outcome | None:
         """Return the outcome that a rehearsal assumes of *command*, and note it; None where it is to be sent."""
@@ -234,7 +244,7 @@ class CommandExecutor:
             )
         return outcome
 
-    async def _send_and_verify(self, pending: PendingCommand, changed: _Signal) -> Outcome:
+    async def _send_and_verify(self, pending: PendingCommand, changed: Signal) -> Outcome:
         """Send the command and wait for its outcome, by what the device reports and by what sensors see."""
         watch = self._witnesses.begin(pending.command, changed.set)
         try:
@@ -253,7 +263,7 @@ class CommandExecutor:
         for capability, seconds in pending.response_times():
             self._times.note(pending.command.target, capability, seconds, sendings=pending.sendings)
 
-    async def _send_and_wait(self, pending: PendingCommand, changed: _Signal) -> Outcome:
+    async def _send_and_wait(self, pending: PendingCommand, changed: Signal) -> Outcome:
         """Send the command, again where no answer comes, and wait until its outcome is known."""
         command, clock = pending.command, self._clock
         began = clock.monotonic()
@@ -373,31 +383,6 @@ def rehearsed_result(assumed: Outcome, wanted: tuple[Setting, ...] = ()) -> Comm
     if not assumed.succeeded:
         return result_of(assumed)
     return result_of(assumed, wanted).with_checked(text=f"not sent, and taken for done ({assumed.text})")
-
-
-class _Signal:
-    """Wakes the one task that waits; one that looks before it waits misses nothing.
-
-    A future and a timer of the event loop: an event within a time limit would cost three times as much.
-    """
-
-    def __init__(self) -> None:
-        self._waiter: asyncio.Future[None] | None = None
-
-    def set(self) -> None:
-        """Wake the task, if it waits."""
-        if self._waiter is not None and not self._waiter.done():
-            self._waiter.set_result(None)
-
-    async def wait(self, seconds: float) -> None:
-        """Wait until it is set, for so many seconds at most."""
-        loop = asyncio.get_running_loop()
-        self._waiter = loop.create_future()
-        timer = loop.call_later(seconds, self.set)
-        try:
-            await self._waiter
-        finally:
-            timer.cancel()
 
 
 def _settings_text(command: IssuedCommand) -> str:

@@ -1,7 +1,8 @@
-"""Commands whose outcome is not known yet, and the reports about each. Pure."""
+"""Commands whose outcome is not known yet, and the reports about each."""
 
 from __future__ import annotations
 
+import asyncio
 import math
 from collections.abc import Callable, Iterable
 from typing import Final, TypeAlias, final
@@ -23,7 +24,7 @@ from homebot.devices.outcomes import (
 )
 from homebot.devices.value import PlainValue, Value
 
-__all__ = ["PendingCommand", "PendingCommands"]
+__all__ = ["PendingCommand", "PendingCommands", "Signal"]
 
 _Place: TypeAlias = tuple[str, str, str]
 
@@ -353,3 +354,29 @@ class PendingCommands:
                     continue
                 if other == capability or changes(other, older.command.settings[other], capability, value):
                     older.supersede(command.id)
+
+
+@final
+class Signal:
+    """Wakes the one task that waits for news of a command; one that looks before it waits misses nothing.
+
+    A future and a timer of the event loop: an event within a time limit would cost three times as much.
+    """
+
+    def __init__(self) -> None:
+        self._waiter: asyncio.Future[None] | None = None
+
+    def set(self) -> None:
+        """Wake the task, if it waits."""
+        if self._waiter is not None and not self._waiter.done():
+            self._waiter.set_result(None)
+
+    async def wait(self, seconds: float) -> None:
+        """Wait until it is set, for so many seconds at most."""
+        loop = asyncio.get_running_loop()
+        self._waiter = loop.create_future()
+        timer = loop.call_later(seconds, self.set)
+        try:
+            await self._waiter
+        finally:
+            timer.cancel()
