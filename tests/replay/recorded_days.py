@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import asyncio
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import AsyncIterator, Mapping, Sequence
+from contextlib import asynccontextmanager
 from pathlib import Path
 
+import anyio
 from tests.apps.houses import flat, lamp, motion
 
 from homebot.cli.replay_words import difference_text, part_names
 from homebot.config import parse_config
+from homebot.devices.names import READ_RECORDING, START_RECORDER
+from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import parse_world
+from homebot.messages.std_srvs import Trigger, TriggerRequest
+from homebot.recording.messages import ReadRecording, ReadRecordingRequest
 from homebot.recording.recording import Recording, read_recording
 from homebot.replay.command_diff import CommandDiff, command_diff
 from homebot.replay.replay import Replayed, replay, replay_config
@@ -83,6 +89,26 @@ def recorded_lines(
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
         runner.run(live())
     return sink.lines
+
+
+@asynccontextmanager
+async def recorded_for_client(node: Node, lines: list[str]) -> AsyncIterator[None]:
+    """Record into *lines* for the time of the block, as ``homebot record`` does."""
+    assert (await node.create_client(Trigger, START_RECORDER).call(TriggerRequest())).success
+    reader = node.create_client(ReadRecording, READ_RECORDING)
+    is_last = anyio.Event()
+
+    async def read() -> None:
+        is_over = False
+        while not is_over:
+            answer = await reader.call(ReadRecordingRequest(is_last=is_last.is_set()))
+            lines.extend(answer.lines)
+            is_over = answer.is_over
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(read)
+        yield
+        is_last.set()
 
 
 def recording_of(lines: Sequence[str]) -> Recording:

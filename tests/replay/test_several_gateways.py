@@ -10,19 +10,17 @@ from random import Random
 import anyio
 import pytest
 from tests.apps.houses import flat, lamp, motion
-from tests.replay.recorded_days import APPS, diff_of, recorded, recording_of, replayed, texts
+from tests.replay.recorded_days import APPS, diff_of, recorded, recorded_for_client, recording_of, replayed, texts
 
 import homebot.apps.lights_out
 from homebot.clock import LoopClock
 from homebot.config import parse_config
-from homebot.devices.names import MERGE_DEVICES, READ_RECORDING, START_RECORDER
+from homebot.devices.names import MERGE_DEVICES
 from homebot.devices.services import MergeDevices, MergeDevicesRequest
 from homebot.graph import Node
 from homebot.house.description import load_world
-from homebot.messages.std_srvs import Trigger, TriggerRequest
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
-from homebot.recording.messages import ReadRecording, ReadRecordingRequest
 from homebot.recording.recording import Recording
 from homebot.runtime import Runtime
 from homebot.virtual_time import VirtualTimeLoop
@@ -73,26 +71,13 @@ async def live(lines: list[str]) -> None:
             random=random,
         ) as runtime,
         Node(runtime.graph, "owner") as owner,
-        anyio.create_task_group() as tasks,
     ):
         await anyio.sleep(60)
-        assert (await owner.create_client(Trigger, START_RECORDER).call(TriggerRequest())).success
-        reader = owner.create_client(ReadRecording, READ_RECORDING)
-        is_last = anyio.Event()
-
-        async def read() -> None:
-            is_over = False
-            while not is_over:
-                answer = await reader.call(ReadRecordingRequest(is_last=is_last.is_set()))
-                lines.extend(answer.lines)
-                is_over = answer.is_over
-
-        tasks.start_soon(read)
-        await anyio.sleep(1740)
-        merge = owner.create_client(MergeDevices, MERGE_DEVICES)
-        assert (await merge.call(MergeDevicesRequest(devices=("study_moti", "study_relay")))).success
-        await anyio.sleep(1800)
-        is_last.set()
+        async with recorded_for_client(owner, lines):
+            await anyio.sleep(1740)
+            merge = owner.create_client(MergeDevices, MERGE_DEVICES)
+            assert (await merge.call(MergeDevicesRequest(devices=("study_moti", "study_relay")))).success
+            await anyio.sleep(1800)
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ without.
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Mapping
+from collections.abc import Awaitable, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -87,6 +87,7 @@ class Control:
         journal_file: Where the journal, and what commands teach, is kept over a restart; None for nowhere.
         store: Keeps them in place of a file.
         rehearsal: Answers commands in place of the devices; None where they are sent.
+        detected: Motion sensors that detected somebody before; see :meth:`detected`.
     """
 
     def __init__(
@@ -100,6 +101,7 @@ class Control:
         journal_file: Path | None = None,
         store: JournalStore | None = None,
         rehearsal: Rehearsal | None = None,
+        detected: Iterable[str] = (),
     ) -> None:
         self._node = node
         self._given_settings = settings
@@ -108,6 +110,7 @@ class Control:
         self._given_store = store
         self._changes = ExplainedChanges()
         self._rehearsal = rehearsal
+        self._detected = detected
         is_dry_run = rehearsal is not None and rehearsal.is_live
         self._house_watch = HouseWatch(node, self._changes, lambda: self._journal, is_dry_run=is_dry_run)
         self._grants = grants
@@ -176,6 +179,10 @@ class Control:
             self._words = CommandService(self._node, self.perform)
         return await self._words.serve(request)
 
+    async def detected(self) -> tuple[str, ...]:
+        """Return the motion sensors that have ever detected somebody: the presence guard believes only them."""
+        return await self._judge.detected() if self._settings.needs_house else ()
+
     async def hold(self, request: HoldRequest) -> LeaseResponse:
         """Command a value of a part and hold it for somebody."""
         return await self._leasing().hold(request)
@@ -242,7 +249,14 @@ class Control:
     def _judge(self) -> Judge:
         from homebot.control.judge import Judge  # noqa: PLC0415 - see above
 
-        return Judge(self._node, self._settings, self._grants, self._journal, trusts_apps=self._trusts_apps)
+        return Judge(
+            self._node,
+            self._settings,
+            self._grants,
+            self._journal,
+            trusts_apps=self._trusts_apps,
+            detected=self._detected,
+        )
 
     @cached_property
     def _approvals(self) -> Approvals:

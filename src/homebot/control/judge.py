@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import tzinfo
 from functools import lru_cache
 from typing import Final, final
@@ -45,6 +45,7 @@ class Judge:
         grants: The scope of each node that may not command everything, by its full name.
         journal: Notes the verdicts of policies that a command concerns.
         trusts_apps: Whether nodes without a scope may command what always asks.
+        detected: Motion sensors that detected somebody before.
     """
 
     def __init__(
@@ -55,6 +56,7 @@ class Judge:
         journal: CommandJournal,
         *,
         trusts_apps: bool,
+        detected: Iterable[str] = (),
     ) -> None:
         self._node = node
         self._clock = node.graph.clock
@@ -66,6 +68,7 @@ class Judge:
         self._learnt = LearntPersistence(node, journal.store)
         self._house = House(Detections(self._learnt.keeper(DETECTION)))
         self._learnt.add(DETECTION, self._house.detections)
+        self._house.detections.take_over(detected)
         self._recent = RecentCommands()
         self._zone = _zone(settings.time_zone)
         self._ahead = self._clock.now() - self._clock.monotonic()
@@ -103,6 +106,13 @@ class Judge:
         named = ", ".join(names[:_MOST_NAMED]) + (", …" if len(names) > _MOST_NAMED else "")
         count = "1 motion sensor has" if len(names) == 1 else f"{len(names)} motion sensors have"
         return (f"{count} never detected anybody, so apps turn off nothing there; walk past: {named}",)
+
+    async def detected(self) -> tuple[str, ...]:
+        """Return the motion sensors that have ever detected somebody, as far as a policy needs them."""
+        if self._settings.presence_guard is None:
+            return ()
+        await self._learnt.load()
+        return self._house.detections.sensors
 
     def rights(self, issuer: str) -> ClientRights:
         """Return the rights of *issuer*, by the configuration; those of a client of the door were checked before."""

@@ -89,6 +89,7 @@ class RecordingHeader(Message):
         trusts_apps: Whether apps may command what always asks without a grant, as in a simulated house.
         control: The table ``[control]``, as the text of a JSON object.
         places: The table ``[places]``, as the text of a places file; empty for none.
+        detected: The motion sensors that had detected somebody by then, where there is a presence guard.
         apps: The apps.
     """
 
@@ -99,6 +100,7 @@ class RecordingHeader(Message):
     trusts_apps: bool = False
     control: str = "{}"
     places: str = ""
+    detected: tuple[str, ...] = ()
     apps: tuple[RecordedApp, ...] = ()
 
 

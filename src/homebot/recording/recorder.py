@@ -65,6 +65,7 @@ class RunFacts:
     control: str = "{}"
     trusts_apps: bool = False
     places: str = ""
+    detected: tuple[str, ...] = ()
 
 
 @final
@@ -144,6 +145,7 @@ class Recorder:
             trusts_apps=facts.trusts_apps,
             control=facts.control,
             places=facts.places,
+            detected=facts.detected,
             apps=facts.apps,
         )
         self._first_devices = frozenset(one.id for one in devices)

@@ -109,6 +109,7 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
         trusts_apps=recording.header.trusts_apps,
         rehearsal=outcomes,
         known=(*recording.index, *ids_to_come(recording)),
+        detected=recording.header.detected,
     )
     async with Node(runtime.graph, "replay", namespace="/homebot") as node:
         began, news = clock.now(), CommandNews()

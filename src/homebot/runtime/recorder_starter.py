@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -12,10 +12,9 @@ from homebot.devices.names import START_RECORDER
 from homebot.graph import Node
 from homebot.isolation import run_as
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
-from homebot.runtime.plan import Plan
 
 if TYPE_CHECKING:
-    from homebot.control import ControlSettings
+    from homebot.recording.recorder import RunFacts
 
 __all__ = ["RecorderStarter"]
 
@@ -29,16 +28,12 @@ class RecorderStarter:
 
     Args:
         node: The node of the runtime, in whose tasks the recorder works.
-        plan: The run.
-        control: Returns the settings that the control layer has in truth.
-        trusts_apps: Whether apps may command what always asks.
+        facts: Returns the facts of the run.
     """
 
-    def __init__(self, node: Node, plan: Plan, control: Callable[[], ControlSettings], *, trusts_apps: bool) -> None:
+    def __init__(self, node: Node, facts: Callable[[], Awaitable[RunFacts]]) -> None:
         self._node = node
-        self._plan = plan
-        self._control = control
-        self._trusts_apps = trusts_apps
+        self._facts = facts
         self._is_busy = False
         node.create_service(Trigger, START_RECORDER, self._start)
 
@@ -54,10 +49,9 @@ class RecorderStarter:
 
     async def _record(self, ready: anyio.Event) -> None:
         from homebot.recording.session import record_for_client  # noqa: PLC0415 - for those who record
-        from homebot.runtime.run_facts import run_facts  # noqa: PLC0415 - likewise
 
         try:
-            facts = run_facts(self._plan, self._control(), trusts_apps=self._trusts_apps)
+            facts = await self._facts()
             async with Node(self._node.graph, "recorder", namespace=self._node.full_name) as node:
                 await run_as(node.full_name, partial(record_for_client, node, facts, ready))
         finally:

@@ -16,7 +16,7 @@ __all__ = ["run_facts"]
 _SCOPE = "act: "
 
 
-def run_facts(plan: Plan, control: ControlSettings, *, trusts_apps: bool) -> RunFacts:
+def run_facts(plan: Plan, control: ControlSettings, *, trusts_apps: bool, detected: tuple[str, ...]) -> RunFacts:
     """Return the facts of a run of *plan*, with the settings of *control* that it has in truth, without secrets."""
     apps = []
     for app in plan.apps:
@@ -25,7 +25,8 @@ def run_facts(plan: Plan, control: ControlSettings, *, trusts_apps: bool) -> Run
             settings[ACT] = [one.removeprefix(_SCOPE) for one in scope if one.startswith(_SCOPE)]
         kind = f"{app.kind.__module__}:{app.kind.__qualname__}"
         apps.append(RecordedApp(name=app.name, kind=kind, settings=json.dumps(settings)))
-    return RunFacts(plan.home, tuple(apps), json.dumps(public_settings(control)), trusts_apps, _places(plan))
+    table = json.dumps(public_settings(control))
+    return RunFacts(plan.home, tuple(apps), table, trusts_apps, _places(plan), detected)
 
 
 def _places(plan: Plan) -> str:

@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from homebot.devices.services import IndexRow
     from homebot.house import World
     from homebot.recording.line_sink import LineSink
+    from homebot.recording.recorder import RunFacts
 
 __all__ = ["Runtime"]
 
@@ -89,6 +90,7 @@ class Runtime:
             would have been sent.
         rehearsal: Answers commands in place of the devices, as in a replay; by default that of a dry run, if it is one.
         known: What the directory knows at the start where there is no *index_file*, as in a replay.
+        detected: Motion sensors that detected somebody before, likewise.
 
     Attributes:
         graph: The graph on which everything meets.
@@ -116,6 +118,7 @@ class Runtime:
         is_dry_run: bool = False,
         rehearsal: Rehearsal | None = None,
         known: Sequence[IndexRow] = (),
+        detected: Sequence[str] = (),
     ) -> None:
         self._network = None if house is None else network_of(house)
         own_gateways = frozenset(config.gateways)
@@ -143,6 +146,8 @@ class Runtime:
         self._is_dry_run = is_dry_run
         self._rehearsal = rehearsal
         self._known = known
+        self._detected = detected
+        self._controller: Control | None = None
         self._index_file = index_file
         self._loop_watch = loop_watch
         self._lost_lines = lost_lines
@@ -198,7 +203,7 @@ class Runtime:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         RuntimeHealth(main, self.supervisor, self._loop_watch, self._lost_lines)
-        RecorderStarter(main, self._plan, lambda: self._control_settings, trusts_apps=self._trusts_apps)
+        RecorderStarter(main, self._run_facts)
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(self._resolved(gateway) for gateway in self._plan.gateways)
@@ -317,7 +322,7 @@ class Runtime:
         async with Node(self.graph, "control") as node:
             index, is_kept = self._index_file, self._plan.discovery.persist
             journal = index.with_name(JOURNAL_FILE) if index is not None and is_kept else None
-            control = Control(
+            self._controller = Control(
                 node,
                 self._plan.control,
                 self._plan.grants,
@@ -325,8 +330,9 @@ class Runtime:
                 approves_all=self._approves_all,
                 journal_file=journal,
                 rehearsal=self._rehearses,
+                detected=self._detected,
             )
-            await run_as(node.full_name, partial(control.serve, task_status=task_status))
+            await run_as(node.full_name, partial(self._controller.serve, task_status=task_status))
 
     @property
     def _control_settings(self) -> ControlSettings:
@@ -335,12 +341,17 @@ class Runtime:
         settings = self._plan.control or ControlSettings()
         return settings.model_copy(update={"approvals": False}) if self._approves_all else settings
 
+    async def _run_facts(self) -> RunFacts:
+        from homebot.runtime.run_facts import run_facts  # noqa: PLC0415 - for those who record
+
+        detected = () if self._controller is None else await self._controller.detected()
+        return run_facts(self._plan, self._control_settings, trusts_apps=self._trusts_apps, detected=detected)
+
     def _record(self, sink: LineSink) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
             from homebot.recording.session import record_into  # noqa: PLC0415 - for those who record
-            from homebot.runtime.run_facts import run_facts  # noqa: PLC0415 - likewise
 
-            facts = run_facts(self._plan, self._control_settings, trusts_apps=self._trusts_apps)
+            facts = await self._run_facts()
             async with Node(self.graph, "file_recorder", namespace="/homebot") as node:
                 await run_as(node.full_name, partial(record_into, node, facts, sink, task_status=task_status))
 

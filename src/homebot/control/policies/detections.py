@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Iterable
 from typing import Final, Literal, final
 
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -61,6 +62,17 @@ class Detections:
         if self._kept_at.pop(sensor, None) is not None:
             self._save(sensor, "")
 
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """All of them, the one that is forgotten next first."""
+        return tuple(self._kept_at)
+
+    def take_over(self, sensors: Iterable[str]) -> None:
+        """Take over *sensors*, which detected somebody in another run."""
+        for sensor in sensors:
+            if sensor not in self._kept_at:
+                self._put(sensor, 0.0)
+
     def restore(self, name: str, record: str) -> None:
         """Take over a sensor that detected somebody in an earlier run.
 
@@ -77,8 +89,7 @@ class Detections:
             raise WireError(f"it is no detection: {exc.errors()[0]['msg']}", record.encode()) from exc
         if name != row.sensor:
             raise WireError("its name is that of another", record.encode())
-        if name not in self._kept_at:
-            self._put(name, 0.0)
+        self.take_over((name,))
 
     def _put(self, sensor: str, kept_at: float) -> None:
         self._kept_at[sensor] = kept_at
