@@ -394,6 +394,16 @@ async def test_who_renews_or_releases_what_it_does_not_hold_changes_nothing(open
         assert isinstance(await door.close(), Refused)
 
 
+async def test_who_releases_hears_what_became_of_the_newest_command(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door):
+        assert (await hold(home, request(door))).held
+        release = home.app.create_client(ReleaseLease, RELEASE_LEASE)
+        mine = HolderRequest(lease="1", by="robot", issuer="client:robot")
+        answers = [await release.call(mine) for _ in range(2)]
+        assert [one.held for one in answers] == [False, False]
+        assert [one.result.outcome for one in answers] == ["confirmed", "refused"]
+
+
 def test_of_those_whose_leases_were_ended_the_newest_are_remembered() -> None:
     leases = Leases(300)
 

@@ -124,11 +124,12 @@ class LeaseKeeper:
         return LeaseResponse(held=True, result=self._state(lease, now))
 
     def release(self, request: HolderRequest) -> LeaseResponse:
-        """Let a holder hold no more; one that holds nothing is fine."""
+        """Let a holder hold no more, and tell it how things are; one that holds nothing is refused."""
+        response = self.renew(request)
         lease = self._release(_key(request))
         if lease is not None:
             self._log("control.released", lease, f"is no longer held {held_text(lease.value)} by {request.by}")
-        return LeaseResponse(held=False, result=result_of(Refused(LEASE_POLICY, "it was released")))
+        return response.with_checked(held=False)
 
     def held_parts(self, request: GetLeasesRequest) -> LeasesResponse:
         """Return the parts that are held."""
