@@ -52,6 +52,26 @@ async def server(value: resource.Resource, port: int, credentials: CredentialsMa
         await context.shutdown()
 
 
+async def test_a_device_is_reached_although_the_network_refuses_others_at_that_moment() -> None:
+    """Linux tells the next sender of what is refused, whomever it sends to."""
+    async with server(Value(b"21"), free_port()) as uri, CoapClient.open(5.0, ()) as client:
+        answers: list[bytes] = []
+
+        async def ask_nobody(port: int) -> None:
+            with pytest.raises(LinkError, match="cannot be reached"):
+                await client.request("GET", f"coap://127.0.0.1:{port}/value")
+
+        async def ask() -> None:
+            answers.append((await client.request("GET", uri)).payload)
+
+        for _ in range(5):
+            async with anyio.create_task_group() as tasks:
+                for _ in range(10):
+                    tasks.start_soon(ask_nobody, free_port())
+                    tasks.start_soon(ask)
+        assert answers == [b"21"] * 50
+
+
 async def test_a_long_answer_is_put_together_of_its_blocks_up_to_a_limit() -> None:
     value = Value(bytes(range(256)) * 40)
     async with server(value, free_port()) as uri, CoapClient.open(5.0, ()) as client:

@@ -36,6 +36,9 @@ _MAX_AGE: Final = 60.0
 _MARGIN: Final = 10.0
 """Seconds after the age of a notification at which the observation is registered again; RFC 7641, section 3.3.1."""
 
+_TRIES = 5
+"""Sendings of a request that the network refuses: it tells the next sender, whomever that sends to."""
+
 _ROUNDS = 5
 """Rounds of the event loop."""
 
@@ -203,6 +206,15 @@ class CoapClient:
                 transport.close()
 
     async def _send(self, message: aiocoap.Message) -> aiocoap.Message:
+        """Send a request; again where the network refused it, which it may have said of another device on Linux."""
+        tries = 1 if message.code == Code.POST else _TRIES  # POST may do harm when it comes twice
+        for _ in range(tries - 1):
+            try:
+                return await self._answered(await self._begun(message))
+            except aiocoap.error.NetworkError as exc:
+                if type(exc) is not aiocoap.error.NetworkError:
+                    raise
+                message = message.copy(token=b"", mid=None)
         return await self._answered(await self._begun(message))
 
     async def _begun(self, message: aiocoap.Message) -> aiocoap.interfaces.Request:
