@@ -8,15 +8,15 @@ told apart: it does so after the same time each time, later than a bridge asks, 
 from __future__ import annotations
 
 from collections import OrderedDict, deque
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Annotated, Final, Literal, TypeAlias, final
+from typing import Annotated, Final, TypeAlias, final
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 
-from homebot.errors import WireError
+from homebot.control.learnt_record import KeepLearnt, LearntRecord
 
-__all__ = ["FAST", "NO_ECHOES", "EchoHistory", "ExpectedEchoes", "KeepLearnt"]
+__all__ = ["FAST", "NO_ECHOES", "EchoHistory", "ExpectedEchoes"]
 
 FAST: Final = 0.1
 """Seconds after sending within which a report may be an echo that is not declared."""
@@ -37,9 +37,6 @@ _MOST: Final = 10_000
 
 _Target: TypeAlias = tuple[str, str]
 _Seconds: TypeAlias = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-
-KeepLearnt: TypeAlias = Callable[[str, str, str], None]
-"""Keeps what was learnt over a restart: its name, the record, empty where it is forgotten, and the command's id."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,15 +93,18 @@ class _EchoRecord:
         return sum(self.false_repeats) >= _TOO_MANY
 
 
-class _EchoRow(BaseModel):
-    model_config = ConfigDict(extra="ignore", defer_build=True)
+class _KeptEchoes(LearntRecord):
+    title = "echo that was learnt"
 
-    version: Literal[1] = 1
     target: str
     capability: str
     fast: Annotated[tuple[_Seconds | None, ...], Field(max_length=_KEPT)] = ()
     false_repeats: Annotated[tuple[bool, ...], Field(max_length=_KEPT)] = ()
     answered: Annotated[tuple[bool, ...], Field(max_length=_KEPT)] = ()
+
+    @property
+    def kept_as(self) -> str:
+        return _name(self.target, self.capability)
 
 
 @final
@@ -178,12 +178,7 @@ class EchoHistory:
         Raises:
             WireError: It cannot be read, or is of another version.
         """
-        try:
-            row = _EchoRow.model_validate_json(record)
-        except ValidationError as exc:
-            raise WireError(f"it is no echo that was learnt: {exc.errors()[0]['msg']}", record.encode()) from exc
-        if name != _name(row.target, row.capability):
-            raise WireError("its name is that of another", record.encode())
+        row = _KeptEchoes.read(name, record)
         known = self._record(row.target, row.capability)
         known.fast.extendleft(reversed(row.fast))
         known.false_repeats.extendleft(reversed(row.false_repeats))
@@ -191,14 +186,14 @@ class EchoHistory:
 
     def _save(self, target: str, capability: str, command: str) -> None:
         known = self._known[target, capability]
-        row = _EchoRow(
+        row = _KeptEchoes(
             target=target,
             capability=capability,
             fast=tuple(known.fast),
             false_repeats=tuple(known.false_repeats),
             answered=tuple(known.answered),
         )
-        self._keep(_name(target, capability), row.model_dump_json(), command)
+        self._keep(row.kept_as, row.model_dump_json(), command)
 
     def _is_suspect(self, target: str, capability: str) -> bool:
         return self._of(target, capability).is_suspect

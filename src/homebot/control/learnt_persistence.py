@@ -7,9 +7,9 @@ from typing import Final, Protocol, final
 
 import anyio
 
-from homebot.control.echoes import KeepLearnt
 from homebot.control.journal.learnt_row import LearntRow
 from homebot.control.journal.store import JournalStore
+from homebot.control.learnt_record import KeepLearnt
 from homebot.errors import WireError
 from homebot.graph import Node
 

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Iterable
-from typing import Final, Literal, final
+from typing import Final, final
 
-from pydantic import BaseModel, ConfigDict, ValidationError
-
-from homebot.control.echoes import KeepLearnt
-from homebot.errors import WireError
+from homebot.control.learnt_record import KeepLearnt, LearntRecord
 
 __all__ = ["DETECTION", "Detections"]
 
@@ -21,11 +18,14 @@ _DAY: Final = 86_400.0
 """Seconds after which a row is kept anew: one that is not is dropped with the journal's old entries."""
 
 
-class _DetectionRow(BaseModel):
-    model_config = ConfigDict(extra="ignore", defer_build=True)
+class _KeptDetection(LearntRecord):
+    title = "detection"
 
-    version: Literal[1] = 1
     sensor: str
+
+    @property
+    def kept_as(self) -> str:
+        return self.sensor
 
 
 @final
@@ -55,7 +55,7 @@ class Detections:
         is_due = kept_at is None or abs(at - kept_at) >= _DAY
         self._put(sensor, at if kept_at is None or is_due else kept_at)
         if is_due:
-            self._save(sensor, _DetectionRow(sensor=sensor).model_dump_json())
+            self._save(sensor, _KeptDetection(sensor=sensor).model_dump_json())
 
     def forget(self, sensor: str) -> None:
         """Forget a sensor: another one may come in its place."""
@@ -83,13 +83,7 @@ class Detections:
         Raises:
             WireError: It cannot be read, or is of another version.
         """
-        try:
-            row = _DetectionRow.model_validate_json(record)
-        except ValidationError as exc:
-            raise WireError(f"it is no detection: {exc.errors()[0]['msg']}", record.encode()) from exc
-        if name != row.sensor:
-            raise WireError("its name is that of another", record.encode())
-        self.take_over((name,))
+        self.take_over((_KeptDetection.read(name, record).sensor,))
 
     def _put(self, sensor: str, kept_at: float) -> None:
         self._kept_at[sensor] = kept_at

@@ -6,7 +6,7 @@ from collections import OrderedDict
 from typing import Final, final
 
 from homebot.control.command import IssuedCommand
-from homebot.control.echoes import KeepLearnt
+from homebot.control.learnt_record import KeepLearnt
 from homebot.control.witnesses.activity import Place
 from homebot.control.witnesses.command_watch import CommandWatch, wanted_strength
 from homebot.control.witnesses.disproof import Disproof, disproof_name, disproof_record, read_disproof
@@ -60,7 +60,6 @@ class Disbelief:
         self._learning = learning
         self._keep = keep
         self.parts: OrderedDict[Place, Disproof] = OrderedDict()
-        self._commanded_at: dict[Place, float] = {}
         home.on_change = self._take_change
 
     def concerns(self, place: Place) -> bool:
@@ -78,8 +77,8 @@ class Disbelief:
 
     def note_command(self, command: IssuedCommand) -> None:
         """Note that *command* is given, by whatever way, or is over: what changes now is its effect."""
-        if command.place in self.parts:
-            self._commanded_at[command.place] = self._clock.monotonic()
+        if (disproof := self.parts.get(command.place)) is not None:
+            disproof.commanded_at = self._clock.monotonic()
 
     def resume(self, watch: CommandWatch) -> None:
         """Let *watch* begin where that of the contradicted command did, if that was a moment ago.
@@ -95,7 +94,6 @@ class Disbelief:
     def believe(self, place: Place) -> None:
         """Forget that a part was not believed."""
         if self.parts.pop(place, None) is not None:
-            self._commanded_at.pop(place, None)
             self._keep(disproof_name(place), "", "")
 
     async def contradict(self, watch: CommandWatch, finding: SensorFinding, outcome: Outcome) -> Outcome:
@@ -162,7 +160,7 @@ class Disbelief:
         place = command.place
         self.parts[place] = disproof
         self.parts.move_to_end(place)
-        self._commanded_at[place] = self._clock.monotonic()
+        disproof.commanded_at = self._clock.monotonic()
         self._keep(disproof_name(place), disproof_record(place, disproof), command.id)
         if len(self.parts) > _MOST:
             self.believe(next(iter(self.parts)))
@@ -200,7 +198,7 @@ class Disbelief:
         disproof.reported.add(capability)
         if is_first or place in self._home.activity.commands.values():
             return
-        if self._clock.monotonic() - self._commanded_at.get(place, -_EFFECT) < _EFFECT:
+        if self._clock.monotonic() - disproof.commanded_at < _EFFECT:
             return
         if disproof.covers(strength_of({capability: value}, ())):
             self.believe(place)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
-from typing import Annotated, Final, Literal, TypeAlias
+from typing import Annotated, Final, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 
+from homebot.control.learnt_record import LearntRecord
 from homebot.control.witnesses.activity import Place
 from homebot.control.witnesses.command_watch import CommandWatch
-from homebot.errors import WireError
 
 __all__ = ["Disproof", "disproof_name", "disproof_record", "read_disproof"]
 
@@ -35,6 +36,7 @@ class Disproof:
         unheard: Commands in a row that were disbelieved, at least a minute apart, without any report of the witness.
         watch: The command that was contradicted, as it was watched; None in a later run.
         reported: The capabilities that the part reported in this run.
+        commanded_at: When a command of this run was last given or over, in seconds of the monotonic clock.
     """
 
     before: float
@@ -44,6 +46,7 @@ class Disproof:
     unheard: int = 0
     watch: CommandWatch | None = None
     reported: set[str] = field(default_factory=set)
+    commanded_at: float = -math.inf
 
     def covers(self, strength: float | None) -> bool:
         """Return whether a report of *strength*, 0 to 100, is what the witness did not see."""
@@ -59,10 +62,9 @@ class Disproof:
             self.unheard, self.counted_at = self.unheard + 1, now
 
 
-class _DisproofRow(BaseModel):
-    model_config = ConfigDict(extra="ignore", defer_build=True)
+class _KeptDisproof(LearntRecord):
+    title = "contradiction of a device"
 
-    version: Literal[1] = 1
     device: _Text
     part: _Text
     before: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)]
@@ -70,6 +72,10 @@ class _DisproofRow(BaseModel):
     name: _Text
     counted_at: Annotated[float, Field(allow_inf_nan=False)]
     unheard: Annotated[int, Field(ge=0)]
+
+    @property
+    def kept_as(self) -> str:
+        return disproof_name((self.device, self.part))
 
 
 def disproof_name(place: Place) -> str:
@@ -80,7 +86,7 @@ def disproof_name(place: Place) -> str:
 def disproof_record(place: Place, disproof: Disproof) -> str:
     """Return what an earlier run's *disproof* of a part is read from."""
     device, part = place
-    return _DisproofRow(
+    return _KeptDisproof(
         device=device,
         part=part,
         before=disproof.before,
@@ -97,11 +103,5 @@ def read_disproof(name: str, record: str) -> tuple[Place, Disproof]:
     Raises:
         WireError: It is no such text, of another version, or of another part than *name*.
     """
-    try:
-        row = _DisproofRow.model_validate_json(record)
-    except ValidationError as exc:
-        raise WireError(f"it is no contradiction of a device: {exc.errors()[0]['msg']}", record.encode()) from exc
-    place = row.device, row.part
-    if name != disproof_name(place):
-        raise WireError("its name is that of another", record.encode())
-    return place, Disproof(row.before, row.sensor, row.name, row.counted_at, row.unheard)
+    row = _KeptDisproof.read(name, record)
+    return (row.device, row.part), Disproof(row.before, row.sensor, row.name, row.counted_at, row.unheard)

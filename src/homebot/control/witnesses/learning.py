@@ -8,7 +8,7 @@ from typing import Final, TypeAlias, final
 
 import anyio
 
-from homebot.control.echoes import KeepLearnt
+from homebot.control.learnt_record import KeepLearnt
 from homebot.control.witnesses.activity import Place
 from homebot.control.witnesses.command_watch import CommandWatch
 from homebot.control.witnesses.effect import Effect

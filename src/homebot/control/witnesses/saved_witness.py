@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Final, Literal, TypeAlias
+from typing import Annotated, Final, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 
+from homebot.control.learnt_record import LearntRecord
 from homebot.control.witnesses.effect import Effect
 from homebot.control.witnesses.sensor_resolution import Step
 from homebot.control.witnesses.witness_record import MOST_OBSERVATIONS, Observation
-from homebot.errors import WireError
 
 __all__ = ["SavedWitness", "read_witness", "witness_name", "witness_record"]
 
@@ -45,10 +45,9 @@ class SavedWitness:
     levels: tuple[float, ...]
 
 
-class _WitnessRow(BaseModel):
-    model_config = ConfigDict(extra="ignore", defer_build=True)
+class _KeptWitness(LearntRecord):
+    title = "witness that was learnt"
 
-    version: Literal[1] = 1
     target: str
     sensor: _Place
     observations: Annotated[
@@ -58,6 +57,10 @@ class _WitnessRow(BaseModel):
     seen_in_row: Annotated[int, Field(ge=0)]
     steps: Annotated[tuple[tuple[_Number, _Number, _Positive], ...], Field(max_length=_MOST_STEPS)]
     levels: Annotated[tuple[_Number, ...], Field(max_length=_MOST_LEVELS)]
+
+    @property
+    def kept_as(self) -> str:
+        return witness_name(self.target, self.sensor)
 
 
 def witness_name(target: str, sensor: _Place) -> str:
@@ -81,7 +84,7 @@ def witness_record(known: SavedWitness) -> str:
         )
         for one in known.observations
     )
-    return _WitnessRow(
+    return _KeptWitness(
         target=known.target,
         sensor=known.sensor,
         observations=observations,
@@ -97,12 +100,7 @@ def read_witness(name: str, record: str) -> SavedWitness:
     Raises:
         WireError: It is no such text, of another version, or of other sensors than *name*.
     """
-    try:
-        row = _WitnessRow.model_validate_json(record)
-    except ValidationError as exc:
-        raise WireError(f"it is no witness that was learnt: {exc.errors()[0]['msg']}", record.encode()) from exc
-    if name != witness_name(row.target, row.sensor):
-        raise WireError("its name is that of another", record.encode())
+    row = _KeptWitness.read(name, record)
     observations = tuple(
         Observation(Effect(rises, size, looks), before, change, delay, swing, fell_silent)
         for rises, size, looks, before, change, delay, swing, fell_silent in row.observations
