@@ -157,13 +157,18 @@ async def test_a_lamp_whose_witness_moved_to_another_room_is_believed_again(open
         assert await toggle(lamp, 1) == [REPORTED]
 
 
+def put_back(home: Home) -> None:
+    """The lamp and the sensor are there again."""
+    home.put("lamp", "light", "on_off", area="Hall")
+    home.put("lux", "light_sensor", readable=("illuminance",), area="Hall")
+
+
 async def test_a_liar_is_not_believed_after_a_restart(open_home: OpenHome) -> None:
     store, clock = KeptStore(), LoopClock()
     async with open_home(store=store, clock=clock) as home:
         await liar(home)
     async with open_home(store=store, clock=clock) as home:
-        home.put("lamp", "light", "on_off", area="Hall")
-        home.put("lux", "light_sensor", readable=("illuminance",), area="Hall")
+        put_back(home)
         home.behaviours["lamp"] = obey
         await home.report("lamp", "on_off", True)  # as it said before: that is no hand
         lamp = await home.handle(Light, "lamp")
@@ -176,8 +181,7 @@ async def test_a_first_report_after_a_restart_is_no_hand(open_home: OpenHome) ->
     async with open_home(store=store, clock=clock) as home:
         await liar(home)
     async with open_home(store=store, clock=clock) as home:
-        home.put("lamp", "light", "on_off", area="Hall")
-        home.put("lux", "light_sensor", readable=("illuminance",), area="Hall")
+        put_back(home)
         home.behaviours["lamp"] = ignore
         await home.report("lux", "illuminance", 0.0)
         lamp = await home.handle(Light, "lamp")

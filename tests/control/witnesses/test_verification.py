@@ -233,19 +233,6 @@ async def follow_with_contact(home: Home, command: Command) -> None:
     home.later(0.9, "contact", "contact", wanted == "open")
 
 
-async def test_two_lamps_that_lie_at_once_are_a_stuck_sensor(open_home: OpenHome) -> None:
-    """The first is contradicted, the second not: the sensor has not moved in between."""
-    async with open_home() as home:
-        lamp = await room(home, other=shining("lux", 150.0))
-        other = await home.handle(Light, "other")
-        await toggle(lamp, 12)
-        await toggle(other, 12)
-        home.behaviours["lamp"] = home.behaviours["other"] = obey
-        assert isinstance(await lamp.turn_on(), Contradicted)
-        await anyio.sleep(60)
-        assert await toggle(other, 1) == [REPORTED]
-
-
 async def test_a_witness_makes_up_for_a_lost_report(open_home: OpenHome) -> None:
     async with open_home() as home:
         lamp = await room(home)
