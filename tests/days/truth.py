@@ -13,8 +13,8 @@ from homebot.house import World
 from homebot.house.devices import CoverMotor
 from homebot.house.event_log import Event, WorldLog
 from homebot.house.faults import Silent, unwrap
+from homebot.house.placed import Placed
 from homebot.house.sensors import MotionSensor, SimulatedContactSensor
-from homebot.house.world import Placed
 
 __all__ = ["GroundTruth", "TruthfulCommand", "annoys", "is_off", "is_on"]
 

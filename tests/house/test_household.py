@@ -30,6 +30,9 @@ class Watch:
     def stirred(self, room: str) -> None:
         self.seen.append((self.now, room))
 
+    def sat_still(self, room: str) -> None:
+        self.seen.append((self.now, f"still in {room}"))
+
 
 def lived(watch: Watch, *people: Person) -> Household:
     """A day of *people*."""

@@ -45,10 +45,11 @@ from homebot.house.faults import unwrap
 from homebot.house.household import Habit, Person
 from homebot.house.kinds import FAULTS, KINDS, Surroundings
 from homebot.house.network import FAMILIES, kinds_of
+from homebot.house.placed import Placed, ScheduledCommand
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.sensors import PowerMeter
 from homebot.house.simulated_device import SimulatedDevice
-from homebot.house.world import Placed, ScheduledCommand, World
+from homebot.house.world import World
 from homebot.similar import unknown_key
 from homebot.toml_file import read_toml
 
@@ -150,6 +151,7 @@ class _HabitTable(_Strict):
     room: str
     jitter: float = Field(default=0.0, ge=0.0, le=43_200.0)
     asleep: bool = False
+    still: float = Field(default=0.0, ge=0.0, le=86_400.0)
 
 
 class _PersonTable(_Strict):
@@ -219,7 +221,7 @@ def _person(name: str, table: Table, rooms: Rooms, source: str) -> Person:
             rooms.path(person.starts_in, habit.room)
         except UsageError as exc:
             raise ConfigError(source, where, str(exc)) from exc
-    day = tuple(Habit(_seconds(habit.at), habit.room, habit.jitter, habit.asleep) for habit in person.day)
+    day = tuple(Habit(_seconds(one.at), one.room, one.jitter, one.asleep, one.still) for one in person.day)
     return Person(name, day, person.starts_in, person.asleep, person.speed)
 
 

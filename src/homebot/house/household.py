@@ -11,7 +11,10 @@ from typing import Protocol
 from homebot.house.rooms import DAY, OUTSIDE, Rooms
 from homebot.timer_queue import TimerQueue
 
-__all__ = ["Habit", "Household", "MovementObserver", "Person", "Visit"]
+__all__ = ["MOVES", "Habit", "Household", "MovementObserver", "Person", "Visit"]
+
+MOVES = 20.0
+"""Seconds for which somebody who sits still moves after coming in, and each time in between."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,12 +26,15 @@ class Habit:
         room: Where to.
         jitter: Seconds by which it may be earlier or later; uniform.
         asleep: Whether they lie still there, in the dark.
+        still: Seconds for which they sit still there, awake, between two short movements, as somebody does who reads;
+            0 for somebody who moves all the time.
     """
 
     at: float
     room: str
     jitter: float = 0.0
     asleep: bool = False
+    still: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +45,13 @@ class Visit:
         at: Seconds since the first midnight.
         room: Where to.
         asleep: Whether to sleep there.
+        still: As of :class:`Habit`.
     """
 
     at: float
     room: str
     asleep: bool
+    still: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,11 +76,11 @@ class Person:
         """Return the visits of *day*, 0 for the first, in time order; the same for the same *seed*."""
         rng = random.Random(f"{seed}/{self.name}/{day}")  # noqa: S311  # numbers of a game, no secrets
         drawn = [
-            Visit(min(DAY - 1.0, max(0.0, habit.at + rng.uniform(-1.0, 1.0) * habit.jitter)), habit.room, habit.asleep)
-            for habit in self.day
+            (min(DAY - 1.0, max(0.0, habit.at + rng.uniform(-1.0, 1.0) * habit.jitter)), habit) for habit in self.day
         ]
         return tuple(
-            Visit(day * DAY + visit.at, visit.room, visit.asleep) for visit in sorted(drawn, key=lambda v: v.at)
+            Visit(day * DAY + at, habit.room, habit.asleep, habit.still)
+            for at, habit in sorted(drawn, key=lambda one: one[0])
         )
 
 
@@ -88,18 +96,27 @@ class MovementObserver(Protocol):
         ...
 
     def stirred(self, room: str) -> None:
-        """Take note that a person set out, arrived or passed in *room*; called after the above."""
+        """Take note that a person set out, arrived, passed or moved in *room*; called after the above."""
+        ...
+
+    def sat_still(self, room: str) -> None:
+        """Take note that a person in *room* moves no longer, and is awake."""
         ...
 
 
 @dataclass(eq=False)
 class _Body:
-    """A person's place; ``walk`` counts the walks, so that an older one ends where a newer begins."""
+    """A person's place; ``walk`` counts the walks, so that an older one ends where a newer begins.
+
+    ``still`` is as of their habit, and ``moves`` whether they move meanwhile.
+    """
 
     person: Person
     room: str
     asleep: bool
     walk: int = 0
+    still: float = 0.0
+    moves: bool = True
 
 
 class Household:
@@ -147,9 +164,19 @@ class Household:
         """Return how many are awake in *room*."""
         return sum(body.room == room and not body.asleep for body in self._bodies)
 
+    def moving_in(self, room: str) -> int:
+        """Return how many are awake in *room* and do not sit still."""
+        return sum(body.room == room and not body.asleep and body.moves for body in self._bodies)
+
+    def stir(self, room: str) -> None:
+        """Let those who sit still in *room* move for a moment."""
+        for body in self._bodies:
+            if body.room == room and not body.moves:
+                self._move(body, body.walk)
+
     def _set_out(self, body: _Body, visit: Visit) -> None:
         body.walk += 1
-        body.asleep = False
+        body.asleep, body.still, body.moves = False, 0.0, True
         self._walk(body, body.walk, visit, self._rooms.path(body.room, visit.room))
 
     def _walk(self, body: _Body, walk: int, visit: Visit, way: tuple[str, ...]) -> None:
@@ -160,10 +187,24 @@ class Household:
             self._observer.passed(body.person.name, left, body.room)
             self._observer.stirred(left)
         if len(way) == 1:
-            body.asleep = visit.asleep
+            body.asleep, body.still = visit.asleep, visit.still
             if body.asleep:
                 self._observer.lay_down(body.person.name, body.room)
+            elif body.still:
+                self._queue.set(object(), self._clock() + MOVES, partial(self._sit, body, walk))
         else:
             seconds = self._rooms.metres(way[0], way[1]) / body.person.speed
             self._queue.set(object(), self._clock() + seconds, partial(self._walk, body, walk, visit, way[1:]))
         self._observer.stirred(body.room)
+
+    def _sit(self, body: _Body, walk: int) -> None:
+        if walk == body.walk and body.moves:
+            body.moves = False
+            self._queue.set(object(), self._clock() + body.still, partial(self._move, body, walk))
+            self._observer.sat_still(body.room)
+
+    def _move(self, body: _Body, walk: int) -> None:
+        if walk == body.walk and not body.moves:
+            body.moves = True
+            self._queue.set(object(), self._clock() + MOVES, partial(self._sit, body, walk))
+            self._observer.stirred(body.room)

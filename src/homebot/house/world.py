@@ -17,13 +17,14 @@ from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, 
 from homebot.house.event_log import Event, Verb, WorldLog
 from homebot.house.faults import unwrap
 from homebot.house.household import Household, Person
+from homebot.house.placed import Placed, ScheduledCommand
 from homebot.house.robot import Robot
 from homebot.house.rooms import DAY, OUTSIDE, Room, Rooms, daylight, weather
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.timer_queue import TimerQueue
 
-__all__ = ["Placed", "ScheduledCommand", "World"]
+__all__ = ["World"]
 
 SAMPLE = 300.0
 """Seconds between two looks at sun and weather."""
@@ -40,38 +41,6 @@ DOOR_LOCKS = 15.0
 
 
 @dataclass(frozen=True, slots=True)
-class Placed:
-    """A device in its place.
-
-    Attributes:
-        device: The device, with its faults.
-        room: Where it is.
-        door: For a contact or a lock: the room on the other side of the door it is on.
-        dialect: Its family where it is carried over a wire, by name.
-    """
-
-    device: SimulatedDevice
-    room: str
-    door: str = ""
-    dialect: str = "thesis"
-
-
-@dataclass(frozen=True, slots=True)
-class ScheduledCommand:
-    """A command that a timer gives every day.
-
-    Attributes:
-        at: Seconds since midnight.
-        device_id: The device.
-        command: What.
-    """
-
-    at: float
-    device_id: str
-    command: str
-
-
-@dataclass(frozen=True, slots=True)
 class _Drive:
     """A robot's place, and whether it drives; the same for all that is no robot."""
 
@@ -81,11 +50,15 @@ class _Drive:
 
 @dataclass(eq=False)
 class _PlacedDevice:
-    """A device, what is under its faults, and how long the door it is on stays open."""
+    """A device, what is under its faults, and the door it is on.
+
+    The door is open until ``open_until`` because somebody went through, or because hands ``left_open`` it.
+    """
 
     placed: Placed
     real: SimulatedDevice
     open_until: float = 0.0
+    left_open: bool = False
 
 
 _NOWHERE = _Drive()
@@ -222,6 +195,15 @@ class World:
         """Return how many are awake in *room*."""
         return self._household.awake_in(room)
 
+    def is_open(self, device_id: str) -> bool:
+        """Return whether the door or window that a contact is on is open, whatever the contact reports.
+
+        Raises:
+            UsageError: There is no such device.
+        """
+        entry = self._find(device_id)
+        return entry.left_open or self.now < entry.open_until
+
     def lux(self, room: str) -> float:
         """Return how bright *room* is: the sun through its windows and covers, and its lamps.
 
@@ -262,6 +244,10 @@ class World:
         for entry in self._in_room[room]:
             if wish and isinstance(entry.real, SimulatedLamp) and entry.real.state() != wish:
                 self._switch(entry, wish)
+
+    def sat_still(self, room: str) -> None:
+        """Show that somebody moves no longer to the sensors of *room*. For the household alone."""
+        self._show_motion(room)
 
     def _check(self) -> None:
         for entry in self._entries.values():
@@ -308,7 +294,7 @@ class World:
         if self.now < entry.open_until:
             return  # somebody else came through
         if isinstance(entry.real, SimulatedContactSensor):
-            self._feel(entry, 0.0)
+            self._feel(entry, float(entry.left_open))
         else:
             self._switch(entry, "lock")
 
@@ -320,6 +306,10 @@ class World:
     def _switch(self, entry: _PlacedDevice, command: str) -> None:
         command = command[:LONGEST_COMMAND]
         self._note(entry.placed.device.device_id, "switch", command)
+        if isinstance(entry.real, SimulatedContactSensor) and command in {"open", "close"}:
+            entry.left_open, entry.open_until = command == "open", self.now
+            self._feel(entry, float(entry.left_open))
+            return
         self._act(entry, lambda device: device.operate_manually(command, self.now))
 
     def _feel(self, entry: _PlacedDevice, value: float) -> None:
@@ -364,7 +354,7 @@ class World:
         drives = sum(_drive(entry.real) == _Drive(room, drives=True) for entry in self._entries.values())
         for entry in self._devices_in(room):
             if isinstance(entry.real, MotionSensor):
-                self._feel(entry, float(self._household.awake_in(room) + drives))
+                self._feel(entry, float(self._household.moving_in(room) + drives))
 
     def _show_light(self, room: str) -> None:
         for entry in self._in_room[room]:
@@ -388,6 +378,7 @@ class World:
             self._show_light(room)
             is_dark = self.lux(room) < DARK
             if is_dark and self._was_dark.get(room) is False:
+                self._household.stir(room)  # who sits there gets up for the switch
                 self.stirred(room)
             self._was_dark[room] = is_dark
         self._queue.set(object(), self.now + SAMPLE, self._sample)
