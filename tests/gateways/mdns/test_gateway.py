@@ -236,6 +236,19 @@ async def test_a_device_that_lost_its_power_is_removed_when_its_record_has_run_o
         assert (await home.seen()).kind == "appeared"
 
 
+async def test_a_device_that_does_not_answer_by_multicast_is_kept_only_while_it_is_connected() -> None:
+    lamp = LampServer()
+    async with house() as home:
+        async with lamp.listening():
+            await home.computer.announce("Hall", lamp.port)
+            await home.reported("reachable", True)
+            assert home.gateway.keep(KEY)
+        await lamp.hang_up()
+        await home.reported("reachable", False)
+        assert not home.gateway.keep(KEY)
+        assert not home.gateway.keep(f"Attic.{SERVICE_TYPE}")
+
+
 async def test_a_device_that_sleeps_stays_listed_and_is_connected_to_when_it_is_back() -> None:
     lamp = LampServer()
     async with house(sleeping={"Hall": 3600.0}) as home:

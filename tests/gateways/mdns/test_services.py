@@ -19,6 +19,7 @@ from homebot.gateways.mdns.services import (
     CHANGE_EVERY,
     CHANGES_AT_ONCE,
     GRACE,
+    KEPT_AGAIN,
     MAX_WAITING,
     PER_SECOND,
     Services,
@@ -99,6 +100,7 @@ class RecordingHandler:
     refused: list[tuple[str, str]] = field(default_factory=list)
     delayed: list[str] = field(default_factory=list)
     lets_in: bool = True
+    connected: set[str] = field(default_factory=set)
 
     def may_come(self, news: ServiceNews) -> bool:
         del news
@@ -107,6 +109,9 @@ class RecordingHandler:
     def take(self, found: ResolvedService) -> None:
         self.taken.append(found.service.key)
         self.there[found.service.key] = found
+
+    def keep(self, name: str) -> bool:
+        return name in self.connected
 
     def drop(self, name: str, why: str) -> None:
         if self.there.pop(name, None) is not None:
@@ -160,6 +165,40 @@ async def test_a_dead_service_is_gone_when_its_record_has_run_out_and_it_did_not
         ((at, name, why),) = known.gone
         assert (name, why) == (f"Hall.{LAMP}", "its announcement has run out, and it does not answer")
         assert at - begun == pytest.approx(120 + GRACE + ANSWER_WITHIN, abs=0.1)
+
+
+async def test_a_service_that_does_not_answer_stays_as_long_as_its_device_is_connected() -> None:
+    network = FakeNetwork()
+    async with following(network) as (services, known):
+        hall = network.say(service("Hall", ttl=120))
+        services.hear(hall)
+        await anyio.wait_all_tasks_blocked()
+        network.answers.clear()
+        known.connected.add(hall.name)
+        await anyio.sleep(1200)
+        assert known.gone == []
+        assert len(network.asked) == pytest.approx(1080 / (KEPT_AGAIN + ANSWER_WITHIN), abs=1)
+        known.connected.clear()
+        await anyio.sleep(KEPT_AGAIN + 2 * ANSWER_WITHIN)
+        assert [name for _, name, _ in known.gone] == [hall.name]
+
+
+async def test_a_service_that_did_not_answer_for_a_while_is_asked_in_its_time_again() -> None:
+    network = FakeNetwork()
+    async with following(network) as (services, known):
+        hall = network.say(service("Hall", ttl=120))
+        services.hear(hall)
+        await anyio.wait_all_tasks_blocked()
+        answers = dict(network.answers)
+        network.answers.clear()
+        known.connected.add(hall.name)
+        await anyio.sleep(150)
+        network.answers.update(answers)
+        await anyio.sleep(60)
+        network.asked.clear()
+        await anyio.sleep(1200)
+        assert known.gone == []
+        assert len(network.asked) == pytest.approx(10, abs=1)
 
 
 async def test_a_living_service_is_asked_once_for_each_time_to_live_and_stays() -> None:

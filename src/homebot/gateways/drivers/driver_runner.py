@@ -67,6 +67,11 @@ class DriverRunner(DeviceRunner):
         if _place(before) != _place(service):
             self.restart()
 
+    @property
+    def is_connected(self) -> bool:
+        """True while its driver is connected to the device."""
+        return self._driver is not None and self._connected.is_set()
+
     async def work(self) -> None:
         """Run the driver once."""
         self._is_connecting, self._connected = True, anyio.Event()
@@ -83,7 +88,7 @@ class DriverRunner(DeviceRunner):
         if self._is_connecting:
             with anyio.move_on_after(CONNECTED_WITHIN):
                 await self._connected.wait()
-        if self._driver is None or not self._connected.is_set():
+        if self._driver is None or not self.is_connected:
             raise LinkError(f"{self.name} is not connected" + (f": {self.problem}" if self.problem else ""))
         await self._driver.perform(command)
 

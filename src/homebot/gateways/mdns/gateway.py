@@ -155,6 +155,14 @@ class MdnsGateway(Gateway):
         if listed.runner is None or listed.device is not None:
             self._publish(listed, listed.device, "it is announced")
 
+    def keep(self, name: str) -> bool:
+        """Keep a service that does not answer while its driver is connected: multicast is lost more easily."""
+        listed = self._listed.get(name)
+        if listed is None or listed.runner is None or not listed.runner.is_connected:
+            return False
+        self._publish(listed, listed.device, "its driver is connected")
+        return True
+
     def drop(self, name: str, why: str) -> None:
         """Remove a service that is gone; a sleeping device stays listed."""
         listed = self._listed.get(name)

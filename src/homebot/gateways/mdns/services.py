@@ -1,8 +1,9 @@
 """The services on the network, each queried again when its SRV record expires.
 
 One task follows each service: it waits until the SRV record expires, queries it again, and removes the service if it
-does not answer (RFC 6762, section 5.2). Announcements of unknown services wait in bounded queues, one for each type,
-and are admitted at a limited rate, each type in turn, so that a flood of one type does not block the others.
+does not answer (RFC 6762, section 5.2), unless its device is known to be there. Announcements of unknown services wait
+in bounded queues, one for each type, and are admitted at a limited rate, each type in turn, so that a flood of one type
+does not block the others.
 """
 
 from __future__ import annotations
@@ -46,6 +47,9 @@ BURST, PER_SECOND = 256.0, 20.0
 PACE = 0.25
 """Seconds between two admissions while services wait; also how long to wait for the other records of a change."""
 
+KEPT_AGAIN = 30.0
+"""Seconds after which a service is queried again that did not answer and is kept."""
+
 LOOK_AGAIN = 30.0
 """Seconds after which dropped services are looked for in the cache of the library."""
 
@@ -68,6 +72,9 @@ class ServiceHandler(Protocol):
 
     def take(self, found: ResolvedService) -> None:
         """Take a service that is new, still there, or changed."""
+
+    def keep(self, name: str) -> bool:
+        """Keep a service that does not answer if its device is known to be there; return whether it is."""
 
     def drop(self, name: str, why: str) -> None:
         """Remove a service that is gone, if it was listed."""
@@ -212,15 +219,19 @@ class Services:
             while True:
                 one.news = anyio.Event()
                 found = network.resolve_cached(one.service_type, one.name) or await self._ask(network, one)
-                if found is None:
+                if found is not None:
+                    one.tries, one.has_answered = 1, True
+                    self._handler.take(found)
+                    again_after = max(found.left + GRACE, SHORTEST)
+                elif self._handler.keep(one.name):
+                    again_after = KEPT_AGAIN
+                else:
                     network.forget(one.service_type, one.name)
                     if not one.has_answered:
                         self._handler.refuse(one.name, "it is announced, and does not answer")
                     self._leave(one, "its announcement has run out, and it does not answer")
                     return
-                one.tries, one.has_answered = 1, True
-                self._handler.take(found)
-                with anyio.move_on_after(max(found.left + GRACE, SHORTEST)):
+                with anyio.move_on_after(again_after):
                     await one.news.wait()
                     await anyio.sleep(self._pause(one))
 
