@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import anyio
 import pytest
+from anyio.abc import TaskStatus
 from tests.mqtt.client.mosquitto_broker import MOSQUITTO, MosquittoBroker
 from tests.patience import PATIENCE
 
@@ -43,8 +44,9 @@ class Responder:
     response: bytes | None = ACCEPTS
     commands: list[MqttMessage] = field(default_factory=list)
 
-    async def live(self) -> None:
+    async def live(self, task_status: TaskStatus[None]) -> None:
         await self.connection.subscribe(MqttSubscription("switch/set", qos=1))
+        task_status.started()
         while True:
             for message in await self.connection.receive():
                 self.commands.append(message)
@@ -83,9 +85,9 @@ async def home_on(broker: AnyBroker, *, client: str = "native", reports: bool = 
             Node(runtime.graph, "app") as node,
         ):
             responder = Responder(connection)
-            tasks.start_soon(responder.live)
-            config = json.dumps(SWITCH | (REPORTING if reports else {})).encode()
             await connection.wait_connected()
+            await tasks.start(responder.live)
+            config = json.dumps(SWITCH | (REPORTING if reports else {})).encode()
             await connection.publish("homeassistant/switch/switch/config", config, retain=True)
             yield Home(responder, await _handle(Devices(node)), node)
             tasks.cancel_scope.cancel()
@@ -158,3 +160,31 @@ async def test_late_and_strange_responses_are_counted_and_change_nothing(broker:
             while not await home.count("responses_unknown"):  # noqa: ASYNC110 - likewise
                 await anyio.sleep(0.01)
         assert (await home.count("responses_late"), await home.count("responses")) == (1, 0)
+
+
+@pytest.mark.parametrize("client", ["native", "aiomqtt"])
+async def test_a_switch_without_a_state_that_is_away_did_not_get_the_command(broker: AnyBroker, client: str) -> None:
+    async with home_on(broker, client=client) as home:
+        await home.responder.connection.unsubscribe("switch/set")
+        outcome = await home.switch.command("on_off", value=True)
+        assert isinstance(outcome, NoAnswer)
+        assert outcome.reason.endswith("nobody subscribes to switch/set")
+
+
+async def test_a_switch_that_reports_may_hear_of_commands_without_subscribing(broker: AnyBroker) -> None:
+    """As a plug-in of the broker does: its report counts."""
+    async with home_on(broker, reports=True) as home:
+        connection = home.responder.connection
+        await connection.unsubscribe("switch/set")
+        async with anyio.create_task_group() as tasks:
+
+            async def report() -> None:
+                while True:
+                    await connection.publish("switch/state", b"ON", qos=1)
+                    await anyio.sleep(0.1)
+
+            tasks.start_soon(report)
+            outcome = await home.switch.command("on_off", value=True)
+            tasks.cancel_scope.cancel()
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.REPORTED

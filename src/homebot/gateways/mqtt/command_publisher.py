@@ -6,15 +6,17 @@ import math
 from typing import TYPE_CHECKING, Final
 
 from homebot.conventions.description import Publication, TakesCode
+from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
-from homebot.errors import HomebotError, RefusedError, UnableError, WrongCodeError
+from homebot.errors import HomebotError, LinkError, RefusedError, UnableError, WrongCodeError
 from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.command_server import FindPart
 from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+from homebot.mqtt.packets import ReasonCode
 from homebot.mqtt.topics import validate_topic
 
 if TYPE_CHECKING:
@@ -57,7 +59,8 @@ class CommandPublisher:
         Raises:
             UnableError: No part is described that can do that; nothing was sent.
             RefusedError: The code is wrong, or the broker said no.
-            LinkError: There is no link.
+            LinkError: There is no link; or nobody subscribes to the topic, as far as an MQTT 5 broker says so, and the
+                part reports nothing that could show otherwise.
         """
         try:
             announced_part = self._find_part(command.key, command.part)
@@ -72,9 +75,15 @@ class CommandPublisher:
         properties = _expiring(command)
         if self._responses is not None:
             properties = self._responses.request(command, properties)
+        is_unheard = bool(publications)
         for one in publications:
             qos = max(one.qos, _LEAST_QOS)
-            await self._connection.publish(one.topic, one.payload, qos=qos, retain=one.retain, properties=properties)
+            published = await self._connection.publish(
+                one.topic, one.payload, qos=qos, retain=one.retain, properties=properties
+            )
+            is_unheard = is_unheard and published.reason == ReasonCode.NO_MATCHING_SUBSCRIBERS and not one.retain
+        if is_unheard and not _reports(announced_part, command.capability):
+            raise LinkError(f"nobody subscribes to {publications[0].topic[:100]}")
 
     def _written(
         self, announced_part: AnnouncedPart, capability: str, value: PlainValue, transition: float, code: str = ""
@@ -112,3 +121,9 @@ def _expiring(command: Command) -> MessageProperties:
     if not command.expires_after:
         return NO_PROPERTIES
     return MessageProperties(expiry=max(1, math.ceil(command.expires_after)))
+
+
+def _reports(announced_part: AnnouncedPart, capability: str) -> bool:
+    """Return whether the part reports *capability* as a lasting value, so that it shows whether it obeyed."""
+    capabilities = announced_part.described.part.capabilities
+    return capability not in MOMENTARY and any(one.name == capability and one.readable for one in capabilities)
