@@ -52,7 +52,9 @@ async def test_a_deaf_lamp_gives_no_answer_and_is_told_three_times(open_home: Op
         assert len(home.commands) == 3
 
 
-async def test_a_lamp_that_is_known_is_waited_for_as_long_as_it_usually_takes(open_home: OpenHome) -> None:
+async def test_a_lamp_that_is_known_to_be_fast_is_told_again_sooner_and_waited_for_as_long(
+    open_home: OpenHome,
+) -> None:
     async with open_home() as home:
         home.put("lamp", "light", "on_off")
         home.behaviours["lamp"] = obey_after(0.5)
@@ -60,9 +62,48 @@ async def test_a_lamp_that_is_known_is_waited_for_as_long_as_it_usually_takes(op
         for _ in range(3):
             await lamp.turn_on()
             await lamp.turn_off()
-        home.behaviours["lamp"] = ignore
+        told_at: list[float] = []
+
+        async def note(_home: Home, _command: Command) -> None:
+            told_at.append(anyio.current_time())
+
+        home.behaviours["lamp"] = note
         outcome = await lamp.turn_on()
-        assert outcome == NoAnswer(2.5, command_id=outcome.command_id)
+        assert outcome == NoAnswer(10.0, command_id=outcome.command_id)
+        assert [round(at - told_at[0], 2) for at in told_at] == [0.0, 0.83, 1.67]
+
+
+@pytest.mark.parametrize("beat", [0.7, 3.0, 100.0])
+async def test_a_fast_lamp_that_becomes_slow_is_no_false_alarm(open_home: OpenHome, beat: float) -> None:
+    """Not even if it says again and again how it is, as many do."""
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        lamp = await home.handle(Light)
+        is_on = False
+
+        async def be_slow(home: Home, command: Command) -> None:
+            async def act() -> None:
+                nonlocal is_on
+                await anyio.sleep(8.0)
+                is_on = command.value.plain() is True
+                await home.report("lamp", "on_off", is_on)
+
+            home.tasks.start_soon(act)
+
+        async def repeat() -> None:
+            while True:
+                await anyio.sleep(beat)
+                await home.report("lamp", "on_off", is_on)
+
+        for number in range(20):
+            await (lamp.turn_off() if number % 2 else lamp.turn_on())
+        home.behaviours["lamp"] = be_slow
+        home.tasks.start_soon(repeat)
+        for number in range(10):
+            outcome = await (lamp.turn_off() if number % 2 else lamp.turn_on())
+            assert isinstance(outcome, Confirmed)
+            assert round(outcome.latency) == 8
+            await anyio.sleep(40)
 
 
 async def test_a_stuck_lamp_that_answers_with_the_old_state_is_contradicted(open_home: OpenHome) -> None:

@@ -286,7 +286,16 @@ class CommandExecutor:
                 await changed.wait(left)
             if pending.is_over or pending.moved_at is not None or pending.gives_up(clock.monotonic()):
                 break
-        return pending.outcome(clock.monotonic())
+        return await self._outcome(pending, changed, began + self._settings.timeout + command.transition)
+
+    async def _outcome(self, pending: PendingCommand, changed: Signal, until: float) -> Outcome:
+        """Return the outcome; a device that usually answers sooner may be slow for once, and fails at *until* only."""
+        while True:
+            now = self._clock.monotonic()
+            outcome = pending.outcome(now)
+            if outcome.succeeded or pending.is_over or now >= until:
+                return outcome
+            await changed.wait(until - now)
 
     async def _send(self, command: IssuedCommand, seconds: float) -> Outcome | None:
         """Send the settings in their order, to be done in so many *seconds*; return the outcome where that fails."""

@@ -19,7 +19,7 @@ class ControlSettings(PolicySettings):
     """The table ``[control]``, with that of the policies.
 
     Attributes:
-        timeout: Seconds that a device has for its answer, until its usual time is known.
+        timeout: Seconds that a device has for its answer; one that usually takes longer has longer.
         retries: How often a command without an answer is sent again. Momentary ones, such as a press, never are.
         witnesses: Which sensor, by its id or name, sees what the devices that fit a query do; an empty one is none.
             Without an entry that is learnt.
