@@ -19,8 +19,8 @@ FAILED = "recording.failed"
 FULL = "recording.file_full"
 
 _EVERY: Final = 1.0
-_UNREAD: Final = 30.0
-"""Seconds after which a client that fetched nothing is taken for gone."""
+_UNREAD: Final = 10.0
+"""Seconds after which a client that fetches nothing is taken for gone: a slow disk may hold it up for a while."""
 
 _MOST_LINES: Final = 2_000
 _MOST_BYTES: Final = 2 * 1024 * 1024
@@ -44,7 +44,7 @@ async def record_into(
 
 
 async def record_for_client(node: Node, facts: RunFacts, ready: anyio.Event) -> None:
-    """Record for the client that fetches the lines, until it says that it is done, or fetches nothing for 30 s.
+    """Record for the client that fetches the lines, until it is done, leaves, or fetches nothing for ten seconds.
 
     Args:
         node: The node that records, and answers the client.
@@ -55,7 +55,7 @@ async def record_for_client(node: Node, facts: RunFacts, ready: anyio.Event) -> 
     async with anyio.create_task_group() as tasks:
         await tasks.start(_run, recorder)
         reader = _LineReader(node, recorder)
-        node.create_service(ReadRecording, READ_RECORDING, reader.read)
+        node.create_service(ReadRecording, READ_RECORDING, reader.read, cancel_with_caller=True)
         ready.set()
         await reader.run()
         tasks.cancel_scope.cancel()
@@ -87,12 +87,20 @@ class _LineReader:
             self._is_finished = True
             recorder.finish()
         elif recorder.lines.is_empty:
-            await anyio.sleep(_EVERY)
+            await self._wait()
         lines = tuple(recorder.lines.take(_MOST_LINES, _MOST_BYTES))
         is_over = self._is_finished and recorder.lines.is_empty
         if is_over:
             self._is_over.set()
         return ReadRecordingResponse(lines=lines, is_over=is_over)
+
+    async def _wait(self) -> None:
+        """Wait for lines; where the client leaves meanwhile, as one that is killed, all is over."""
+        try:
+            await anyio.sleep(_EVERY)
+        except anyio.get_cancelled_exc_class():
+            self._is_over.set()
+            raise
 
 
 async def _run(recorder: Recorder, *, task_status: TaskStatus[None]) -> None:

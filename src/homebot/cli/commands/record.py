@@ -66,7 +66,7 @@ def _record(options: argparse.Namespace) -> int:
 
 
 def _created(door: DoorClient, options: argparse.Namespace) -> RecordingFile:
-    """Return the new file; where that is none, end the recorder, which would wait for this client for half a minute."""
+    """Return the new file; where that is none, end the recorder, which would wait for this client."""
     try:
         return RecordingFile(Path(options.file), options.max_mb, force=options.force)
     except UsageError:
