@@ -127,6 +127,23 @@ def test_an_app_of_the_file_keeps_its_settings_when_it_is_named_again() -> None:
 def test_the_door_is_where_the_option_says() -> None:
     assert config_of("--door", "127.0.0.1:7").door == {"host": "127.0.0.1", "port": 7}
     assert config_of("--door", "[::1]:7").door == {"host": "::1", "port": 7}
+    assert config_of("--door", "ws://[::1]:7/").door == {"host": "::1", "port": 7}
+    Path("homebot.toml").write_text("[door]\nport = 8\n")
+    assert config_of("--door", "127.0.0.1:7").door == {"host": "127.0.0.1", "port": 7}
+
+
+def test_the_variable_of_clients_does_not_move_a_door_whose_place_the_file_states(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Somebody who talks to another homebot from this shell starts this one where its file says."""
+    monkeypatch.setenv("HOMEBOT_DOOR", "ws://127.0.0.1:7")
+    assert config_of().door == {"host": "127.0.0.1", "port": 7}
+    Path("homebot.toml").write_text('[door]\nscope = ["read"]\n')
+    assert config_of().door == {"scope": ["read"], "host": "127.0.0.1", "port": 7}
+    Path("homebot.toml").write_text("[door]\nport = 8\n")
+    assert config_of().door == {"port": 8}
+    Path("homebot.toml").write_text('[door]\nhost = "::1"\n')
+    assert config_of().door == {"host": "::1"}
 
 
 def test_the_token_of_the_environment_counts_where_the_file_has_none(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -185,8 +202,15 @@ def test_what_cannot_be_run_is_one_clear_sentence(
         (["--for", "0"], "must be a number above 0, got '0'"),
         (["--for", "soon"], "must be a number above 0, got 'soon'"),
         (
-            ["--door", "ws://127.0.0.1:9090"],
-            "an address is HOST:PORT, such as 127.0.0.1:9090 or [::1]:9090, got 'ws://",
+            ["--door", "wss://127.0.0.1:9090"],
+            "homebot's door has no TLS: give ws://HOST:PORT, got 'wss://127.0.0.1:9090'",
+        ),
+        (["--door", "ws://127.0.0.1:9090/a"], "the door is HOST:PORT or ws://HOST:PORT, got 'ws://127.0.0.1:9090/a'"),
+        (["--door", "http://127.0.0.1:9090"], "the door is HOST:PORT or ws://HOST:PORT, got 'http://127.0.0.1:9090'"),
+        (["--door", "ws://a:secret@127.0.0.1:9090"], "HOST:PORT, such as 127.0.0.1:9090 or [::1]:9090, got '…@127"),
+        (
+            ["--door", "ws://127.0.0.1"],
+            "an address is HOST:PORT, such as 127.0.0.1:9090 or [::1]:9090, got '127.0.0.1'",
         ),
         (["--door", "127.0.0.1:9090/"], "an address is HOST:PORT"),
         (["--door", "[::1:9090"], "an address is HOST:PORT"),

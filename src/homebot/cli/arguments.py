@@ -12,7 +12,7 @@ from typing import Protocol, TypeAlias
 from urllib.parse import urlsplit
 
 from homebot.cli.flow import parse_flow
-from homebot.errors import WireError
+from homebot.errors import ConfigError, WireError
 
 __all__ = [
     "Command",
@@ -24,6 +24,8 @@ __all__ = [
     "address",
     "app",
     "broker_url",
+    "door_address",
+    "door_of_environment",
     "message",
     "positive",
     "set_client_command",
@@ -134,6 +136,36 @@ def address(text: str, example: int = 9090) -> tuple[str, int]:
     return bare, int(port)
 
 
+def door_address(text: str) -> tuple[str, int]:
+    """Return the host and port of a rosbridge server, given as ``HOST:PORT`` or ``ws://HOST:PORT``.
+
+    Raises:
+        argparse.ArgumentTypeError: It is no such address.
+    """
+    scheme, separator, rest = text.partition("://")
+    if not separator:
+        return address(text)
+    if scheme.lower() == "wss":
+        raise argparse.ArgumentTypeError(f"homebot's door has no TLS: give ws://HOST:PORT, got {_hidden(text)!r}")
+    place, _, path = rest.partition("/")
+    if scheme.lower() != "ws" or path:
+        raise argparse.ArgumentTypeError(f"the door is HOST:PORT or ws://HOST:PORT, got {_hidden(text)!r}")
+    return address(place)
+
+
+def door_of_environment() -> tuple[str, int] | None:
+    """Return the address in the variable ``HOMEBOT_DOOR``; None where it is not set.
+
+    Raises:
+        ConfigError: It is no address.
+    """
+    text = os.environ.get("HOMEBOT_DOOR")
+    try:
+        return door_address(text) if text else None
+    except argparse.ArgumentTypeError as exc:
+        raise ConfigError("environment", "HOMEBOT_DOOR", str(exc)) from exc
+
+
 def _is_host(text: str) -> bool:
     if ":" not in text:
         return _HOST.fullmatch(text) is not None
@@ -198,7 +230,7 @@ def _add_door_options(parser: argparse.ArgumentParser, address_default: str, fil
     door.add_argument(
         "--door",
         metavar="HOST:PORT",
-        type=address,
+        type=door_address,
         default=address_default,
         help=f"address of its rosbridge server (default: HOMEBOT_DOOR, else {DEFAULT_DOOR})",
     )

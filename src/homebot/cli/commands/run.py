@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from homebot.cli.arguments import address, app, positive, set_command
+from homebot.cli.arguments import app, door_address, door_of_environment, positive, set_command
 from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, Table, load_config, parse_config
@@ -93,9 +93,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--door",
         metavar="HOST:PORT",
-        type=address,
-        default=os.environ.get("HOMEBOT_DOOR"),
-        help="address to listen on for rosbridge clients (default: HOMEBOT_DOOR, else 127.0.0.1:9090)",
+        type=door_address,
+        help="address to listen on for rosbridge clients (default: [door], else HOMEBOT_DOOR, else 127.0.0.1:9090)",
     )
     parser.add_argument(
         "--log-format",
@@ -193,8 +192,9 @@ def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
         mqtt["act"] = True
     for name in options.app:
         _add_app(tables["apps"], name)
-    if options.door:
-        tables["door"].update(host=options.door[0], port=options.door[1])
+    is_in_file = not tables["door"].keys().isdisjoint({"host", "port"})
+    if door := options.door or (None if is_in_file else door_of_environment()):
+        tables["door"].update(host=door[0], port=door[1])
     source = f"{base.source} and command line" if is_changed and base.source != COMMAND_LINE else base.source
     return with_tokens(parse_config(tables, source, base.folder)), house
 
