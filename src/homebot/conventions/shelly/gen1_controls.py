@@ -41,6 +41,7 @@ _SWITCHED: Mapping[bytes, PlainValue] = {b"on": True, b"off": False, b"overpower
 """The payloads of a relay or light; one that drew too much power was switched off."""
 _MOVEMENTS: Mapping[bytes, PlainValue] = {b"open": "opening", b"close": "closing", b"stop": "stopped"}
 _COMMANDS = {"open": b"open", "closed": b"close", "stopped": b"stop"}
+_ENDS: Mapping[float, str] = {0.0: "closed", 100.0: "open"}
 _PERCENT = (0.0, 100.0)
 
 
@@ -61,10 +62,7 @@ def build_relay(topics: Gen1Topics, index: int, *, is_plug: bool) -> BytesPart:
 def build_roller(topics: Gen1Topics, index: int) -> BytesPart:
     """Describe a roller. One that was never calibrated does not know its position, and reports -1."""
     topic = topics.at(f"roller/{index}")
-
-    def read_position(payload: bytes) -> Readings:
-        position = to_number(to_text(payload))
-        return NO_READINGS if position is None else {"position": percent_of(position)}
+    reader = _RollerReader()
 
     def move(movement: str) -> Publications:
         return (Publication(f"{topic}/command", _COMMANDS[movement]),)
@@ -73,8 +71,8 @@ def build_roller(topics: Gen1Topics, index: int) -> BytesPart:
         return (Publication(f"{topic}/command/pos", b"%d" % round(percent)),)
 
     part = BytesPart(f"roller:{index}", "window_covering", advertised="roller")
-    part.read_from(topic, meaning_reader("movement", _MOVEMENTS))
-    part.read_from(f"{topic}/pos", read_position)
+    part.read_from(topic, reader.read_movement)
+    part.read_from(f"{topic}/pos", reader.read_position)
     part.add_command_topics(f"{topic}/command", f"{topic}/command/pos")
     part.add_capability(
         "movement",
@@ -83,6 +81,35 @@ def build_roller(topics: Gen1Topics, index: int) -> BytesPart:
     )
     part.add_capability("position", writer=number_writer("position", _PERCENT, "%", set_position))
     return part
+
+
+class _RollerReader:
+    """Reads what a roller reports in two messages: ``stop``, also where it arrived at an end, and its position."""
+
+    def __init__(self) -> None:
+        self._rests = False
+        self._position: float | None = None
+
+    def read_movement(self, payload: bytes) -> Readings:
+        movement = _MOVEMENTS.get(payload)
+        if movement is None:
+            return NO_READINGS
+        self._rests = movement == "stopped"
+        if self._rests:
+            return {"movement": self._resting()}
+        self._position = None  # the last one is where it begins
+        return {"movement": movement}
+
+    def read_position(self, payload: bytes) -> Readings:
+        number = to_number(to_text(payload))
+        if number is None:
+            return NO_READINGS
+        self._position = percent_of(number)
+        readings: Readings = {"position": self._position}
+        return {**readings, "movement": self._resting()} if self._rests else readings
+
+    def _resting(self) -> str:
+        return "stopped" if self._position is None else _ENDS.get(self._position, "stopped")
 
 
 _PRESSES = {
