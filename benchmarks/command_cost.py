@@ -83,7 +83,8 @@ async def _command(count: int, *, is_controlled: bool) -> float:
         part = simple_part("light", settable=("on_off",))
         for number in range(LAMPS):
             gateway.devices.put(GatewayDevice(f"lamp{number}", f"Lamp {number}", (part,)), "benchmark")
-        while len(lamps := await Devices(app).find(Light)) < LAMPS:
+        devices = Devices(app)
+        while len(lamps := await devices.find(Light)) < LAMPS:
             await anyio.sleep(0.01)
         spent = 0.0
         for number in range(-LAMPS, count):  # the first ones to warm up
