@@ -31,6 +31,10 @@ LAMPS = 100
 
 CONFIRMED = "confirmed"
 BARE = "bare publish"
+TAKEN_IN = "bare publish, report taken in"
+
+AIM = 200
+"""The most microseconds that the control layer may add to a command."""
 
 
 def run(plan: Plan) -> Report:
@@ -38,17 +42,22 @@ def run(plan: Plan) -> Report:
     contenders = {
         CONFIRMED: lambda: asyncio.run(_command(count, is_controlled=True)),
         BARE: lambda: asyncio.run(_command(count, is_controlled=False)),
+        TAKEN_IN: lambda: asyncio.run(_command(count, is_controlled=False, waits_for_report=True)),
     }
     with _collecting_as_homebot():
         samples = measure_interleaved(contenders, plan.rounds(10))
-    added = (min(samples[CONFIRMED]) - min(samples[BARE])) * 1e6
-    note = f"The control layer adds {added:.0f} µs of CPU time to a command (aim: less than 200)."
+    least = {name: min(figures) * 1e6 for name, figures in samples.items()}
+    note = (
+        f"The control layer adds {least[CONFIRMED] - least[TAKEN_IN]:.0f} µs of CPU time to a command whose report the "
+        f"house takes in (aim: less than {AIM}); against one whose report nobody takes in, "
+        f"{least[CONFIRMED] - least[BARE]:.0f} µs."
+    )
     return Report(
-        "A command to a lamp in memory, CPU time", compare("turn on, turn off", samples, [PAIR], _text), (note,)
+        "A command to a lamp in memory, CPU time", compare("turn on, turn off", samples, PAIRS, _text), (note,)
     )
 
 
-PAIR = (CONFIRMED, BARE, None)
+PAIRS = ((CONFIRMED, TAKEN_IN, None), (CONFIRMED, BARE, None))
 
 
 @contextmanager
@@ -66,7 +75,8 @@ def _text(figure: float) -> str:
     return f"{figure * 1e6:.0f} µs"
 
 
-async def _command(count: int, *, is_controlled: bool) -> float:
+async def _command(count: int, *, is_controlled: bool, waits_for_report: bool = False) -> float:
+    """Return the CPU seconds of one command, to its outcome or to when the app has the lamp's report of it."""
     graph = Graph()
     async with (
         Node(graph, "memory", namespace="/gateway") as gateway_node,
@@ -91,7 +101,10 @@ async def _command(count: int, *, is_controlled: bool) -> float:
             if number == 0:
                 spent = time.process_time()
             lamp = lamps[number % LAMPS]
-            outcome = await (lamp.turn_off() if lamp.on else lamp.turn_on())
+            was_on = lamp.on
+            outcome = await (lamp.turn_off() if was_on else lamp.turn_on())
+            while waits_for_report and lamp.on is was_on:
+                await asyncio.sleep(0)
             assert isinstance(outcome, Confirmed)
             assert (outcome.evidence is Evidence.REPORTED) is is_controlled
         spent = time.process_time() - spent
