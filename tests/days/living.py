@@ -9,7 +9,7 @@ from zoneinfo import ZoneInfo
 
 import anyio
 from anyio.abc import TaskGroup
-from tests.days.random_day import RandomDay
+from tests.days.random_day import RandomDay, Table
 from tests.days.truth import GroundTruth, TruthfulCommand
 
 from homebot.devices import DEVICE_CHANGES, DEVICE_STATES, DeviceChange, Devices, StateChange
@@ -60,29 +60,30 @@ class LivedDay:
     crashed: tuple[str, ...] = ()
 
 
-def live(day: RandomDay, *apps: str, has_policies: bool = True) -> LivedDay:
+def live(day: RandomDay, *apps: str, has_policies: bool = True, control: Table | None = None) -> LivedDay:
     """Live *day*; with *apps* alone where they are given.
 
     Args:
         day: The day.
         apps: Each a plug-in's name or ``module:Class``.
         has_policies: Whether its policies are on.
+        control: The table ``[control]`` in place of its own: for policies that know less than the oracle.
     """
     ZoneInfo(day.control.get("time_zone", "UTC"))  # is read from its file here, and kept: the loop must not
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
-        return runner.run(_live(day, apps, has_policies=has_policies))
+        return runner.run(_live(day, apps, (day.control if control is None else control) if has_policies else None))
 
 
-async def _live(day: RandomDay, apps: tuple[str, ...], *, has_policies: bool) -> LivedDay:
+async def _live(day: RandomDay, apps: tuple[str, ...], control: Table | None) -> LivedDay:
     world = day.day.world()
-    truth = GroundTruth(world, day.absent_after)
+    truth = GroundTruth(world, day)
     world.event_log = truth
     world.run_until(day.day.start)
     truth.begin()
     # with responses, a command carries its id
     config: dict[str, object] = {"places": day.places, "gateways": {"mqtt": {"responses": True}}}
-    if has_policies:
-        config["control"] = day.control
+    if control is not None:
+        config["control"] = control
     if not apps:
         config["apps"] = day.apps
     start = parse_time(START) + timedelta(seconds=day.day.start)

@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from itertools import pairwise
 from typing import Final
 
+from tests.days.closed_rooms import closed_room_refusals
 from tests.days.living import LivedDay
 from tests.days.random_day import GRANTS, RandomDay
 from tests.days.truth import TruthfulCommand, annoys, is_off, is_on
@@ -16,7 +17,7 @@ from tests.days.truth import TruthfulCommand, annoys, is_off, is_on
 from homebot.devices.command_messages import CommandResult
 from homebot.devices.journal_messages import JournalEntry
 
-__all__ = ["Violation", "broken_chains", "is_wish", "issuers_of", "unseen", "violations"]
+__all__ = ["Violation", "broken_chains", "is_wish", "issuers_of", "unseen", "unseen_open", "violations"]
 
 _CLIENT: Final = "client:"
 _LIMITED: Final = 10.0 - 1e-6
@@ -40,7 +41,7 @@ class Violation:
 
 
 def violations(day: RandomDay, lived: LivedDay) -> list[Violation]:
-    """Return each violation of a policy by a command that reached its device."""
+    """Return each violation of a policy by a command that reached its device, and each refusal for a wrong reason."""
     issuers = issuers_of(lived)
     found = [Violation("crash", one) for one in lived.crashed]
     for command in lived.commands:
@@ -49,6 +50,9 @@ def violations(day: RandomDay, lived: LivedDay) -> list[Violation]:
             found.append(Violation("journal", f"nobody gave {command}"))
             continue
         found += [Violation(policy, f"{issuer}: {command}") for policy in _violated(command, issuer, day, lived)]
+    found += [
+        Violation("closed_room", f"nobody is there: {one}") for one in closed_room_refusals(day, lived) if one.is_wrong
+    ]
     return found + [Violation("rate_limit", one) for one in _strobes(lived, day.control["rate_limit"]["changes"])]
 
 
@@ -56,6 +60,11 @@ def unseen(lived: LivedDay) -> list[TruthfulCommand]:
     """Return each command of an app that annoyed people whom no sensor told of: no policy can know of them."""
     issuers = issuers_of(lived)
     return [one for one in lived.commands if one.awake and annoys(one) and one.is_unseen and not is_wish(one, issuers)]
+
+
+def unseen_open(lived: LivedDay) -> list[TruthfulCommand]:
+    """Return each command that heated while a window or door was open whose contact said that it is closed."""
+    return [one for one in lived.commands if _heats(one) and one.is_open and not one.is_told_open]
 
 
 def issuers_of(lived: LivedDay) -> dict[str, str]:
@@ -85,7 +94,7 @@ def broken_chains(lived: LivedDay) -> list[str]:
 def _violated(command: TruthfulCommand, issuer: str, day: RandomDay, lived: LivedDay) -> Iterator[str]:
     """Yield the policies that *command* violates."""
     is_by_person = issuer.startswith(_CLIENT)
-    if command.kind == "thermostat" and command.command == "25" and command.is_open:
+    if _heats(command) and command.is_told_open:
         yield "interlock"
     if command.kind == "lock" and command.command == "unlock" and (is_by_person or not _is_granted("lock", issuer)):
         yield "rights"  # no client of these days has one that names a lock
@@ -99,6 +108,10 @@ def _violated(command: TruthfulCommand, issuer: str, day: RandomDay, lived: Live
         yield "quiet_hours"
     if not _is_granted(command.kind, issuer):
         yield "grants"
+
+
+def _heats(command: TruthfulCommand) -> bool:
+    return command.kind == "thermostat" and command.command == "25"
 
 
 def _is_granted(kind: str, issuer: str) -> bool:

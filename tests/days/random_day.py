@@ -2,33 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn, SearchStrategy
 from tests.days.random_app import RANDOM_APP
+from tests.days.random_doors import hands_on_doors, random_doors
+from tests.days.random_people import random_people
 
 from homebot.devices.value import PlainValue
 from homebot.testing import Day
 from homebot.testing.day_event import DayEvent
 from homebot.testing.strategies import days, houses
 
-__all__ = ["GRANTS", "RandomDay", "random_days"]
+__all__ = ["GRANTS", "RandomDay", "Table", "random_days"]
 
 Table = dict[str, Any]
 
 _WALK: Final = 10.0
+_LEFT: Final = 80.0
+"""Seconds after the start at which somebody walks past all sensors, and has left through all doors."""
+
 _HOURS: Final = st.integers(0, 23).map(lambda hour: hour * 3600.0)
 _SENSOR_FAULTS: Final[SearchStrategy[Table]] = st.one_of(
-    st.fixed_dictionaries({"stuck": st.just({})}),  # it never detects anybody
+    st.fixed_dictionaries({"stuck": st.just({})}),  # it never detects anybody, or that it is opened
     st.fixed_dictionaries({"silent": st.fixed_dictionaries({"since": _HOURS})}),
     st.fixed_dictionaries({"late": st.fixed_dictionaries({"delay": st.sampled_from((2.0, 60.0, 600.0))})}),
     st.fixed_dictionaries({"flapper": st.fixed_dictionaries({"every": st.sampled_from((3600.0, 60.0))})}),
     st.fixed_dictionaries({"unplugged": st.fixed_dictionaries({"since": _HOURS})}),
 )
-"""The faults of motion sensors, one at a time."""
+"""The faults of motion sensors and of contacts on doors and windows, one at a time."""
 
 LAMP_FAULTS: Final = ("deaf", "liar", "slow", "reverter", "lossy", "flapper", "stuck")
 _A_LAMP_FAULT: Final[SearchStrategy[Table]] = st.sampled_from(LAMP_FAULTS).map(lambda fault: {fault: {}})
@@ -61,6 +66,7 @@ class RandomDay:
         apps: The tables ``[apps]``.
         orders: The commands of a person at a client of the door: seconds after the start, device, capability, value.
         seed: Of what is random on the network.
+        rooms: The table ``[places.rooms]``: the rooms, with the doors that the owner states; empty for none.
     """
 
     day: Day
@@ -68,6 +74,14 @@ class RandomDay:
     apps: Table
     orders: tuple[tuple[float, str, str, PlainValue], ...]
     seed: int
+    rooms: Table = field(default_factory=dict)
+
+    @property
+    def doors(self) -> Mapping[str, tuple[str, ...]]:
+        """The contacts on all doors of each room that the presence guard is told of, by name."""
+        guard = self.control.get("presence_guard")
+        doors: Table = guard.get("doors", {}) if isinstance(guard, dict) else {}
+        return {room: tuple(contacts) for room, contacts in doors.items()}
 
     @property
     def absent_after(self) -> float:
@@ -77,36 +91,37 @@ class RandomDay:
 
     @property
     def places(self) -> Table:
-        """The table ``[places]``, as an owner would write it, for devices that announce no room."""
+        """The table ``[places]``, as an owner would write it: the plan, and devices that announce no room."""
         world = self.day.world()
         return {
+            "rooms": self.rooms,
             "devices": {
                 f"{placed.device.service_type}/{name}": {"room": placed.room}
                 for name, placed in world.devices.items()
                 if placed.dialect == "thesis"
-            }
+            },
         }
 
 
 @st.composite
 def random_days(draw: DrawFn, *, max_length: str = "24h") -> RandomDay:
     """Draw days of at most *max_length*."""
-    tables: Table = draw(houses(kinds=KINDS, faults=LAMP_FAULTS, max_devices=4, max_people=2, max_errands=0))
+    tables: Table = draw(houses(kinds=KINDS, faults=LAMP_FAULTS, max_devices=4, max_people=0, max_errands=0))
     tables.setdefault("house", {})["dialect"] = draw(st.sampled_from(("thesis", "homeassistant")))
-    things = tables.setdefault("devices", {})
-    for room in tables["rooms"]:
-        if draw(st.integers(0, 4)):  # most rooms have both
-            things[f"{room}_lamp"] = {"kind": "lamp", "room": room, "faults": draw(_some(_A_LAMP_FAULT))}
-            things[f"{room}_motion"] = {"kind": "motion", "room": room, "faults": draw(_some(_SENSOR_FAULTS))}
+    things = draw(_things(tables["rooms"], tables.get("devices", {})))
+    tables["devices"] = things
+    doors = draw(random_doors(tables["rooms"], _some(_SENSOR_FAULTS)))
+    things.update(doors.contacts)
     day = draw(days(tables, what=("press", "cut", "restart"), max_length=max_length))
+    tables["people"] = draw(random_people(tables["rooms"], day.start, day.length))
     kinds = {name: table["kind"] for name, table in things.items()}
-    if draw(st.integers(0, 3)):  # most homes are lived in: somebody has walked past each sensor
-        walk = [
-            DayEvent(day.start + _WALK, "press", name, "motion") for name, kind in kinds.items() if kind == "motion"
-        ]
-        day = replace(day, happenings=(*walk, *day.happenings))
+    contacts = tuple(name for name, kind in kinds.items() if kind == "contact")
+    hands = draw(hands_on_doors(day, contacts))
+    if draw(st.integers(0, 3)):  # most homes are lived in: somebody has walked past each sensor, and left
+        hands += _walk(day.start, [name for name, kind in kinds.items() if kind == "motion"], tuple(doors.contacts))
+    day = replace(day, house=tables, happenings=(*hands, *day.happenings))
     commandable = tuple((name, kind) for name, kind in kinds.items() if kind in _ORDERS)
-    apps: Table = {name: {} for name in APPS if draw(st.booleans())}
+    apps: Table = {name: {} for name in APPS if draw(st.sampled_from((True, True, False)))}
     if "lights_out" in apps:
         apps["lights_out"] = {"quiet_after": draw(st.sampled_from((600.0, 10.0)))}
     for name, act in GRANTS.items():
@@ -115,7 +130,34 @@ def random_days(draw: DrawFn, *, max_length: str = "24h") -> RandomDay:
             apps[name] = {"class": RANDOM_APP, "orders": orders, **({"act": list(act)} if act else {})}
     own = draw(_orders(commandable, day.length))
     person = tuple((one["at"], one["device"], one["capability"], one["value"]) for one in own)
-    return RandomDay(day, draw(_CONTROL), apps, person, draw(st.integers(0, 100)))
+    control = draw(_CONTROL)
+    if doors.guarded:
+        control["presence_guard"]["doors"] = doors.guarded
+    return RandomDay(day, control, apps, person, draw(st.integers(0, 100)), doors.rooms)
+
+
+@st.composite
+def _things(draw: DrawFn, rooms: Table, others: Table) -> Table:
+    """Draw the lamps and motion sensors of *rooms*, beside *others*, whose contacts get faults of sensors."""
+    things = dict(others)
+    hold = draw(st.sampled_from(({}, {"hold": 5.0})))
+    for room in rooms:
+        if draw(st.integers(0, 4)):  # most rooms have both
+            things[f"{room}_lamp"] = {"kind": "lamp", "room": room, "faults": draw(_some(_A_LAMP_FAULT))}
+            things[f"{room}_motion"] = {"kind": "motion", "room": room, "faults": draw(_some(_SENSOR_FAULTS)), **hold}
+    for thing in things.values():
+        if thing["kind"] == "contact":
+            thing["faults"] = draw(_some(_SENSOR_FAULTS))
+    return things
+
+
+def _walk(start: float, motions: Iterable[str], contacts: Iterable[str]) -> list[DayEvent]:
+    """Return how somebody walks past each of *motions*, and leaves through all doors, which have *contacts*."""
+    return [
+        *(DayEvent(start + _WALK, "press", name, "motion") for name in motions),
+        *(DayEvent(start + _LEFT, "press", name, "open") for name in contacts),
+        *(DayEvent(start + _LEFT + 1.0, "press", name, "close") for name in contacts),
+    ]
 
 
 @st.composite

@@ -14,8 +14,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
+from tests.days.closed_rooms import closed_room_refusals
 from tests.days.living import LivedDay, live
-from tests.days.oracle import broken_chains, is_wish, issuers_of, unseen, violations
+from tests.days.oracle import broken_chains, is_wish, issuers_of, unseen, unseen_open, violations
 from tests.days.random_day import RandomDay, random_days
 from tests.days.truth import is_off
 from tests.thesis_light_service import THESIS_LIGHT_SERVICE
@@ -98,6 +99,7 @@ def lives(days: int, number: int, max_length: str, counts: dict[str, Counter[str
         _add(judged, lived)
         judged.update(violations=len(violated), broken=len(broken), unknowable=len(unseen(lived)))
         judged.update(f"violates {one.policy}" for one in violated)
+        _add_doors(judged, day, lived)
         if judged["days"] % _SHOWN == 0:
             _print(counts)
         if violated or broken:
@@ -137,6 +139,21 @@ def _add(counts: Counter[str], lived: LivedDay) -> None:
     counts.update(f"by {one}" for one in refused)
 
 
+def _add_doors(counts: Counter[str], day: RandomDay, lived: LivedDay) -> None:
+    """Count what the presence guard refused because of closed doors alone, and what was heated with a window open."""
+    closed, heated = closed_room_refusals(day, lived), unseen_open(lived)
+    counts.update(
+        listed=bool(day.doors),
+        closed=len(closed),
+        closed_days=bool(closed),
+        closed_awake=sum(1 for one in closed if one.awake),
+        closed_there=sum(1 for one in closed if one.there),
+        closed_sound=sum(1 for one in closed if one.is_sound),
+        heated=len(heated),
+        heated_unproven=sum(1 for one in heated if not one.is_ever_told_open),
+    )
+
+
 def _print(counts: Mapping[str, Counter[str]]) -> None:
     rows = [_HEADINGS, *(_row(name, one) for name, one in counts.items())]
     widths = [max(len(row[column]) for row in rows) for column in range(len(_HEADINGS))]
@@ -150,6 +167,14 @@ def _print(counts: Mapping[str, Counter[str]]) -> None:
     violated = {name.removeprefix("violates "): count for name, count in total.items() if name.startswith("violates ")}
     print(f"\nviolated: {violated or 'no policy'}")
     print(f"\nover people whom no sensor told of, covers too: {total['unknowable']}")
+    asleep = total["closed_there"] - total["closed_awake"]
+    print(
+        f"\nclosed doors alone: {total['closed']:,} refused in {total['closed_days']:,} of {total['listed']:,} days"
+        f" with listed doors: {total['closed_awake']:,} over somebody awake, {asleep:,} over somebody asleep;"
+        f" {total['closed_sound']:,} where they must be right"
+    )
+    unproven = f"{total['heated_unproven']:,} of them by a contact that never said open"
+    print(f"\nheated while open though each contact said closed: {total['heated']:,}, {unproven}")
     print(f"\n{total['commands']:,} commands of random apps, {total['refused']:,} refused: {refused}\n", flush=True)
 
 

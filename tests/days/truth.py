@@ -1,29 +1,29 @@
 """The truth of a simulated house: each command that reached a device, and who was there; no sensor is asked.
 
-Beside it stands what the motion sensors said: where all seem to work and say that nobody is there, nobody knows better.
+Beside it stands what the motion sensors and contacts said: where all seem to work and say that nobody is there, or that
+a window is closed, nobody knows better.
 """
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
+
+from tests.days.random_day import RandomDay
+from tests.days.told import RECONNECTED, Told
 
 from homebot.house import World
 from homebot.house.devices import CoverMotor
 from homebot.house.event_log import Event, WorldLog
-from homebot.house.faults import Silent, unwrap
-from homebot.house.placed import Placed
+from homebot.house.faults import unwrap
 from homebot.house.sensors import MotionSensor, SimulatedContactSensor
+from homebot.house.simulated_device import SimulatedDevice
 
 __all__ = ["GroundTruth", "TruthfulCommand", "annoys", "is_off", "is_on"]
 
-_NOTICED: Final = 120.0
-"""Seconds after which a device that lost its link is known to be away, and by which silence may be noticed later."""
-
-_STALE: Final = 3600.0
-_STALE_ONLINE: Final = 86_400.0
-"""Seconds of silence after which a device is stale: one that says when it is online is for a day longer trusted."""
+_ROUNDING: Final = 1e-6
+"""Seconds that clocks round off."""
 
 _OFF: Final = frozenset({"off", "0"})
 
@@ -41,8 +41,11 @@ class TruthfulCommand:
         room: Where the device is.
         awake: How many people are awake there.
         is_unseen: Whether the motion sensors there, all of which have detected somebody before and seem to work, have
-            long said that nobody is there.
-        is_open: Whether a contact sensor there has been open for a second.
+            long said that nobody is there, the contacts on its doors do not show that somebody stayed, and no hand has
+            switched the device at this moment.
+        is_open: Whether a door or window with a contact there is open.
+        is_told_open: Whether one of these contacts has said so for a second, or fell silent.
+        is_ever_told_open: Whether each of these contacts has said ``open`` before: one that never has may be broken.
         position: How far a cover is open, from 0 to 1; 0 for everything else.
     """
 
@@ -55,6 +58,8 @@ class TruthfulCommand:
     awake: int
     is_unseen: bool
     is_open: bool
+    is_told_open: bool
+    is_ever_told_open: bool
     position: float
 
 
@@ -63,16 +68,16 @@ class GroundTruth(WorldLog):
 
     Args:
         world: The house, before its first day.
-        absent_after: Seconds after which a sensor that says that nobody is there is believed.
+        day: What happens in it, and what homebot is told of it.
     """
 
-    def __init__(self, world: World, absent_after: float) -> None:
+    def __init__(self, world: World, day: RandomDay) -> None:
         super().__init__()
         self.commands: list[TruthfulCommand] = []
         self._world = world
-        self._absent_after = absent_after
-        self._opened: dict[str, float] = {}
-        self._told: dict[str, _Told] = {}
+        self._day = day
+        self._told: dict[str, Told] = {}
+        self._switched: dict[str, float] = {}
         self._began = 0.0
 
     def begin(self) -> None:
@@ -80,28 +85,27 @@ class GroundTruth(WorldLog):
         self.commands.clear()
         self._began = self._world.now
         for name, placed in self._world.devices.items():
-            if isinstance(unwrap(placed.device), MotionSensor):
-                self._told[name] = _Told(self._began)
+            if isinstance(unwrap(placed.device), MotionSensor | SimulatedContactSensor):
+                self._told[name] = Told(self._began)
                 if placed.device.has_power:
                     self._told[name].take(placed.device.state(), self._began)
 
     def add(self, event: Event) -> None:
         """Write *event* down."""
         super().add(event)
-        if event.verb == "says" and event.what in {"open", "closed"}:
-            self._opened.setdefault(event.who, event.at)
-            if event.what == "closed":
-                del self._opened[event.who]
         if event.verb == "says" and event.who in self._told:
             self._told[event.who].take(event.what, event.at)
         if event.verb == "power" and event.who in self._told:
             self._told[event.who].power_at = event.at
+        if event.verb == "switch":
+            self._switched[event.who] = event.at
         if event.verb == "told":
             self.commands.append(self._seen(event))
 
     def _seen(self, event: Event) -> TruthfulCommand:
         placed = self._world.devices[event.who]
         real = unwrap(placed.device)
+        opened = [name for name in self._sensors(placed.room, SimulatedContactSensor) if self._world.is_open(name)]
         return TruthfulCommand(
             event.at,
             event.who,
@@ -110,49 +114,57 @@ class GroundTruth(WorldLog):
             event.command,
             placed.room,
             self._world.awake_in(placed.room),
-            self._is_unseen(placed.room, event.at),
-            any(self._is_open(name, placed.room, event.at) for name in self._opened),
+            self._is_unseen(placed.room, event.at) and self._switched.get(event.who) != event.at,
+            bool(opened),
+            any(self._is_told_open(name, event.at) for name in opened),
+            all(self._told[name].has_opened for name in opened),
             real.position_at(event.at) if isinstance(real, CoverMotor) else 0.0,
         )
 
+    def _sensors(self, room: str, kind: type[SimulatedDevice]) -> list[str]:
+        devices = self._world.devices
+        return [
+            name for name in self._told if devices[name].room == room and isinstance(unwrap(devices[name].device), kind)
+        ]
+
     def _is_unseen(self, room: str, now: float) -> bool:
-        sensors = [name for name in self._told if self._world.devices[name].room == room]
-        return bool(sensors) and all(self._says_nobody(name, now) for name in sensors)
+        sensors = self._sensors(room, MotionSensor)
+        is_quiet = bool(sensors) and all(self._says_nobody(name, now) for name in sensors)
+        return is_quiet and not self._shows_stay(room, sensors, now)
 
     def _says_nobody(self, name: str, now: float) -> bool:
-        told, placed = self._told[name], self._world.devices[name]
-        is_quiet = told.has_detected and told.word == "clear" and now - told.at >= self._absent_after
-        return is_quiet and now < told.heard_until(placed, self._began)
+        told = self._told[name]
+        is_quiet = told.clear_for(now) >= self._day.absent_after - _ROUNDING
+        return is_quiet and now < told.silence_known_from(self._world.devices[name], self._began)
 
-    def _is_open(self, name: str, room: str, now: float) -> bool:
-        placed = self._world.devices[name]
-        real = unwrap(placed.device)
-        is_there = placed.room == room and isinstance(real, SimulatedContactSensor) and real.is_open
-        return is_there and now - self._opened[name] > 1.0
+    def _shows_stay(self, room: str, sensors: Sequence[str], now: float) -> bool:
+        """Return whether somebody moved in *room* after its doors were closed, by what its sensors surely told."""
+        contacts = self._day.doors.get(room, ())
+        if not contacts or not all(self._says_closed(name, now) for name in contacts):
+            return False
+        closed = max(self._told[name].at for name in contacts)
+        in_touch = max(self._in_touch_since(name, now) for name in (*contacts, *sensors))
+        return any(self._told[name].moved_since(max(closed, in_touch), self._day.absent_after) for name in sensors)
 
+    def _says_closed(self, name: str, now: float) -> bool:
+        told = self._told[name]
+        return told.word == "closed" and now < told.trusted_until(self._world.devices[name], self._began)
 
-@dataclass(slots=True)
-class _Told:
-    """What a motion sensor said."""
+    def _in_touch_since(self, name: str, now: float) -> float:
+        """Return since when nothing that a sensor said was lost on its way; later than *now* while that may be so."""
+        lost = (
+            event.at + event.lasts + RECONNECTED
+            for event in self._day.day.happenings
+            if event.at <= now and (event.what == "restart" or (event.what == "cut" and event.device == name))
+        )
+        return max(lost, default=self._began)
 
-    at: float
-    word: str = ""
-    has_detected: bool = False
-    power_at: float = 0.0
-
-    def take(self, word: str, at: float) -> None:
-        self.word, self.at = word, at
-        self.has_detected = self.has_detected or word == "motion"
-
-    def heard_until(self, placed: Placed, began: float) -> float:
-        """Return when it must be known that nothing is heard of the sensor any more."""
-        tells_link = placed.dialect != "thesis"
-        device = placed.device
-        if not device.has_power:
-            return self.power_at + (_NOTICED if tells_link else _STALE + _NOTICED)
-        if isinstance(device, Silent) and device.now >= device.since:
-            return max(device.since, began) + _NOTICED + (_STALE_ONLINE if tells_link else _STALE)
-        return math.inf
+    def _is_told_open(self, name: str, now: float) -> bool:
+        told = self._told[name]
+        if told.word == "open":
+            return now - told.at > 1.0
+        is_known = bool(told.word)  # homebot has never heard of one that had no power from the beginning
+        return is_known and now >= told.silence_known_from(self._world.devices[name], self._began)
 
 
 def is_off(command: TruthfulCommand) -> bool:
