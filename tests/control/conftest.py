@@ -94,12 +94,14 @@ class Home:
         area: str = "",
         name: str = "",
         is_silent: bool = False,
+        is_write_only: tuple[str, ...] = (),
         echoed: tuple[str, ...] = (),
     ) -> None:
         """Let there be a device; a silent one reports nothing of what can be set."""
         part = simple_part(service_type, settable=settable, readable=readable)
-        if is_silent:
-            silent = [one.model_copy(update={"readable": not one.settable}) for one in part.capabilities]
+        if is_silent or is_write_only:
+            mute = settable if is_silent else is_write_only
+            silent = [one.model_copy(update={"readable": one.name not in mute}) for one in part.capabilities]
             part = part.model_copy(update={"capabilities": tuple(silent)})
         if echoed:
             marked = [one.model_copy(update={"echoed": one.name in echoed}) for one in part.capabilities]

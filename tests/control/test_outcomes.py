@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import anyio
 import pytest
 from tests.control.conftest import Behaviour, Home, OpenHome, ignore, obey, obey_after, report
@@ -176,6 +178,74 @@ async def test_a_blind_on_its_way_is_waited_for(open_home: OpenHome) -> None:
         assert isinstance(outcome, Confirmed)
         assert round(outcome.latency) == 45
         assert len(home.commands) == 1
+
+
+async def blind_without_movement(home: Home) -> WindowCovering:
+    """Put a blind that takes movements, and reports its position alone; it is open."""
+    home.put("blind", "window_covering", "movement", "position", is_write_only=("movement",))
+    await home.report("blind", "position", 100.0)
+    return await home.handle(WindowCovering)
+
+
+def positions(*values: tuple[float, float]) -> Behaviour:
+    """Report each position so many seconds after the command, whatever it was."""
+
+    async def behaviour(home: Home, command: Command) -> None:
+        for seconds, position in values:
+            home.later(seconds, command.key, "position", position)
+
+    return behaviour
+
+
+async def test_a_blind_that_reports_its_position_alone_is_known_by_that(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        blind = await blind_without_movement(home)
+        home.behaviours["blind"] = positions((5.0, 60.0), (20.0, 0.0))
+        outcome = await blind.close()
+        assert isinstance(outcome, Confirmed)
+        assert (round(outcome.latency), outcome.evidence) == (20, Evidence.REPORTED)
+        home.behaviours["blind"] = positions((2.0, 0.0))
+        assert isinstance(await blind.open(), Contradicted)
+        assert isinstance(await blind.stop(), Confirmed)
+
+
+async def test_a_blind_that_goes_back_is_told_as_an_event(open_home: OpenHome) -> None:
+    """As behind a bridge that reports the commanded position before the blind has moved."""
+    async with open_home() as home:
+        blind = await blind_without_movement(home)
+        home.behaviours["blind"] = positions((0.0, 0.0), (4.0, 100.0))
+        for command in (blind.close, partial(blind.set_position, 0.0)):
+            home.events.clear()
+            outcome = await command()
+            assert isinstance(outcome, Confirmed)
+            await anyio.sleep(6)
+            assert [one.result.command_id for one in home.events] == [outcome.command_id]
+
+
+@pytest.mark.parametrize("failing", ["movement", "position"])
+async def test_after_a_failed_command_an_older_report_of_the_same_in_other_words_counts_no_more(
+    open_home: OpenHome, failing: str
+) -> None:
+    async with open_home() as home:
+        blind = await blind_without_movement(home)
+        home.behaviours["blind"] = ignore  # it may have obeyed, and its report was lost
+        assert isinstance(await (blind.close() if failing == "movement" else blind.set_position(0.0)), NoAnswer)
+        home.commands.clear()
+        assert isinstance(await (blind.set_position(100.0) if failing == "movement" else blind.open()), NoAnswer)
+        assert home.commands
+
+
+async def test_after_an_unanswered_off_an_older_level_counts_no_more(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        await home.report("lamp", "on_off", True)
+        await home.report("lamp", "level", 80.0)
+        lamp = await home.handle(Light)
+        home.behaviours["lamp"] = ignore
+        assert isinstance(await lamp.turn_off(), NoAnswer)
+        home.commands.clear()
+        assert isinstance(await lamp.set_level(80.0), NoAnswer)
+        assert home.commands
 
 
 async def test_a_lock_that_jams_on_its_way_is_contradicted(open_home: OpenHome) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from homebot.control.held_values import END_POSITIONS
 from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.client_rights import is_client
@@ -77,6 +78,15 @@ class IssuedCommand:
         return not MOMENTARY.isdisjoint(self.settings)
 
     @property
-    def told_by_device(self) -> list[str]:
-        """The capabilities of the part that it reports, as lasting values."""
-        return [one.name for one in self.part.part.capabilities if one.readable and one.name not in MOMENTARY]
+    def expected(self) -> dict[str, PlainValue]:
+        """The values that the part is to report, of those that it reports as lasting ones.
+
+        One that is told to open or to close, and does not report whether it is open, is to report the position.
+        """
+        capabilities = self.part.part.capabilities
+        told = frozenset([one.name for one in capabilities if one.readable and one.name not in MOMENTARY])
+        found = {name: value for name, value in self.settings.items() if name in told}
+        movement = self.settings.get("movement")
+        if movement in END_POSITIONS and "position" in told and found.keys().isdisjoint({"movement", "position"}):
+            found["position"] = END_POSITIONS[movement]
+        return found

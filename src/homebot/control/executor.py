@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import math
 from collections import OrderedDict
-from collections.abc import Iterable
 from functools import partial
 from typing import TYPE_CHECKING, Final, TypeAlias, final
 
@@ -15,6 +14,7 @@ from homebot.control.answer_watch import AnswerWatch
 from homebot.control.client_commands import POLICY, client_refusal
 from homebot.control.command import IssuedCommand
 from homebot.control.echoes import NO_ECHOES, EchoHistory, ExpectedEchoes
+from homebot.control.held_values import related
 from homebot.control.journal import CommandJournal
 from homebot.control.judge import Judge
 from homebot.control.learnt_persistence import LearntPersistence
@@ -191,7 +191,7 @@ class CommandExecutor:
         echoes = self._expected_echoes(command)
         known, recent = ({}, False) if self._witnesses.disproves(command) else self._known(command, echoes)
         changed = Signal()
-        pending = PendingCommand(command, known, command.told_by_device, self._clock.monotonic(), changed.set, echoes)
+        pending = PendingCommand(command, known, command.expected, self._clock.monotonic(), changed.set, echoes)
         watch = self._watch.watch(command.part.routes, partial(self._take, pending))
         self._answers.expect(pending)
         places, is_settling = command.places, False
@@ -210,7 +210,7 @@ class CommandExecutor:
             if echoes is not NO_ECHOES:
                 self._note_echoes(pending, outcome)
             if isinstance(outcome, NoAnswer | Contradicted):
-                self._note_unsure(places)
+                self._note_unsure(command)
             if isinstance(outcome, Confirmed):
                 self._note_confirmed(pending, outcome)
                 is_settling = self._settling.add(pending, watch)
@@ -335,12 +335,14 @@ class CommandExecutor:
         if pending.take(capability, value, self._clock.monotonic()):
             self._journal.reported(pending.command, capability, value)
 
-    def _note_unsure(self, places: Iterable[_Place]) -> None:
-        """Note that these may have changed, although nothing says so: older reports of them count no more."""
+    def _note_unsure(self, command: IssuedCommand) -> None:
+        """Note that what *command* sets may have changed, although nothing says so: older reports count no more."""
         now = self._clock.now()
-        for place in places:
-            self._unsure_since[place] = now
-            self._unsure_since.move_to_end(place)
+        for capability in command.settings:
+            for other in related(capability):
+                place = (*command.place, other)
+                self._unsure_since[place] = now
+                self._unsure_since.move_to_end(place)
         while len(self._unsure_since) > _MOST_UNSURE:
             self._unsure_since.popitem(last=False)
 
@@ -374,10 +376,11 @@ class CommandExecutor:
         failed, was not reported lately: the next command is sent in any case.
         """
         now, known, ages = self._clock.now(), {}, [0.0]
+        asked = command.settings.keys() | command.expected.keys()
         if command.device.freshness != "fresh":
             return {}, False
         for state in command.device.states:
-            if state.part == command.part.id and state.live and state.capability in command.settings:
+            if state.part == command.part.id and state.live and state.capability in asked:
                 told_at = state.told_at.to_seconds()
                 place = command.device.id, command.part.id, state.capability
                 unsure_since = self._unsure_since.get(place)

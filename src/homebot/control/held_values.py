@@ -9,7 +9,7 @@ from typing import Final
 from homebot.control.tolerance import fits, is_intermediate
 from homebot.devices.value import PlainValue
 
-__all__ = ["POWERS", "STOPPED", "changes", "departs", "is_on", "related"]
+__all__ = ["END_POSITIONS", "POWERS", "STOPPED", "changes", "departs", "is_on", "related"]
 
 STOPPED: Final = "stopped"
 """The value of a command that stops; it always passes."""
@@ -17,7 +17,9 @@ STOPPED: Final = "stopped"
 POWERS: Final = frozenset({"on_off", "level", "fan_speed"})
 """The capabilities that turn a part on or off."""
 
-_POSITIONS: Final[Mapping[PlainValue, float]] = MappingProxyType({"open": 100.0, "closed": 0.0})
+END_POSITIONS: Final[Mapping[PlainValue, float]] = MappingProxyType({"open": 100.0, "closed": 0.0})
+"""The positions of what is open and of what is closed."""
+
 _OPENINGS: Final = frozenset({"movement", "valve", "position"})
 _RELATED: Final = {one: tuple(sorted(group)) for group in (_OPENINGS, POWERS) for one in group}
 _PRESS: Final = "push"
@@ -51,7 +53,7 @@ def departs(capability: str, value: PlainValue, seen: PlainValue) -> bool:
 
 
 def _position(value: PlainValue) -> PlainValue:
-    return _POSITIONS.get(value, value)
+    return END_POSITIONS.get(value, value)
 
 
 def is_on(value: PlainValue) -> bool:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Final, TypeAlias, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.echoes import FAST, NO_ECHOES, ExpectedEchoes
-from homebot.control.held_values import changes, related
+from homebot.control.held_values import changes, departs, related
 from homebot.control.tolerance import fits, is_intermediate
 from homebot.control.value_text import value_text
 from homebot.devices.command_messages import Setting
@@ -51,7 +51,7 @@ class PendingCommand:
     Args:
         command: The command.
         before: The values that it is about, as the device had reported them live; those unknown are missing.
-        readable: The capabilities among its settings that the part reports.
+        expected: The values that the part is to report.
         began: Seconds of the monotonic clock.
         wake: Called when something changed.
         echoes: The echoes that it may cause.
@@ -73,7 +73,7 @@ class PendingCommand:
         self,
         command: IssuedCommand,
         before: dict[str, PlainValue],
-        readable: Iterable[str],
+        expected: Mapping[str, PlainValue],
         began: float,
         wake: Callable[[], None],
         echoes: ExpectedEchoes = NO_ECHOES,
@@ -91,8 +91,7 @@ class PendingCommand:
         self._answers: dict[str, float] = {}
         self._refusal = ""
         self._before = before
-        told = frozenset(readable)
-        self._wanted = {name: value for name, value in command.settings.items() if name in told}
+        self._wanted = dict(expected)
         self._began = self._sent_at = began
         self._wake = wake
         self._echoed_since_sent: dict[str, float] = {}
@@ -241,10 +240,7 @@ class PendingCommand:
 
     def departs(self, capability: str, value: PlainValue) -> bool:
         """Return whether a later report of *value* shows that the device went back."""
-        if capability not in self._wanted:
-            return False
-        wanted = self._wanted[capability]
-        return not fits(capability, wanted, value) and not is_intermediate(capability, wanted, value)
+        return capability in self._wanted and departs(capability, self._wanted[capability], value)
 
     @property
     def reported(self) -> tuple[Setting, ...]:
