@@ -277,9 +277,10 @@ class ClientLink(ABC):
             for frame in self._packets.feed(data):
                 if self._lost is not None:
                     return
-                if frame.first >> 4 == _PUBLISH and self._is_granted:
+                kind = frame.first >> 4
+                if kind == _PUBLISH and self._is_granted:
                     answers += self._receiver.publish(frame)
-                elif frame.first >> 4 == _PUBREL and self._is_granted:
+                elif kind == _PUBREL and self._is_granted:
                     answers += self._receiver.release(frame)
                 else:
                     if not self._is_granted or frame.oversize:
@@ -292,6 +293,8 @@ class ClientLink(ABC):
         else:
             if answers:
                 self._put(answers)
+        finally:
+            self._receiver.deliver()
 
     def drained(self) -> None:
         """Go on: the broker has taken everything that was written."""

@@ -45,6 +45,7 @@ class Receiver:
         self._ledger = DeliveryLedger()
         self._inbox = Inbox(options.inbox_messages, options.inbox_bytes)
         self._reader = PublishReader(has_properties=True)
+        self._read: list[MqttMessage] = []
         self.counters = MqttCounters()
         self.take = self._inbox.take
         self.settle = self._ledger.settle
@@ -60,13 +61,14 @@ class Receiver:
         self._inbox.end(reason)
 
     def publish(self, packet: Frame) -> bytes:
-        """Take in one PUBLISH; returns what has to be answered at once, mostly nothing. Never raises."""
-        qos = packet.first >> 1 & 3
+        """Take in one PUBLISH, for the next :meth:`deliver`; return what to answer, mostly nothing. Never raises."""
+        first, _, oversize = packet
+        qos = first >> 1 & 3
         receipt: int | None = 0
         answer = b""
-        if packet.oversize:
+        if oversize:
             self.counters.dropped_oversize += 1
-            return self._drop(packet, f"{packet.oversize} bytes, over the limit")
+            return self._drop(packet, f"{oversize} bytes, over the limit")
         if qos:
             packet_id = self._reader.packet_id(packet)
             if packet_id == 0 or qos == 3:
@@ -76,16 +78,23 @@ class Receiver:
             if receipt is None:
                 return answer
         try:
-            message = self._reader.read(packet, receipt or 0)
+            message = self._reader.read(packet, receipt)
         except WireError as error:
             self.counters.dropped_malformed += 1
             return self._drop(packet, error.problem)
-        self._inbox.put(message)
-        self.counters.received += 1
+        self._read.append(message)
+        return answer
+
+    def deliver(self) -> None:
+        """Let the messages that were read be taken; once for all packets that came together."""
+        if not self._read:
+            return
+        read, self._read = self._read, []
+        self._inbox.put(*read)
+        self.counters.received += len(read)
         if self._inbox.dropped != self.counters.dropped_overflow:
             self.counters.dropped_overflow = self._inbox.dropped
             self._say("the inbox is full; the oldest messages of QoS 0 are dropped")
-        return answer
 
     def release(self, packet: Frame) -> bytes:
         """Take in one PUBREL; returns the answer."""
@@ -136,16 +145,16 @@ class Inbox:
         self._wake: asyncio.Future[None] | None = None
         self.dropped = 0
 
-    def put(self, message: MqttMessage) -> None:
-        """Add a message, and make room for it if need be."""
-        self._messages.append(message)
-        if message.qos == 0:
-            self._droppable += 1
-            self._droppable_bytes += len(message.topic) + len(message.payload)
-            while self._droppable > 1 and (
-                self._droppable > self._max_messages or self._droppable_bytes > self._max_bytes
-            ):
-                self._drop_oldest()
+    def put(self, *messages: MqttMessage) -> None:
+        """Add messages, and make room for them if need be."""
+        self._messages.extend(messages)
+        sizes = [len(topic) + len(payload) for topic, payload, qos, _, _, _ in messages if qos == 0]
+        self._droppable += len(sizes)
+        self._droppable_bytes += sum(sizes)
+        while self._droppable > 1 and (
+            self._droppable > self._max_messages or self._droppable_bytes > self._max_bytes
+        ):
+            self._drop_oldest()
         if self._wake is not None:
             self._wake_up(self._wake)
 
