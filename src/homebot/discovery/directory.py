@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -138,7 +138,6 @@ class Directory:
         self._persistence = IndexPersistence(node, self.index, file if settings.persist else None, known)
         self._services = DirectoryServices(node, self.index, self._persistence, self._publish_some)
         self._sources: dict[str, Subscription[Sighting] | Subscription[Report]] = {}
-        self._collects_states = self._collects_settings = False
         self._wakes_at = math.inf
         self._rejected = 0
         self._earlier_deadline = anyio.Event()
@@ -191,7 +190,9 @@ class Directory:
         elif (publisher.name, publisher.ros_type) == (names.readings, Report.ros_type):
             self._listen(Report, publisher, partial(self._report, gateway))
 
-    def _listen(self, kind: type[MessageT], publisher: EndpointInfo, take: Callable[[MessageT, float], None]) -> None:
+    def _listen(
+        self, kind: type[MessageT], publisher: EndpointInfo, take: Callable[[Iterator[MessageT], float], None]
+    ) -> None:
         topic = publisher.name
         try:
             source = self._node.create_subscription(kind, topic, qos_profile=_SOURCES_QOS, from_node=publisher.node)
@@ -199,25 +200,8 @@ class Directory:
             self._node.log.warning(NOT_FOLLOWED, message=str(exc), topic=topic)
             return
         self._sources[topic] = source
-        while (kept := source.take()) is not None:
-            take(kept, self._clock.monotonic())
-        self._node.create_task(lambda: source.run(self._with_pauses(take), concurrent=False))
-
-    def _with_pauses(self, take: Callable[[MessageT, float], None]) -> Callable[[MessageT], Awaitable[None] | None]:
-        """Return what takes messages in, and pauses after 5 ms of work each."""
-        monotonic, spent = self._clock.monotonic, 0.0
-
-        def taken(message: MessageT) -> Awaitable[None] | None:
-            nonlocal spent
-            began = monotonic()
-            take(message, began)
-            spent += monotonic() - began
-            if spent < SLICE:
-                return None
-            spent = 0.0
-            return anyio.lowlevel.checkpoint()
-
-        return taken
+        take(iter(source.take, None), math.inf)
+        self._node.create_task(lambda: source.run_batches(lambda waiting: take(waiting, SLICE)))
 
     def _reject_foreign(self, gateway: str, message: Sighting | Report) -> None:
         """Log that *gateway* published in the name of another, which is not believed."""
@@ -229,29 +213,43 @@ class Directory:
                 gateway=gateway,
             )
 
-    def _observe(self, gateway: str, sighting: Sighting, now: float) -> None:
-        if sighting.gateway != gateway:
-            self._reject_foreign(gateway, sighting)
-            return
-        self.index.observe(sighting, _heard_at(sighting, now))
-        if self.index.counters.rejected > self._rejected:
-            self._log_rejected(sighting)
-        self._wake_workers()
+    def _observe(self, gateway: str, sightings: Iterator[Sighting], slice_of: float) -> None:
+        """Take in *sightings* for so many seconds, or all."""
+        monotonic = self._clock.monotonic
+        now = monotonic()
+        until = now + slice_of
+        try:
+            for sighting in sightings:
+                if sighting.gateway == gateway:
+                    self.index.observe(sighting, _heard_at(sighting, now))
+                    if self.index.counters.rejected > self._rejected:
+                        self._log_rejected(sighting)
+                else:
+                    self._reject_foreign(gateway, sighting)
+                if (now := monotonic()) >= until:
+                    break
+        finally:
+            self._wake_workers()
 
-    def _report(self, gateway: str, report: Report, now: float) -> None:
-        if report.gateway != gateway:
-            self._reject_foreign(gateway, report)
-            return
-        collects_states = self._states.subscription_count > 0
-        if collects_states is not self._collects_states:
-            self.index.collects_states = self._collects_states = collects_states
-        collects_settings = self._settings.subscription_count > 0
-        if collects_settings is not self._collects_settings:
-            self.index.collects_settings = self._collects_settings = collects_settings
-        self.index.report(report, _heard_at(report, now))
-        if collects_settings and self.index.settings and not self._settings_changed.is_set():
-            self._settings_changed.set()
-        self._wake_workers()
+    def _report(self, gateway: str, reports: Iterator[Report], slice_of: float) -> None:
+        """Take in *reports* for so many seconds, or all."""
+        index, monotonic = self.index, self._clock.monotonic
+        index.collects_states = self._states.subscription_count > 0
+        index.collects_settings = self._settings.subscription_count > 0
+        now = monotonic()
+        until = now + slice_of
+        try:
+            for report in reports:
+                if report.gateway == gateway:
+                    index.report(report, _heard_at(report, now))
+                else:
+                    self._reject_foreign(gateway, report)
+                if (now := monotonic()) >= until:
+                    break
+        finally:
+            if index.settings and not self._settings_changed.is_set():
+                self._settings_changed.set()
+            self._wake_workers()
 
     def _wake_workers(self) -> None:
         """Wake those who have something to do now."""

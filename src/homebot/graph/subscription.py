@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Hashable
+from collections.abc import Awaitable, Callable, Hashable, Iterator
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Generic, TypeAlias, TypeVar, final
@@ -159,6 +159,47 @@ class Subscription(Generic[MessageT]):
             self._is_abandoned = True
             if self._closed:
                 self.mailbox.clear()
+
+    async def run_batches(self, take: Callable[[Iterator[MessageT]], None]) -> None:
+        """Call *take* with the messages that wait, until the subscription is closed; other tasks run in between.
+
+        It takes them one by one, at least one, so that what it leaves still waits, and is given to it again. Where it
+        fails, that costs the message that it took last.
+        """
+        mailbox, task = self.mailbox, asyncio.current_task()
+        try:
+            while True:
+                await mailbox.wait()
+                try:
+                    take(self._waiting())
+                except BaseException as exc:  # as of a callback
+                    if is_end_of(task, exc):
+                        raise
+                    self._on_failure(exc)
+                if mailbox.queue:
+                    await anyio.lowlevel.checkpoint()
+        except ClosedError:
+            return
+        finally:
+            self._is_abandoned = True
+            if self._closed:
+                mailbox.clear()
+
+    def _waiting(self) -> Iterator[MessageT]:
+        """Yield the messages that wait; each is taken when it is asked for."""
+        mailbox = self.mailbox
+        take, senders = mailbox.queue.popleft, mailbox.senders
+        while True:
+            try:
+                item = take()
+            except LookupError:  # as below
+                return
+            if senders:
+                mailbox.admit_senders()
+            if type(item) is not Expiring:
+                yield item
+            elif (message := self._unexpired(item)) is not None:
+                yield message
 
     async def _run_in_turn(self, callback: Callback[MessageT]) -> None:
         mailbox = self.mailbox

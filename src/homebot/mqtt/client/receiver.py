@@ -64,8 +64,7 @@ class Receiver:
         """Take in one PUBLISH, for the next :meth:`deliver`; return what to answer, mostly nothing. Never raises."""
         first, _, oversize = packet
         qos = first >> 1 & 3
-        receipt: int | None = 0
-        answer = b""
+        receipt, answer = 0, b""
         if oversize:
             self.counters.dropped_oversize += 1
             return self._drop(packet, f"{oversize} bytes, over the limit")
@@ -74,9 +73,10 @@ class Receiver:
             if packet_id == 0 or qos == 3:
                 self.counters.dropped_malformed += 1
                 return self._drop(packet, "QoS 3, or no packet identifier")
-            receipt, answer = self._ledger.admit(qos, packet_id)
-            if receipt is None:
+            admitted, answer = self._ledger.admit(qos, packet_id)
+            if admitted is None:
                 return answer
+            receipt = admitted
         try:
             message = self._reader.read(packet, receipt)
         except WireError as error:
@@ -151,9 +151,7 @@ class Inbox:
         sizes = [len(topic) + len(payload) for topic, payload, qos, _, _, _ in messages if qos == 0]
         self._droppable += len(sizes)
         self._droppable_bytes += sum(sizes)
-        while self._droppable > 1 and (
-            self._droppable > self._max_messages or self._droppable_bytes > self._max_bytes
-        ):
+        while self._droppable > 1 and (self._droppable > self._max_messages or self._droppable_bytes > self._max_bytes):
             self._drop_oldest()
         if self._wake is not None:
             self._wake_up(self._wake)
