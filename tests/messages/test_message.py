@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 from typing import ClassVar
 
 import pytest
@@ -93,6 +95,18 @@ def test_a_message_of_checked_values_is_like_one_that_was_checked() -> None:
     assert message.model_copy(update={"data": "bye"}) == String(data="bye")
     with pytest.raises(ValidationError, match="frozen"):
         message.data = "changed"  # type: ignore[misc] # it is what is refused
+
+
+def test_a_message_of_checked_values_is_copied_and_pickled_like_any_other() -> None:
+    message = String.of_checked(data="hello")
+
+    pickled = pickle.loads(pickle.dumps(message))  # noqa: S301 - our own
+    for same in (copy.copy(message), copy.deepcopy(message), pickled):
+        assert same == message
+        assert same.model_fields_set == {"data"}
+    assert message.model_extra is None
+    with pytest.raises(AttributeError, match="no attribute 'date'"):
+        message.date  # type: ignore[attr-defined] # noqa: B018 - it is what is refused
 
 
 def test_messages_of_checked_values_share_no_value() -> None:

@@ -8,7 +8,7 @@ Plain ``bool``, ``int``, ``float``, ``str`` and ``bytes`` mean ``bool``, ``int64
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler
 from pydantic_core import CoreSchema
@@ -122,25 +122,28 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of what is 
         """
         message = _new(cls)
         _set_fields(message, fields)
-        _set_names(message, _ALL_FIELDS[cls])
-        _set_extra(message, None)
-        _set_private(message, None)
         return message
 
     def with_checked(self, **changes: object) -> Self:
         """Return the message with *changes*, without a look at their values; see :meth:`of_checked`."""
-        kind = type(self)
-        message = _new(kind)
+        message = _new(type(self))
         _set_fields(message, {**self.__dict__, **changes})
-        _set_names(message, _ALL_FIELDS[kind])
-        _set_extra(message, None)
-        _set_private(message, None)
         return message
 
     def slimmed(self) -> Self:
         """Return this message, which forgets which of its fields were given: up to 2 kB, and nobody asks for them."""
         _set_names(self, _ALL_FIELDS[type(self)])
         return self
+
+    if not TYPE_CHECKING:  # a checker would let any attribute pass
+
+        def __getattr__(self, name: str) -> object:
+            """Return what pydantic keeps beside the fields, where :meth:`of_checked` set none: few ask for it."""
+            if name == "__pydantic_fields_set__":
+                return _ALL_FIELDS[type(self)]
+            if name in _NONE_OF_MESSAGES:
+                return None
+            return super().__getattr__(name)
 
     def __eq__(self, other: object) -> bool:
         """Return whether *other* is of the same type and has equal fields; there is nothing else in a message."""
@@ -175,8 +178,8 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of what is 
 _new = object.__new__
 _set_fields = vars(BaseModel)["__dict__"].__set__
 _set_names = vars(BaseModel)["__pydantic_fields_set__"].__set__
-_set_extra = vars(BaseModel)["__pydantic_extra__"].__set__
-_set_private = vars(BaseModel)["__pydantic_private__"].__set__
+
+_NONE_OF_MESSAGES = frozenset({"__pydantic_extra__", "__pydantic_private__"})
 
 RequestT = TypeVar("RequestT", bound=Message)
 
