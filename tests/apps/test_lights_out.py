@@ -6,6 +6,9 @@ import pytest
 from structlog.testing import capture_logs
 from tests.apps.houses import flat, is_on, lamp, motion
 
+from homebot.devices.names import FORGET_DEVICE
+from homebot.devices.services import ForgetDevice, ForgetDeviceRequest
+from homebot.graph import Node
 from homebot.testing import virtual_house_of
 
 pytestmark = pytest.mark.virtual_time
@@ -75,6 +78,68 @@ async def test_nothing_is_turned_off_while_one_of_two_sensors_is_without_power()
         await house.run_until("03:05")
         assert is_on(world, "hall_lamp")
         await house.run_until("03:15")
+        assert not is_on(world, "hall_lamp")
+
+
+async def test_what_the_guard_refused_is_tried_again_ever_more_seldom() -> None:
+    """The sensor is quiet from 08:02 on, and the guard believes so five minutes later."""
+    world = flat(("08:00", "hall"), ("08:01", "outside"), hall_lamp=lamp("hall"), hall_motion=motion("hall"))
+    config = {"apps": {"lights_out": {"quiet_after": 60}}, "control": {"presence_guard": True}}
+    with capture_logs() as lines:
+        async with virtual_house_of(world=world, config=config) as house:
+            await house.run_until("08:00:30")
+            await house.press("hall_lamp", "on")
+            await house.run_until("08:06")
+            assert is_on(world, "hall_lamp")
+            await house.run_until("08:12")
+            assert not is_on(world, "hall_lamp")
+    refusals = [line["message"] for line in lines if line["event"] == "app.command_failed"]
+    assert 1 < len(refusals) < 5
+    assert all("refused (presence_guard)" in one for one in refusals)
+
+
+async def test_a_lamp_that_the_guard_never_gives_free_is_tried_once_an_hour() -> None:
+    """Nobody ever walked past the sensor, so the guard does not believe it."""
+    world = flat(hall_lamp=lamp("hall"), hall_motion=motion("hall"))
+    config = {"control": {"presence_guard": True}}
+    with capture_logs() as lines:
+        async with virtual_house_of("lights_out", world=world, config=config) as house:
+            await house.press("hall_lamp", "on")
+            await house.run_for("1d")
+    refusals = [line for line in lines if line["event"] == "app.command_failed"]
+    assert 20 < len(refusals) < 30
+
+
+async def test_the_countdown_goes_on_when_one_of_two_sensors_is_removed() -> None:
+    world = flat(
+        hall_lamp=lamp("hall"),
+        hall_motion=motion("hall"),
+        far_motion=motion("hall", faults={"unplugged": {"since": 3_900.0, "until": 86_400.0}}),
+    )
+    async with virtual_house_of("lights_out", world=world) as house, Node(house.runtime.graph, "owner") as owner:
+        await house.run_until("01:00")
+        await house.press("hall_lamp", "on")
+        await house.run_until("01:06")
+        forget = owner.create_client(ForgetDevice, FORGET_DEVICE)
+        assert (await forget.call(ForgetDeviceRequest(device="far_motion"))).success
+        await house.run_until("01:17")
+        assert not is_on(world, "hall_lamp")
+
+
+async def test_the_room_is_looked_at_again_when_a_sensor_that_is_broken_was_forgotten() -> None:
+    world = flat(
+        hall_lamp=lamp("hall"),
+        hall_motion=motion("hall"),
+        far_motion=motion("hall", faults={"unplugged": {"since": 3_600.0, "until": 86_400.0}}),
+    )
+    async with virtual_house_of("lights_out", world=world) as house, Node(house.runtime.graph, "owner") as owner:
+        await house.run_until("01:05")
+        await house.press("hall_lamp", "on")
+        await house.run_until("03:00")
+        assert is_on(world, "hall_lamp")
+        forget = owner.create_client(ForgetDevice, FORGET_DEVICE)
+        assert (await forget.call(ForgetDeviceRequest(device="far_motion"))).success
+        await house.run_until("04:30")
         assert not is_on(world, "hall_lamp")
 
 

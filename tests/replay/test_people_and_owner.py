@@ -181,14 +181,14 @@ ENDED = ("09:05", END_LEASES, EndLeasesRequest(device="study_lamp", issuer="clie
         (PLACED, ["confirmed", "refused", "confirmed"]),  # it dies; its time is over at 09:15
         (
             (*PLACED, *((at, RENEW_LEASE, RELEASED[2]) for at in ("09:00", "09:50"))),
-            ["confirmed", "refused", "refused"],
+            ["confirmed", "refused", "refused", "refused", "refused"],
         ),
     ],
 )
 def test_what_a_person_held_is_held_again_for_as_long(
     doings: tuple[tuple[str, str, Message], ...], outcomes: list[str]
 ) -> None:
-    """The app wants the lamp off at 09:11 and at 10:21."""
+    """The app wants the lamp off at 09:11 and at 10:21, and tries again after 20 and 40 minutes."""
     recording = recorded_with(*doings)
     assert [one.result.outcome for one in recording.commands if one.result] == outcomes
     assert texts(recording, diff_of(recording)) == []

@@ -11,6 +11,7 @@ from homebot.graph import Node
 from homebot.units import Seconds
 
 __all__ = ["LightsOut", "LightsOutSettings"]
+SHORTEST, LONGEST = 60.0, 3600.0  # seconds until lamps that stayed on are looked at again, longer each time
 
 
 class LightsOutSettings(AppSettings):
@@ -24,27 +25,23 @@ class LightsOutSettings(AppSettings):
 
 
 class LightsOut(RoomApp):
-    """Turns off the lamps of a room once all its motion sensors have reported no motion for a while.
-
-    Never where that is unknown: in a room without a sensor, or with one that is stale, unreachable or has not reported.
-    """
+    """Turns off the lamps of a room once all its motion sensors, at least one, have told of no motion for a while."""
 
     Settings = LightsOutSettings
 
     def __init__(self, node: Node, settings: LightsOutSettings) -> None:
         super().__init__(node, settings)
         self._quiet_after = settings.quiet_after
-        self._quiet: set[OccupancySensor] = set()
-        self.watch(self.devices.follow(OccupancySensor, occupied=False, fresh=True), self._take_quiet)
+        self._quiet: dict[OccupancySensor, str] = {}  # none that is stale, unreachable or silent; and the room of each
+        self.watch(self.devices.follow(OccupancySensor, occupied=False, fresh=True), self._take_sensor)
         self.watch(self.devices.follow(Light, on=True), self._take_lamp)
 
-    def _take_quiet(self, change: HandleChange[OccupancySensor]) -> None:
-        if change.kind == "removed" or change.handle.reachable is False:
-            self._quiet.discard(change.handle)
-            self.cancel(change.handle.area)
-        elif change.handle not in self._quiet:
-            self._quiet.add(change.handle)
-            self.start(change.handle.area, self._count_down)
+    def _take_sensor(self, change: HandleChange[OccupancySensor]) -> None:
+        sensor, room = change.handle, self._quiet.pop(change.handle, None)
+        if change.kind != "removed" and sensor.reachable is not False:
+            self._quiet[sensor] = sensor.area
+        if room != self._quiet.get(sensor):
+            self.start(sensor.area, self._count_down)
 
     def _take_lamp(self, change: HandleChange[Light]) -> None:
         if change.kind == "appeared":
@@ -52,7 +49,11 @@ class LightsOut(RoomApp):
 
     async def _count_down(self, room: str) -> None:
         await anyio.sleep(self._quiet_after)
-        sensors = in_room(await self.devices.find(OccupancySensor), room)
-        if sensors and self._quiet.issuperset(sensors):
-            lamps = in_room(await self.devices.find(Light, on=True), room)
-            await self.each(lambda lamp: self.attempt(lamp, lamp.turn_off), lamps)
+        wait = max(self._quiet_after, SHORTEST)
+        while lamps := in_room(await self.devices.find(Light, on=True), room):
+            sensors = in_room(await self.devices.find(OccupancySensor), room)
+            is_quiet = bool(sensors) and self._quiet.keys() >= set(sensors)
+            if is_quiet and all(await self.each(lambda lamp: self.attempt(lamp, lamp.turn_off), lamps)):
+                return
+            wait = min(2 * wait, max(wait, LONGEST))  # each try is an entry in the journal
+            await anyio.sleep(wait)

@@ -22,6 +22,7 @@ from homebot.graph import Node
 __all__ = ["RoomApp", "in_room"]
 
 HandleT = TypeVar("HandleT", bound=Handle)
+ResultT = TypeVar("ResultT")
 
 
 def in_room(handles: Iterable[HandleT], room: str) -> list[HandleT]:
@@ -86,12 +87,18 @@ class RoomApp(App):
             scope.cancel()
 
     async def each(
-        self, function: Callable[[HandleT], Coroutine[object, object, object]], handles: Iterable[HandleT]
-    ) -> None:
-        """Call *function* with each of *handles*, all at once; return when all are done."""
+        self, function: Callable[[HandleT], Coroutine[object, object, ResultT]], handles: Iterable[HandleT]
+    ) -> list[ResultT]:
+        """Call *function* with each of *handles*, all at once; return the results when all are done, as they came."""
+        results: list[ResultT] = []
+
+        async def call(handle: HandleT) -> None:
+            results.append(await function(handle))
+
         async with anyio.create_task_group() as calls:
             for handle in handles:
-                calls.start_soon(function, handle)
+                calls.start_soon(call, handle)
+        return results
 
     async def attempt(self, handle: Handle, command: Callable[[], Awaitable[Outcome]]) -> bool:
         """Give *command* to *handle*; return whether it succeeded, and log its outcome if it failed."""
