@@ -180,6 +180,44 @@ async def test_a_blind_on_its_way_is_waited_for(open_home: OpenHome) -> None:
         assert len(home.commands) == 1
 
 
+async def test_a_blind_of_which_nothing_was_heard_since_it_began_to_move_gave_no_answer(open_home: OpenHome) -> None:
+    """Its last report may have been lost."""
+    async with open_home() as home:
+        home.put("blind", "window_covering", "movement")
+        home.behaviours["blind"] = report((1.0, "opening"))
+        outcome = await (await home.handle(WindowCovering)).open()
+        assert outcome == NoAnswer(61.0, command_id=outcome.command_id)
+
+
+async def test_what_was_so_before_a_command_that_is_on_its_way_is_not_known(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        await home.report("lamp", "on_off", True)
+        lamp = await home.handle(Light)
+        home.behaviours["lamp"] = ignore
+        outcomes: list[Outcome] = []
+
+        async def turn_off() -> None:
+            outcomes.append(await lamp.turn_off())
+
+        async def turn_on() -> None:
+            outcomes.append(await lamp.turn_on())
+
+        home.tasks.start_soon(turn_off)
+        await anyio.sleep(1)
+        assert isinstance(await lamp.turn_on(), NoAnswer)
+        assert [type(one) for one in outcomes] == [Superseded]
+        await anyio.sleep(1)
+        home.behaviours["lamp"] = obey
+        await lamp.turn_on()
+        await anyio.sleep(70)
+        home.behaviours["lamp"] = ignore
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(turn_on)
+            tasks.start_soon(turn_on)  # which wants the same
+        assert [type(one) for one in outcomes[1:]] == [Superseded, AlreadySo]
+
+
 async def blind_without_movement(home: Home) -> WindowCovering:
     """Put a blind that takes movements, and reports its position alone; it is open."""
     home.put("blind", "window_covering", "movement", "position", is_write_only=("movement",))
@@ -390,6 +428,17 @@ async def test_a_device_that_is_removed_before_it_answers_is_gone(open_home: Ope
             await anyio.sleep(1)
             home.gateway.devices.remove("lamp", "sold")
         assert [type(one) for one in outcomes] == [Gone]
+
+
+async def test_a_device_that_its_gateway_has_just_lost_is_gone_and_was_not_refused(open_home: OpenHome) -> None:
+    async def vanish(home: Home, command: Command) -> None:
+        home.gateway.devices.remove(command.key, "its announcement has run out")
+        raise RefusedError("the command", "no device was announced with that key")
+
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = vanish
+        assert isinstance(await (await home.handle(Light)).turn_on(), Gone)
 
 
 async def test_a_lamp_that_goes_back_is_told_as_an_event(open_home: OpenHome) -> None:

@@ -189,13 +189,13 @@ class CommandExecutor:
         if self._learnt.is_awaited:
             await self._learnt.load()
         echoes = self._expected_echoes(command)
-        known, recent = ({}, False) if self._witnesses.disproves(command) else self._known(command, echoes)
+        places, is_settling = command.places, False
+        is_at_rest = not self._pending.has_any(places)  # else the device may be about to change
+        known, recent = self._known(command, echoes)
         changed = Signal()
         pending = PendingCommand(command, known, command.expected, self._clock.monotonic(), changed.set, echoes)
         watch = self._watch.watch(command.part.routes, partial(self._take, pending))
         self._answers.expect(pending)
-        places, is_settling = command.places, False
-        is_at_rest = not self._pending.has_any(places)  # else the device may be about to change
         self._pending.put(pending)
         self._settling.supersede(places)
         try:
@@ -205,7 +205,8 @@ class CommandExecutor:
                 await asyncio.sleep(_REHEARSED)
                 return rehearsed_result(assumed, pending.wanted)
             outcome = await self._send_and_verify(pending, changed)
-            if isinstance(outcome, NoAnswer) and await self._is_gone(command):
+            is_lost = isinstance(outcome, NoAnswer) or (isinstance(outcome, Refused) and outcome.policy == "gateway")
+            if is_lost and await self._is_gone(command):
                 return result_of(Gone(command_id=command.id))
             if echoes is not NO_ECHOES:
                 self._note_echoes(pending, outcome)
@@ -338,11 +339,9 @@ class CommandExecutor:
     def _note_unsure(self, command: IssuedCommand) -> None:
         """Note that what *command* sets may have changed, although nothing says so: older reports count no more."""
         now = self._clock.now()
-        for capability in command.settings:
-            for other in related(capability):
-                place = (*command.place, other)
-                self._unsure_since[place] = now
-                self._unsure_since.move_to_end(place)
+        for place in [(*command.place, other) for one in command.settings for other in related(one)]:
+            self._unsure_since[place] = now
+            self._unsure_since.move_to_end(place)
         while len(self._unsure_since) > _MOST_UNSURE:
             self._unsure_since.popitem(last=False)
 
@@ -372,18 +371,18 @@ class CommandExecutor:
     def _known(self, command: IssuedCommand, echoes: ExpectedEchoes) -> tuple[dict[str, PlainValue], bool]:
         """Return the values that the part reported live, and whether all that are wanted were reported lately.
 
-        What was reported before a command failed is not known, and what may be an echo, or was reported since a command
-        failed, was not reported lately: the next command is sent in any case.
+        What was reported before a command failed, or before one for something else that still waits, is not known, and
+        what may be an echo, or was reported since a command failed, not lately: the next one is sent in any case.
         """
         now, known, ages = self._clock.now(), {}, [0.0]
         asked = command.settings.keys() | command.expected.keys()
-        if command.device.freshness != "fresh":
+        is_doubted = self._pending.wants_otherwise(command) or self._witnesses.disproves(command)
+        if is_doubted or command.device.freshness != "fresh":
             return {}, False
         for state in command.device.states:
             if state.part == command.part.id and state.live and state.capability in asked:
                 told_at = state.told_at.to_seconds()
-                place = command.device.id, command.part.id, state.capability
-                unsure_since = self._unsure_since.get(place)
+                unsure_since = self._unsure_since.get((*command.place, state.capability))
                 ages.append(math.inf if unsure_since is not None else abs(now - told_at))
                 if unsure_since is None or told_at > unsure_since:
                     known[state.capability] = state.value.plain()

@@ -233,6 +233,10 @@ class PendingCommand:
             latest = max(latest, math.inf if at is None else at)
         return latest
 
+    def _is_on_its_way(self, capability: str, seen: PlainValue) -> bool:
+        """Return whether a report says in words that the device moves; a position may be where it is stuck."""
+        return isinstance(seen, str) and is_intermediate(capability, self._wanted[capability], seen)
+
     def supersede(self, by: str) -> None:
         """Note that the command *by* took its place."""
         self.superseded_by = self.superseded_by or by
@@ -291,8 +295,8 @@ class PendingCommand:
                 return Confirmed(now - self._began, Evidence.ACKNOWLEDGED, command_id=name)
             return Confirmed(max(self._fitting.values()) - self._began, Evidence.REPORTED, command_id=name)
         others = [(one, seen) for one, seen in self._seen.items() if one not in self._fitting]
-        if others and all(one in self._seen_before for one, _ in others):
-            return NoAnswer(now - self._began, command_id=name)  # what it reported before it was sent again
+        if others and all(one in self._seen_before or self._is_on_its_way(one, seen) for one, seen in others):
+            return NoAnswer(now - self._began, command_id=name)  # since it was sent, or since it began to move
         if others:
             saw = ", ".join(f"{capability} is {value_text(value)}" for capability, value in others)
             return Contradicted(saw, command_id=name)
@@ -321,6 +325,14 @@ class PendingCommands:
     def has_any(self, places: Iterable[_Place]) -> bool:
         """Return whether a command for one of *places* waits: a device, a part and a capability each."""
         return bool(self._newest) and any(one in self._newest for one in places)
+
+    def wants_otherwise(self, command: IssuedCommand) -> bool:
+        """Return whether a command that waits would change what *command* sets."""
+        for capability, value in command.settings.items() if self._newest else ():
+            older = self._newest.get((*command.place, capability))
+            if older is not None and not fits(capability, value, older.command.settings[capability]):
+                return True
+        return False
 
     def put(self, pending: PendingCommand) -> None:
         """Add *pending*, and let it take the place of older ones."""

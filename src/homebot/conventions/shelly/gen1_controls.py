@@ -88,6 +88,7 @@ class _RollerReader:
 
     def __init__(self) -> None:
         self._rests = False
+        self._is_known = False
         self._position: float | None = None
 
     def read_movement(self, payload: bytes) -> Readings:
@@ -96,20 +97,21 @@ class _RollerReader:
             return NO_READINGS
         self._rests = movement == "stopped"
         if self._rests:
-            return {"movement": self._resting()}
-        self._position = None  # the last one is where it begins
+            return self._resting()
+        self._is_known, self._position = True, None  # the last position is where it begins
         return {"movement": movement}
 
     def read_position(self, payload: bytes) -> Readings:
         number = to_number(to_text(payload))
         if number is None:
             return NO_READINGS
-        self._position = percent_of(number)
-        readings: Readings = {"position": self._position}
-        return {**readings, "movement": self._resting()} if self._rests else readings
+        self._position, self._is_known = percent_of(number), True
+        return {"position": self._position, **(self._resting() if self._rests else NO_READINGS)}
 
-    def _resting(self) -> str:
-        return "stopped" if self._position is None else _ENDS.get(self._position, "stopped")
+    def _resting(self) -> Readings:
+        if not self._is_known:  # it was described anew: its position is yet to come
+            return NO_READINGS
+        return {"movement": "stopped" if self._position is None else _ENDS.get(self._position, "stopped")}
 
 
 _PRESSES = {
