@@ -1,7 +1,5 @@
 """Messages about requests of programs outside that were refused."""
 
-from __future__ import annotations
-
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, UInt32
 

@@ -1,7 +1,5 @@
 """The services by which the owner approves devices that can hurt, and learns which of them wait for it."""
 
-from __future__ import annotations
-
 from homebot.messages.message import Message, ServiceType
 
 __all__ = ["ApproveDevice", "GetUnapproved"]

@@ -1,7 +1,5 @@
 """Services and messages of the control layer: commands, and what became of them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Annotated, ClassVar, Final, Literal, TypeAlias
 

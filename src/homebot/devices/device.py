@@ -1,7 +1,5 @@
 """Messages about a device, as the directory knows it."""
 
-from __future__ import annotations
-
 from typing import ClassVar, Literal, TypeAlias
 
 from homebot.devices.capabilities import EVENTS

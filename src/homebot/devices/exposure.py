@@ -5,8 +5,6 @@ Both topics are latched. Commands of the other systems come on ``/gateway/<name>
 :class:`homebot.devices.gateway_messages.Command`, with the id of the exposed device as key.
 """
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from types import TracebackType
 from typing import ClassVar, Self

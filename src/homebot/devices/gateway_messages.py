@@ -1,7 +1,5 @@
 """Messages of gateways: sightings, reports, commands, raw messages and their own state."""
 
-from __future__ import annotations
-
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Field

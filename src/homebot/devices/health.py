@@ -1,7 +1,5 @@
 """Health of gateways, the directory and the runtime: problems, counters, failures, quarantine."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 from homebot.messages.builtin_interfaces import Time

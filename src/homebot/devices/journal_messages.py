@@ -1,7 +1,5 @@
 """Entries of the journal, and the service that reads it."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field

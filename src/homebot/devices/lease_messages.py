@@ -1,7 +1,5 @@
 """Services of the control layer that keep a part of a device as it is wanted."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from pydantic import Field

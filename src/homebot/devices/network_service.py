@@ -1,7 +1,5 @@
 """Services that homebot itself serves to the network, for gateways that announce them there."""
 
-from __future__ import annotations
-
 from typing import ClassVar, Final
 
 from homebot.devices.device import KeyValue

@@ -1,7 +1,5 @@
 """Parts of devices that can be used by themselves, with their capabilities."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Literal, TypeAlias
 

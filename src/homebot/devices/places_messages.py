@@ -1,7 +1,5 @@
 """The services by which the owner states where devices are and what they are called."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from pydantic import Field

@@ -1,7 +1,5 @@
 """The services by which layers ask each other about devices."""
 
-from __future__ import annotations
-
 from typing import Literal, TypeAlias
 
 from homebot.devices.device import Device, DeviceChange

@@ -1,7 +1,5 @@
 """The service of the control layer that sends raw texts to devices."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import Field

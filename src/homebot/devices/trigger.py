@@ -1,7 +1,5 @@
 """The trigger of a command: a report, a change of a device, a raw message or a timer, with its facts."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import Field

@@ -3,9 +3,10 @@
 Plain ``bool``, ``int``, ``float``, ``str`` and ``bytes`` mean ``bool``, ``int64``, ``float64``, ``string`` and
 ``uint8[]``; the annotated types here are the others. ``tuple[T, ...]`` is ``T[]``, bounded by ``Field(max_length=n)``
 (``T[<=n]``), of fixed length when ``min_length`` is the same number (``T[n]``).
-"""
 
-from __future__ import annotations
+Modules of messages do without ``from __future__ import annotations``: pydantic reads the annotations of a class, and of
+its base classes, when the class is made, and as text each has to be compiled first (15 µs a field).
+"""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, Self, TypeVar

@@ -1,7 +1,5 @@
 """ROS ``rcl_interfaces``: log lines and parameters."""
 
-from __future__ import annotations
-
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, UInt8, UInt32
 

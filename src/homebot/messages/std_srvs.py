@@ -1,7 +1,5 @@
 """ROS ``std_srvs``: services without types of their own."""
 
-from __future__ import annotations
-
 from homebot.messages.message import Message, ServiceType
 
 __all__ = ["SetBool", "SetBoolRequest", "SetBoolResponse", "SuccessResponse", "Trigger", "TriggerRequest"]
