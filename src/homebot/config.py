@@ -111,7 +111,7 @@ class HomeSettings(BaseModel):
         name: What this home is called, in logs and on the web page.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     name: str = Field(default=UNNAMED, min_length=1)
 
@@ -132,7 +132,7 @@ class Config(BaseModel):
         folder: The folder that relative paths start from: that of the file.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     home: HomeSettings = HomeSettings()
     gateways: dict[str, Table] = Field(default_factory=dict)

@@ -18,7 +18,7 @@ __all__ = ["App", "AppSettings", "NoSettings"]
 class AppSettings(BaseModel):
     """The base class of tables of apps: read once, and an unknown key is an error."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 class NoSettings(AppSettings):

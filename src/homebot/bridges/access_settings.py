@@ -1,7 +1,5 @@
 """Settings of a server for other programs: where it listens, and whom it lets in."""
 
-from __future__ import annotations
-
 import errno
 from typing import Annotated
 
@@ -24,7 +22,7 @@ class AccessSettings(BaseModel):
         max_clients: Clients at a time; one more is turned away.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     host: str = "127.0.0.1"
     port: Annotated[int, Field(ge=0, le=65535)] = 0

@@ -39,7 +39,7 @@ TopicPrefix: TypeAlias = Annotated[str, Field(min_length=1, max_length=200, patt
 class ConventionSettings(BaseModel):
     """The table of a convention; a key that it does not know is an error."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 class Convention(Protocol):

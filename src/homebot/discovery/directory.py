@@ -86,7 +86,7 @@ class DirectorySettings(BaseModel):
         persist: Whether devices are remembered in a file over a restart, where the program has a place for it.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     forget_after: Seconds = Field(default=604_800.0)
     max_devices: int = Field(default=MAX_DEVICES, ge=1)

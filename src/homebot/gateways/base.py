@@ -76,7 +76,7 @@ class GatewaySettings(BaseModel):
         stale_after: Seconds of silence after which a device counts as stale that says nothing else.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     act: bool = True
     delivery: Delivery = "inbox"

@@ -48,7 +48,7 @@ class TokenTable(BaseModel):
         scope: What a client with the token may do.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     token_file: FilePath
     scope: Scope

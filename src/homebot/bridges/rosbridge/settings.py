@@ -1,7 +1,5 @@
 """Settings of the door: its address, whom it lets in, and how much one client may hold."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from typing import Annotated, Final, Self, TypeAlias
@@ -38,7 +36,7 @@ class ClientToken(BaseModel):
         scope: What it may do.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     token: Annotated[SecretStr, Field(min_length=1)]
     scope: Scope

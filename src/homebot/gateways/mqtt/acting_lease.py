@@ -41,7 +41,7 @@ _LONGEST = 1000
 class _LeaseMessage(BaseModel):
     """The message on the lease's topic."""
 
-    model_config = ConfigDict(frozen=True, extra="ignore")
+    model_config = ConfigDict(frozen=True, extra="ignore", defer_build=True)
 
     says: Literal["ask", "act"]
     id: str = Field(min_length=1, max_length=64)

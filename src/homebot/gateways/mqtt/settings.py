@@ -1,12 +1,10 @@
 """The table ``[gateways.NAME]`` of an MQTT gateway."""
 
-from __future__ import annotations
-
 import os
 import secrets
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
@@ -73,7 +71,7 @@ class MqttGatewaySettings(BaseModel):
     A further key is the name of a convention, with that convention's own table, see :attr:`tables`.
     """
 
-    model_config = ConfigDict(frozen=True, extra="allow")
+    model_config = ConfigDict(frozen=True, extra="allow", defer_build=True)
 
     url: str = EMBEDDED
     root: str = ""
@@ -120,13 +118,13 @@ class MqttGatewaySettings(BaseModel):
         return root
 
     @model_validator(mode="after")
-    def _check_credentials(self) -> MqttGatewaySettings:
+    def _check_credentials(self) -> Self:
         if self.password_file and self.password_env:
             raise ValueError("give password_file or password_env, not both")
         return self
 
     @model_validator(mode="after")
-    def _check_tables(self) -> MqttGatewaySettings:
+    def _check_tables(self) -> Self:
         if problems := check_tables(self.conventions, self.tables):
             raise ValidationError.from_exception_data(type(self).__name__, problems)
         return self
@@ -160,7 +158,7 @@ class MqttGatewaySettings(BaseModel):
     def _max_packet(self) -> int:
         return max(self.max_payload, self.max_announcement) if any_announcing(self.conventions) else self.max_payload
 
-    def with_client_id(self, client_id: str) -> MqttGatewaySettings:
+    def with_client_id(self, client_id: str) -> "MqttGatewaySettings":
         """Return the same settings with another name for this run; one that the user chose stays."""
         if "client_id" in self.model_fields_set:
             return self
