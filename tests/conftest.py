@@ -65,7 +65,9 @@ def _nothing_blocks_the_loop() -> Iterator[None]:
     with blockbuster_ctx("homebot") as blockbuster:
         for function in blockbuster.functions.values():
             # Start-up: plug-ins and passwords are read before anything is served.
-            function.can_block_in("homebot/plugins.py", {"_entry_points", "_load_entry_point", "_load_class"})
+            function.can_block_in(
+                "homebot/plugins.py", {"_entry_point", "_entry_points", "_load_entry_point", "_load_class"}
+            )
             function.can_block_in("homebot/conventions/bluetooth/sensor_libraries.py", {"_libraries"})
             function.can_block_in("homebot/gateways/mqtt/settings.py", {"check_files"})
             function.can_block_in("homebot/config.py", {"read_secret"})

@@ -31,6 +31,16 @@ def test_a_package_that_comes_onto_the_path_later_is_found(tmp_path: Path, monke
     assert load_plugin("homebot.apps", "late") is LightService
 
 
+def test_a_name_of_homebot_s_own_is_no_other_package_s(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where that package is found first."""
+    info = tmp_path / "other-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: other\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[homebot.apps]\nlight_service = homebot.apps.follow_me:FollowMe\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert load_plugin("homebot.apps", "light_service") is LightService
+
+
 def test_an_unknown_name_is_told_with_what_is_installed() -> None:
     """So that a slip of the pen is seen at once."""
     with pytest.raises(PluginError, match=r"plug-in 'lightservice' is not installed \(installed: .*light_service"):

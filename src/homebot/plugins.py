@@ -6,9 +6,9 @@ import importlib
 import importlib.util
 import stat
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
 from pathlib import Path
 from typing import Any
 
@@ -16,15 +16,9 @@ from homebot.errors import PluginError
 from homebot.file_access import why_not_trusted
 from homebot.similar import did_you_mean
 
-__all__ = ["load_plugin", "plugin_names"]
+__all__ = ["has_plugin", "load_plugin", "plugin_names"]
 
-
-@lru_cache(maxsize=1)
-def _entry_points(path: tuple[str, ...]) -> Mapping[str, tuple[EntryPoint, ...]]:
-    """Return homebot's groups on *path*, Python's; to ask for one alone reads the files of all packages as well."""
-    del path  # where Python looks; it is here for the cache
-    installed = entry_points()
-    return {group: tuple(installed.select(group=group)) for group in installed.groups if group.startswith("homebot.")}
+_Groups = Mapping[str, tuple[EntryPoint, ...]]
 
 
 def plugin_names(group: str) -> tuple[str, ...]:
@@ -32,13 +26,18 @@ def plugin_names(group: str) -> tuple[str, ...]:
     return tuple(sorted({point.name for point in _entry_points(tuple(sys.path)).get(group, ())}))
 
 
+def has_plugin(group: str, name: str) -> bool:
+    """Return whether the entry-point group *group* offers *name*."""
+    return _entry_point(group, name) is not None
+
+
 def load_plugin(group: str, name: str) -> type[Any]:
     """Return the class that *name* means.
 
     Args:
         group: The entry-point group, for example ``homebot.apps``.
-        name: A name in that group, or ``module:Class``; a module that is not installed is looked for in the working
-            directory.
+        name: A name in that group, or ``module:Class``. Of two with one name homebot's own is taken. A module that is
+            not installed is looked for in the working directory.
 
     Raises:
         PluginError: There is no such plug-in, importing it fails, it is no class, or it is in a working directory that
@@ -51,14 +50,50 @@ def load_plugin(group: str, name: str) -> type[Any]:
 
 
 def _load_entry_point(group: str, name: str) -> object:
-    for point in _entry_points(tuple(sys.path)).get(group, ()):
-        if point.name == name:
-            try:
-                return point.load()
-            except Exception as exc:
-                raise PluginError(name, f"cannot be loaded: {_error_text(exc)}") from exc
-    known = plugin_names(group)
-    raise PluginError(name, f"is not installed (installed: {', '.join(known) or 'none'}); {_hint(name, known)}")
+    point = _entry_point(group, name)
+    if point is None:
+        known = plugin_names(group)
+        raise PluginError(name, f"is not installed (installed: {', '.join(known) or 'none'}); {_hint(name, known)}")
+    try:
+        return point.load()
+    except Exception as exc:
+        raise PluginError(name, f"cannot be loaded: {_error_text(exc)}") from exc
+
+
+def _entry_point(group: str, name: str) -> EntryPoint | None:
+    """Return the plug-in *name*; the files of other packages are read only where homebot has none of that name."""
+    path = tuple(sys.path)
+    for groups in (_own_entry_points, _entry_points):
+        for point in groups(path).get(group, ()):
+            if point.name == name:
+                return point
+    return None
+
+
+@lru_cache(maxsize=1)
+def _own_entry_points(path: tuple[str, ...]) -> _Groups:
+    """Return homebot's groups in its own package on *path*, Python's; none where it is not installed."""
+    del path  # where Python looks; it is here for the cache
+    try:
+        return _groups(distribution("homebot").entry_points)
+    except PackageNotFoundError:
+        return {}
+
+
+@lru_cache(maxsize=1)
+def _entry_points(path: tuple[str, ...]) -> _Groups:
+    """Return homebot's groups in all packages on *path*; to ask for one alone reads the files of all as well."""
+    del path  # as above
+    installed = entry_points()
+    return _groups(point for group in installed.groups for point in installed.select(group=group))
+
+
+def _groups(points: Iterable[EntryPoint]) -> _Groups:
+    found: dict[str, tuple[EntryPoint, ...]] = {}
+    for point in points:
+        if point.group.startswith("homebot."):
+            found[point.group] = (*found.get(point.group, ()), point)
+    return found
 
 
 def _hint(name: str, known: tuple[str, ...]) -> str:

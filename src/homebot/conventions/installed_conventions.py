@@ -10,7 +10,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError, to_json
 
 from homebot.conventions.convention import Convention, TextConvention
 from homebot.errors import PluginError
-from homebot.plugins import load_plugin, plugin_names
+from homebot.plugins import has_plugin, load_plugin, plugin_names
 from homebot.similar import unknown_key
 
 __all__ = ["GROUP", "any_announcing", "check_tables", "default_conventions", "find_conventions"]
@@ -22,8 +22,7 @@ _ALL = ("thesis", "homeassistant", "zigbee2mqtt", "tasmota", "shelly", "homie", 
 
 def default_conventions() -> tuple[str, ...]:
     """Return homebot's own conventions, as far as they are installed."""
-    installed = plugin_names(GROUP)
-    return tuple(name for name in _ALL if name in installed)
+    return tuple(name for name in _ALL if has_plugin(GROUP, name))
 
 
 def any_announcing(names: Iterable[str]) -> bool:
