@@ -14,8 +14,8 @@ from homebot.devices.command_messages import (
     CommandDevicesRequest,
     CommandDevicesResponse,
     CommandedPart,
-    result_of,
 )
+from homebot.devices.command_results import result_of
 from homebot.devices.names import COMMAND_DEVICES
 from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome, Refused, worst
 from homebot.graph import Node

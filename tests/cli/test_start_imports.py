@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-_MOST_MODULES = 318
+_MOST_MODULES = 315
 """Modules of homebot; of more each should be needed before a start is done."""
 
 IDLE = """
@@ -31,6 +31,7 @@ NOT_NEEDED = (
     "twisted",
     "homebot.bridges.rosbridge.protocol",
     "homebot.bridges.rosbridge.session",
+    "homebot.cli.flow",
     "homebot.control.executor",
     "homebot.control.journal.journal",
     "homebot.control.policies",
@@ -44,11 +45,14 @@ NOT_NEEDED = (
     "homebot.conventions.tasmota.reader",
     "homebot.conventions.zigbee2mqtt.reader",
     "homebot.devices.handles.climate",
+    "homebot.devices.outcomes",
     "homebot.devices.query.parse",
     "homebot.discovery.store",
     "homebot.house.description",
     "homebot.house.kinds",
     "homebot.messages.std_msgs",
+    "homebot.mqtt.broker.tls_socket",
+    "homebot.mqtt.certificate",
     "homebot.mqtt.client.aiomqtt_adapter",
     "homebot.control.rehearsal",
     "homebot.recording",

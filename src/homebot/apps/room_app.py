@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Coroutine, Iterable
 from contextlib import suppress
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import anyio
 from anyio.abc import TaskGroup
@@ -14,10 +14,12 @@ from homebot.apps.base import App
 from homebot.devices import Device
 from homebot.devices.devices import MessageHandler
 from homebot.devices.handles import FollowHandles, Handle, HandleChange
-from homebot.devices.outcomes import Outcome, Superseded
 from homebot.errors import RefusedError, ServiceError
 from homebot.folding import fold
 from homebot.graph import Node
+
+if TYPE_CHECKING:
+    from homebot.devices.outcomes import Outcome
 
 __all__ = ["RoomApp", "in_room"]
 
@@ -109,6 +111,8 @@ class RoomApp(App):
         else:
             if outcome.succeeded:
                 return True
+            from homebot.devices.outcomes import Superseded  # noqa: PLC0415 - it came with the command
+
             if isinstance(outcome, Superseded):  # somebody wants something newer
                 return False
             problem = outcome.text

@@ -11,7 +11,6 @@ from ipaddress import ip_address
 from typing import Protocol, TypeAlias
 from urllib.parse import urlsplit
 
-from homebot.cli.flow import parse_flow
 from homebot.errors import ConfigError, WireError
 
 __all__ = [
@@ -188,6 +187,8 @@ def app(text: str) -> str:
 
 def message(text: str) -> dict[str, object]:
     """Return the fields that *text* spells, in JSON or in YAML's flow style."""
+    from homebot.cli.flow import parse_flow  # noqa: PLC0415 - few commands take fields
+
     try:
         value = parse_flow(text)
     except WireError as exc:

@@ -16,9 +16,8 @@ from homebot.devices.command_messages import (
     CommandRequest,
     CommandResult,
     Setting,
-    outcome_of,
-    result_of,
 )
+from homebot.devices.command_results import outcome_of, result_of
 from homebot.devices.outcomes import Refused, worst
 from homebot.devices.query import And, HasText, NameIs, Or, PartFacets, Query, fits, parse_query, query_terms
 from homebot.devices.query.facets import facets_of

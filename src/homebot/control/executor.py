@@ -27,7 +27,8 @@ from homebot.control.settling import Settling
 from homebot.control.value_text import value_text
 from homebot.control.witnesses import WitnessVerification
 from homebot.devices import FIND_DEVICES, Device, DevicePart, FindDevices
-from homebot.devices.command_messages import CommandRequest, CommandResult, Setting, result_of
+from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
+from homebot.devices.command_results import result_of
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.services import FindDevicesRequest

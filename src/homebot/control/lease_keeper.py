@@ -20,7 +20,8 @@ from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, 
 from homebot.control.report_watch import ReportWatch
 from homebot.control.value_text import value_text
 from homebot.devices.capabilities import MOMENTARY
-from homebot.devices.command_messages import CommandRequest, CommandResult, outcome_of, result_of
+from homebot.devices.command_messages import CommandRequest, CommandResult
+from homebot.devices.command_results import outcome_of, result_of
 from homebot.devices.lease_messages import (
     EndLeasesRequest,
     GetLeasesRequest,

@@ -13,7 +13,8 @@ from homebot.control.echoes import EchoHistory
 from homebot.control.journal import CommandJournal
 from homebot.control.pending import PendingCommand
 from homebot.control.report_watch import PartWatch
-from homebot.devices.command_messages import CommandEvent, result_of
+from homebot.devices.command_messages import CommandEvent
+from homebot.devices.command_results import result_of
 from homebot.devices.names import COMMAND_EVENTS
 from homebot.devices.outcomes import Reverted
 from homebot.devices.value import PlainValue

@@ -12,7 +12,8 @@ from homebot.control.journal import CommandJournal
 from homebot.control.judge import Judge
 from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import always_asks
-from homebot.devices.command_messages import CommandRequest, Setting, result_of
+from homebot.devices.command_messages import CommandRequest, Setting
+from homebot.devices.command_results import result_of
 from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
 from homebot.devices.part import Part
 from homebot.devices.text.address import part_at

@@ -1,13 +1,10 @@
 """Services and messages of the control layer: commands, and what became of them."""
 
-from collections.abc import Mapping
-from typing import Annotated, ClassVar, Final, Literal, TypeAlias
+from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from pydantic import ConfigDict, Field
 
-from homebot.devices import outcomes
 from homebot.devices.device import KeyValue
-from homebot.devices.outcomes import Evidence, Outcome
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import Value
 from homebot.messages.message import Message, ServiceType, UInt8
@@ -24,8 +21,6 @@ __all__ = [
     "OutcomeKind",
     "PerformCommand",
     "Setting",
-    "outcome_of",
-    "result_of",
 ]
 
 OutcomeKind: TypeAlias = Literal[
@@ -81,7 +76,7 @@ class CommandRequest(Message):
 
 
 class CommandResult(Message):
-    """Result of a command; :func:`outcome_of` makes an `Outcome` of it.
+    """Result of a command; :func:`homebot.devices.command_results.outcome_of` makes an `Outcome` of it.
 
     Attributes:
         command_id: The id of the command.
@@ -194,67 +189,3 @@ class CommandDevicesResponse(Message):
 
 
 CommandDevices = ServiceType("homebot/srv/CommandDevices", CommandDevicesRequest, CommandDevicesResponse)
-
-
-_NO_FACTS: Final[Mapping[str, object]] = {
-    "latency": 0.0,
-    "evidence": 0,
-    "saw": "",
-    "witness": "",
-    "by": "",
-    "policy": "",
-    "reason": "",
-}
-"""What a result says that is about another outcome."""
-
-
-def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandResult:
-    """Return the message that carries *outcome*, and what the device reported."""
-    fields = {  # in the order in which programs are shown them
-        "command_id": outcome.command_id,
-        "outcome": "gone",
-        "text": outcome.text,
-        "reported": reported,
-        **_NO_FACTS,
-    }
-    match outcome:
-        case outcomes.Confirmed():
-            fields["outcome"] = "confirmed"
-            fields["latency"] = outcome.latency
-            fields["evidence"] = int(outcome.evidence)
-            fields["witness"] = outcome.witness
-        case outcomes.AlreadySo():
-            fields["outcome"] = "already_so"
-        case outcomes.Contradicted():
-            fields |= {"outcome": "contradicted", "saw": outcome.saw, "witness": outcome.witness}
-        case outcomes.Reverted():
-            fields |= {"outcome": "reverted", "latency": outcome.after}
-        case outcomes.NoAnswer():
-            fields |= {"outcome": "no_answer", "latency": outcome.waited, "reason": outcome.reason}
-        case outcomes.Superseded():
-            fields |= {"outcome": "superseded", "by": outcome.by}
-        case outcomes.Refused():
-            fields |= {"outcome": "refused", "policy": outcome.policy, "reason": outcome.reason}
-    return CommandResult.of_checked(**fields)
-
-
-def outcome_of(result: CommandResult) -> Outcome:
-    """Return the outcome that *result* carries."""
-    name = result.command_id
-    match result.outcome:
-        case "confirmed":
-            return outcomes.Confirmed(result.latency, Evidence(result.evidence), result.witness, command_id=name)
-        case "already_so":
-            return outcomes.AlreadySo(command_id=name)
-        case "contradicted":
-            return outcomes.Contradicted(result.saw, result.witness, command_id=name)
-        case "reverted":
-            return outcomes.Reverted(result.latency, command_id=name)
-        case "no_answer":
-            return outcomes.NoAnswer(result.latency, result.reason, command_id=name)
-        case "superseded":
-            return outcomes.Superseded(result.by, command_id=name)
-        case "refused":
-            return outcomes.Refused(result.policy, result.reason, command_id=name)
-        case "gone":
-            return outcomes.Gone(command_id=name)

@@ -7,14 +7,8 @@ from collections.abc import Mapping
 from contextlib import AbstractAsyncContextManager
 from typing import TYPE_CHECKING, Final
 
-from homebot.devices.command_messages import (
-    MOST_SETTINGS,
-    CommandRequest,
-    CommandResult,
-    PerformCommand,
-    Setting,
-    outcome_of,
-)
+from homebot.devices.command_messages import MOST_SETTINGS, CommandRequest, CommandResult, PerformCommand, Setting
+from homebot.devices.command_results import outcome_of
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import Device, DevicePart

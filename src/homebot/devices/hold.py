@@ -10,7 +10,8 @@ from typing import Final
 import anyio
 
 from homebot.devices.capabilities import MOMENTARY
-from homebot.devices.command_messages import Setting, outcome_of
+from homebot.devices.command_messages import Setting
+from homebot.devices.command_results import outcome_of
 from homebot.devices.commander import NO_CONTROL
 from homebot.devices.handles.tracked_device import TrackedDevice
 from homebot.devices.lease_messages import (

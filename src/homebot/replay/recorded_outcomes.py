@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable
 from typing import ClassVar, final
 
 from homebot.control.command import IssuedCommand
-from homebot.devices.command_messages import CommandResult, Setting, outcome_of
+from homebot.devices.command_messages import CommandResult, Setting
+from homebot.devices.command_results import outcome_of
 from homebot.devices.outcomes import Confirmed, Evidence, Outcome
 from homebot.devices.value import Value
 from homebot.recording.lines import RecordedCommand

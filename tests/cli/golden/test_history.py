@@ -13,7 +13,8 @@ from tests.cli.golden.conftest import ago
 from tests.cli.golden.test_golden import check
 
 from homebot.cli import main
-from homebot.devices.command_messages import CommandResult, Setting, result_of
+from homebot.devices.command_messages import CommandResult, Setting
+from homebot.devices.command_results import result_of
 from homebot.devices.journal_messages import JournalEntry, JournalFact, JournalVerdict
 from homebot.devices.outcomes import (
     AlreadySo,

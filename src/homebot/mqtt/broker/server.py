@@ -7,7 +7,7 @@ import errno
 import socket
 import ssl
 from collections.abc import Callable, Collection, Mapping
-from typing import final
+from typing import TYPE_CHECKING, final
 
 import anyio
 
@@ -22,8 +22,10 @@ from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.peer import Peer
 from homebot.mqtt.broker.ports import BrokerPolicy, ConnectionHandler, Transport
 from homebot.mqtt.broker.state import BrokerState
-from homebot.mqtt.broker.tls_socket import TlsSocket
 from homebot.mqtt.packets import ReasonCode
+
+if TYPE_CHECKING:
+    from homebot.mqtt.broker.tls_socket import TlsSocket
 
 __all__ = ["Broker", "PortTakenError"]
 
@@ -158,7 +160,11 @@ class Broker(EmbeddedBroker):
 
     def _new_connection(self, state: BrokerState, loop: asyncio.AbstractEventLoop) -> BrokerConnection | TlsSocket:
         connection = BrokerConnection(state, loop, self._sockets, self._endpoint)
-        return connection if self._tls is None else TlsSocket(self._tls, connection, connection.note_bad_tls)
+        if self._tls is None:
+            return connection
+        from homebot.mqtt.broker.tls_socket import TlsSocket  # noqa: PLC0415 - few brokers in a process use TLS
+
+        return TlsSocket(self._tls, connection, connection.note_bad_tls)
 
     async def _bind(self, loop: asyncio.AbstractEventLoop) -> socket.socket:
         family, address = await self._resolve(loop)

@@ -19,7 +19,6 @@ import anyio.to_thread
 
 from homebot.addresses import ip_version
 from homebot.errors import LinkError, RefusedError, UsageError
-from homebot.mqtt.certificate import load_certificate
 from homebot.mqtt.client.transport import SEND_BUFFER, TransportUser
 from homebot.mqtt.options import MqttOptions
 
@@ -357,6 +356,8 @@ def _load_context(options: MqttOptions) -> ssl.SSLContext:
     except OSError as error:
         raise UsageError(f"CA file {options.ca_file}: {error.strerror}") from error
     if options.cert_file is not None:
+        from homebot.mqtt.certificate import load_certificate  # noqa: PLC0415 - few clients have one
+
         load_certificate(context, options.cert_file, options.key_file, what="client certificate", key_option="key_file")
     return context
 
