@@ -256,8 +256,18 @@ async def test_a_blind_that_goes_back_is_told_as_an_event(open_home: OpenHome) -
             home.events.clear()
             outcome = await command()
             assert isinstance(outcome, Confirmed)
-            await anyio.sleep(6)
+            await anyio.sleep(16)
             assert [one.result.command_id for one in home.events] == [outcome.command_id]
+
+
+async def test_a_blind_that_tells_where_it_will_be_and_then_each_step_does_not_go_back(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        blind = await blind_without_movement(home)
+        steps = [(0.0, 0.0), (0.5, 100.0), *((3.0 + number, 95.0 - 5 * number) for number in range(20))]
+        home.behaviours["blind"] = positions(*steps)
+        assert isinstance(await blind.close(), Confirmed)
+        await anyio.sleep(60)
+        assert home.events == []
 
 
 @pytest.mark.parametrize("failing", ["movement", "position"])
@@ -451,6 +461,40 @@ async def test_a_lamp_that_goes_back_is_told_as_an_event(open_home: OpenHome) ->
         (event,) = home.events
         assert (event.result.outcome, round(event.result.latency), event.issuer) == ("reverted", 3, "/app")
         assert event.result.command_id == outcome.command_id
+
+
+@pytest.mark.parametrize(
+    ("levels", "reverted_after"),
+    [
+        (((1.0, 35.0), (2.0, 60.0), (4.0, 80.0)), None),
+        (((1.0, 35.0), (2.0, 60.0), (11.0, 80.0)), None),
+        (((1.0, 35.0), (2.0, 60.0)), 14),  # it stays there
+        (((1.0, 35.0), (2.0, 20.0)), 2),
+        (((3.0, 90.0),), 3),
+    ],
+)
+async def test_a_dimmer_that_tells_where_it_will_be_and_then_each_step_does_not_go_back(
+    open_home: OpenHome, levels: tuple[tuple[float, float], ...], reverted_after: int | None
+) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "level")
+        await home.report("lamp", "level", 20.0)
+        lamp = await home.handle(Light)
+
+        async def dim(home: Home, command: Command) -> None:
+            await obey(home, command)
+            for seconds, level in levels:
+                home.later(seconds, "lamp", "level", level)
+
+        home.behaviours["lamp"] = dim
+        assert isinstance(await lamp.set_level(80.0, transition=4.0), Confirmed)
+        began = anyio.current_time()
+        reverted: list[int] = []
+        while anyio.current_time() < began + 20:
+            await anyio.sleep(0.5)
+            if home.events and not reverted:
+                reverted.append(int(anyio.current_time() - began))
+        assert reverted == ([] if reverted_after is None else [reverted_after])
 
 
 async def test_a_whole_floor_is_confirmed_at_once(open_home: OpenHome) -> None:

@@ -246,6 +246,14 @@ class PendingCommand:
         """Return whether a later report of *value* shows that the device went back."""
         return capability in self._wanted and departs(capability, self._wanted[capability], value)
 
+    def may_move_on(self, capability: str, value: PlainValue) -> bool:
+        """Return whether a dimmer or motor that reported what is wanted, and then *value*, may be on its way there."""
+        before, wanted = self._before.get(capability), self._wanted.get(capability)
+        if not (isinstance(wanted, float) and isinstance(value, float)):
+            return False
+        is_motor = is_intermediate(capability, wanted, value)
+        return is_motor or not isinstance(before, float) or min(before, wanted) < value < max(before, wanted)
+
     @property
     def reported(self) -> tuple[Setting, ...]:
         """The values that the device reported and that fit."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeAlias, final
+from typing import Final, TypeAlias, final
 
 import anyio
 
@@ -27,12 +27,17 @@ _Place: TypeAlias = tuple[str, str, str]
 
 REVERTED = "control.reverted"
 
+_LONGEST: Final = 300.0
+"""Seconds from its confirmation for which a device is watched that moves on and on."""
+
 
 @dataclass(slots=True, eq=False)
 class _Settled:
     pending: PendingCommand
     confirmed_at: float
     watch: PartWatch
+    until: float
+    step: tuple[str, PlainValue] | None = None  # of a device that reports that it is still on its way
 
 
 @final
@@ -62,12 +67,12 @@ class Settling:
         if not self._seconds or not pending.is_verified:
             return False
         now = self._clock.monotonic()
-        settled = _Settled(pending, now, watch)
+        settled = _Settled(pending, now, watch, now + self._seconds + pending.command.transition)
         watch.take = partial(self._take, settled)
         for place in pending.command.places:
             self._end(place)
             self._watched[place] = settled
-            self._deadlines.set(place, now + self._seconds, None)
+            self._deadlines.set(place, settled.until, None)
         self._added.set()
         return True
 
@@ -91,8 +96,25 @@ class Settling:
     def _take(self, settled: _Settled, capability: str, value: PlainValue) -> None:
         pending = settled.pending
         if not pending.departs(capability, value):
+            settled.step = None
             pending.note_again(capability, value, self._clock.monotonic())
             return
+        if not pending.may_move_on(capability, value):
+            self._revert(settled, capability)
+        elif settled.step != (capability, value):
+            settled.step = capability, value
+            self._wait_on(settled)
+
+    def _wait_on(self, settled: _Settled) -> None:
+        """Watch a device that moves for some seconds more."""
+        until = min(self._clock.monotonic() + self._seconds, settled.confirmed_at + _LONGEST)
+        settled.until = max(settled.until, until)
+        for place in settled.pending.command.places:
+            if self._watched.get(place) is settled:
+                self._deadlines.set(place, settled.until, None)
+
+    def _revert(self, settled: _Settled, capability: str) -> None:
+        pending = settled.pending
         self._note_taken_back(pending, capability)
         command = pending.command
         for place in command.places:
@@ -111,6 +133,9 @@ class Settling:
         """Watch *place* no more, as it kept its value; one that a newer command is about is not watched any more."""
         settled = self._watched.get(place)
         if settled is None:
+            return
+        if settled.step is not None:  # it got stuck there
+            self._revert(settled, settled.step[0])
             return
         if place[2] in settled.pending.fast:
             self._note_fast(settled.pending, place[2], None)
