@@ -20,6 +20,7 @@ from homebot.control.journal.house_watch import HouseWatch
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import (
     ACCESS_REFUSALS,
+    BELIEVE_DEVICE,
     COMMAND_DEVICES,
     END_LEASES,
     GET_LEASES,
@@ -46,7 +47,12 @@ if TYPE_CHECKING:
     from homebot.control.settings import ControlSettings
     from homebot.control.text_commands import TextCommands
     from homebot.devices.access_messages import AccessRefused
-    from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
+    from homebot.devices.approval_messages import (
+        BelieveDeviceRequest,
+        BelieveDeviceResponse,
+        UnapprovedRequest,
+        UnapprovedResponse,
+    )
     from homebot.devices.command_messages import (
         CommandDevicesRequest,
         CommandDevicesResponse,
@@ -141,7 +147,7 @@ class Control:
         """Offer the services; what they begin is carried out while it serves."""
         from homebot.devices import lease_messages as leases  # noqa: PLC0415 - likewise
         from homebot.devices.access_messages import AccessRefused  # noqa: PLC0415 - likewise
-        from homebot.devices.approval_messages import GetUnapproved  # noqa: PLC0415 - see above
+        from homebot.devices.approval_messages import BelieveDevice, GetUnapproved  # noqa: PLC0415 - see above
         from homebot.devices.command_messages import CommandDevices, PerformCommand  # noqa: PLC0415 - see above
         from homebot.devices.journal_messages import ReadJournal  # noqa: PLC0415 - likewise
         from homebot.devices.text_messages import SendText  # noqa: PLC0415 - likewise
@@ -155,6 +161,7 @@ class Control:
         self._node.create_service(leases.GetLeases, GET_LEASES, self.held_parts)
         self._node.create_service(leases.EndLeases, END_LEASES, self.end_leases)
         self._node.create_service(GetUnapproved, GET_UNAPPROVED, self.unapproved)
+        self._node.create_service(BelieveDevice, BELIEVE_DEVICE, self.believe)
         self._node.create_service(GetHealth, "~/health", self.health)
         self._node.create_service(ReadJournal, READ_JOURNAL, self.read_journal, concurrent=True)
         self._node.create_subscription(AccessRefused, ACCESS_REFUSALS, self._take_refusal, QoSProfile(depth=_REFUSALS))
@@ -207,9 +214,17 @@ class Control:
         """Return the devices that wait for the owner's approval."""
         return await self._approvals.unapproved(request)
 
+    async def believe(self, request: BelieveDeviceRequest) -> BelieveDeviceResponse:
+        """Forget that a witness contradicted a device."""
+        from homebot.devices.approval_messages import BelieveDeviceResponse  # noqa: PLC0415 - see above
+
+        return BelieveDeviceResponse(witnesses=await self._execution().witnesses.believe(request.device))
+
     async def health(self, _: HealthRequest) -> HealthResponse:
-        """Return the health of the journal, with notes on what waits for the owner: approvals, and new sensors."""
+        """Return the health of the journal, with notes on what waits for the owner."""
         notes = await self._approvals.notes()
+        if self._executor is not None:
+            notes += self._executor.witnesses.notes()
         if self._settings.presence_guard is not None:
             notes += self._judge.notes()
         return self._journal.health().with_checked(notes=notes)

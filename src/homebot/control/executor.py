@@ -74,6 +74,7 @@ class CommandExecutor:
 
     Attributes:
         leases: The same.
+        witnesses: Sensors that see what commands do.
     """
 
     def __init__(
@@ -103,15 +104,15 @@ class CommandExecutor:
         self._unsure_since: OrderedDict[_Place, float] = OrderedDict()
         self._pending = PendingCommands()
         self._settling = Settling(node, self._settings.settle, journal, self._echoes)
-        self._witnesses = WitnessVerification(node, settings, self._learnt)
-        for name, read in self._witnesses.counters.items():
+        self.witnesses = WitnessVerification(node, settings, self._learnt)
+        for name, read in self.witnesses.counters.items():
             journal.add_counter(name, read)
 
     async def run(self) -> None:
         """Read what was learnt, and watch the devices of confirmed commands and what sensors see, until cancelled."""
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._learnt.load)
-            tasks.start_soon(self._witnesses.run)
+            tasks.start_soon(self.witnesses.run)
             await self._settling.run()
 
     async def perform(self, request: CommandRequest) -> CommandResult:
@@ -150,8 +151,8 @@ class CommandExecutor:
         """Note that *command* is sent as a text: nobody waits for its outcome, and older ones for the same are over."""
         self.leases.note_stop(command.place, command.settings, self._clock.monotonic())
         self._judge.note_sent(command)
-        if self._witnesses.doubted:
-            self._witnesses.note_text(command)
+        if self.witnesses.doubted:
+            self.witnesses.note_text(command)
         self._pending.supersede(command)
         self._settling.supersede(command.places)
 
@@ -248,14 +249,14 @@ class CommandExecutor:
 
     async def _send_and_verify(self, pending: PendingCommand, changed: Signal) -> Outcome:
         """Send the command and wait for its outcome, by what the device reports and by what sensors see."""
-        watch = self._witnesses.begin(pending.command, changed.set)
+        watch = self.witnesses.begin(pending.command, changed.set)
         try:
             outcome = await self._send_and_wait(pending, changed)
-            if watch is None and not self._witnesses.disproves(pending.command):
+            if watch is None and not self.witnesses.disproves(pending.command):
                 return outcome
-            return await self._witnesses.verify(watch, pending, outcome, changed.wait)
+            return await self.witnesses.verify(watch, pending, outcome, changed.wait)
         finally:
-            self._witnesses.end(pending.command)
+            self.witnesses.end(pending.command)
 
     def _note_confirmed(self, pending: PendingCommand, outcome: Confirmed) -> None:
         if outcome.evidence is Evidence.WITNESSED:
@@ -377,7 +378,7 @@ class CommandExecutor:
         """
         now, known, ages = self._clock.now(), {}, [0.0]
         asked = command.settings.keys() | command.expected.keys()
-        is_doubted = self._pending.wants_otherwise(command) or self._witnesses.disproves(command)
+        is_doubted = self._pending.wants_otherwise(command) or self.witnesses.disproves(command)
         if is_doubted or command.device.freshness != "fresh":
             return {}, False
         for state in command.device.states:

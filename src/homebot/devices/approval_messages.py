@@ -1,8 +1,8 @@
-"""The services by which the owner approves devices that can hurt, and learns which of them wait for it."""
+"""The services by which the owner approves devices that can hurt, and believes those that a witness contradicted."""
 
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["ApproveDevice", "GetUnapproved"]
+__all__ = ["ApproveDevice", "BelieveDevice", "GetUnapproved"]
 
 
 class ApproveDeviceRequest(Message):
@@ -49,5 +49,26 @@ class UnapprovedResponse(Message):
     devices: tuple[str, ...] = ()
 
 
+class BelieveDeviceRequest(Message):
+    """Believe a device again.
+
+    Attributes:
+        device: The id of the device.
+    """
+
+    device: str
+
+
+class BelieveDeviceResponse(Message):
+    """The contradictions that count no more.
+
+    Attributes:
+        witnesses: The names of the sensors that had contradicted a part of the device; empty where it was believed.
+    """
+
+    witnesses: tuple[str, ...] = ()
+
+
 ApproveDevice = ServiceType("homebot/srv/ApproveDevice", ApproveDeviceRequest, ApproveDeviceResponse)
 GetUnapproved = ServiceType("homebot/srv/GetUnapproved", UnapprovedRequest, UnapprovedResponse)
+BelieveDevice = ServiceType("homebot/srv/BelieveDevice", BelieveDeviceRequest, BelieveDeviceResponse)

@@ -8,6 +8,7 @@ __all__ = [
     "ACCESS_REFUSALS",
     "ALIAS_DEVICE",
     "APPROVE_DEVICE",
+    "BELIEVE_DEVICE",
     "CHANGE_ROOM",
     "COMMAND_DEVICES",
     "COMMAND_EVENTS",
@@ -91,6 +92,7 @@ END_LEASES = "/control/end_leases"
 COMMAND_EVENTS = "/control/events"
 READ_JOURNAL = "/control/journal"
 GET_UNAPPROVED = "/control/unapproved"
+BELIEVE_DEVICE = "/control/believe"
 JOURNAL_ENTRIES = "/control/journal_entries"
 START_RECORDER = "/homebot/start_recorder"
 READ_RECORDING = "/homebot/recorder/read"

@@ -10,9 +10,12 @@ from tests.control.kept_store import KeptStore
 from tests.control.witnesses.rooms import REPORTED, WITNESSED, dark_room, room, shining, telling_changes, toggle
 
 from homebot.clock import LoopClock
+from homebot.devices.approval_messages import BelieveDevice, BelieveDeviceRequest
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
-from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, NoAnswer, Outcome
+from homebot.devices.health import GetHealth, HealthRequest
+from homebot.devices.names import BELIEVE_DEVICE
+from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, NoAnswer, Outcome
 
 pytestmark = pytest.mark.virtual_time
 
@@ -138,6 +141,52 @@ async def test_a_liar_is_not_believed_while_another_lamp_is_switched(open_home: 
             tasks.start_soon(turn_on, other)
         assert outcomes["Other"].succeeded
         assert outcomes["Lamp"].text == CANNOT_TELL
+
+
+async def believe(home: Home, device: str) -> tuple[str, ...]:
+    """Say what ``homebot believe`` says; return the names of the witnesses."""
+    client = home.app.create_client(BelieveDevice, BELIEVE_DEVICE)
+    return (await client.call(BelieveDeviceRequest(device=device))).witnesses
+
+
+async def notes(home: Home) -> str:
+    health = await home.app.create_client(GetHealth, "/control/health").call(HealthRequest())
+    return "\n".join(health.notes)
+
+
+async def test_a_lamp_whose_owner_says_that_it_was_repaired_is_believed_in_the_sun(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await liar(home)
+        assert "`homebot believe DEVICE`): lamp (Lux)" in await notes(home)
+        await anyio.sleep(100)
+        await home.report("lux", "illuminance", 900.0)
+        await anyio.sleep(100)
+        assert (await lamp.turn_on()).text == CANNOT_TELL
+        assert await believe(home, "other") == ()
+        assert await believe(home, "lamp") == ("Lux",)
+        assert "homebot believe" not in await notes(home)
+        await lamp.turn_off()
+        outcome = await lamp.turn_on()
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.REPORTED
+
+
+async def test_a_liar_that_its_owner_believes_is_contradicted_again(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await liar(home)
+        assert await believe(home, "lamp") == ("Lux",)
+        await lamp.turn_off()
+        await anyio.sleep(100)
+        assert isinstance(await lamp.turn_on(), Contradicted)
+
+
+async def test_an_owner_can_say_so_right_after_a_restart(open_home: OpenHome) -> None:
+    store, clock = KeptStore(), LoopClock()
+    async with open_home(store=store, clock=clock) as home:
+        await liar(home)
+    for witnesses in (("Lux",), ()):
+        async with open_home(store=store, clock=clock) as home:
+            assert await believe(home, "lamp") == witnesses
 
 
 async def test_a_lamp_without_its_witness_is_believed_again(open_home: OpenHome) -> None:

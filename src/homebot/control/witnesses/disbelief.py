@@ -29,6 +29,8 @@ FORGOTTEN: Final = "control.witness_forgotten"
 _MOST: Final = 1000
 """Parts that are not believed; beyond, the longest known is believed again."""
 
+_MOST_NAMED: Final = 5
+
 _MOST_UNHEARD: Final = 4
 """Commands that a sensor may contradict without reporting anything at all; with one more it is taken to be dead."""
 
@@ -95,6 +97,24 @@ class Disbelief:
         """Forget that a part was not believed."""
         if self.parts.pop(place, None) is not None:
             self._keep(disproof_name(place), "", "")
+
+    def believe_device(self, device: str) -> tuple[str, ...]:
+        """Forget that parts of *device* were not believed; return the names of their witnesses."""
+        named = {place: disproof.name for place, disproof in self.parts.items() if place[0] == device}
+        for place in named:
+            self.believe(place)
+        return tuple(sorted(set(named.values())))
+
+    def notes(self) -> tuple[str, ...]:
+        """Return a note on the devices that are not believed, for people."""
+        if not self.parts:
+            return ()
+        found = sorted({f"{device} ({disproof.name})" for (device, _), disproof in self.parts.items()})
+        named = ", ".join(found[:_MOST_NAMED]) + (", …" if len(found) > _MOST_NAMED else "")
+        return (
+            f"contradicted by a sensor, and not believed until it sees them obey, or you say so "
+            f"(`homebot believe DEVICE`): {named}",
+        )
 
     async def contradict(self, watch: CommandWatch, finding: SensorFinding, outcome: Outcome) -> Outcome:
         """Return the outcome of a command of which a witness saw nothing, though the device reports it.

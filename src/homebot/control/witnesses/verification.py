@@ -46,6 +46,7 @@ class WitnessVerification:
         self._clock = node.graph.clock
         self._home = HomeWatch(node, settings.named_witnesses, settings.timeout)
         self._node = node
+        self._persistence = persistence
         self._learning = WitnessLearning(
             node, self._home, settings.timeout, persistence.keeper("witness"), self._note_seen_late
         )
@@ -104,6 +105,15 @@ class WitnessVerification:
     def disproves(self, command: IssuedCommand) -> bool:
         """Return whether a witness saw that the last command for the same had no effect, whatever the part reports."""
         return bool(self.doubted) and self._disbelief.covers(command)
+
+    async def believe(self, device: str) -> tuple[str, ...]:
+        """Forget that *device* was not believed, as its owner says; return the names of its witnesses."""
+        await self._persistence.load()
+        return self._disbelief.believe_device(device)
+
+    def notes(self) -> tuple[str, ...]:
+        """Return a note on the devices that are not believed, for people."""
+        return self._disbelief.notes()
 
     def note_text(self, command: IssuedCommand) -> None:
         """Note that *command* is sent as a text."""
