@@ -117,10 +117,13 @@ class CommandPublisher:
 
 
 def _expiring(command: Command) -> MessageProperties:
-    """Return the properties of a message that expires with *command*: no command is obeyed minutes later."""
+    """Return the properties of a message that expires with *command*: no command is obeyed minutes later.
+
+    Brokers count whole seconds, and may deliver it in the last one.
+    """
     if not command.expires_after:
         return NO_PROPERTIES
-    return MessageProperties(expiry=max(1, math.ceil(command.expires_after)))
+    return MessageProperties(expiry=max(1, math.floor(command.expires_after)))
 
 
 def _reports(announced_part: AnnouncedPart, capability: str) -> bool:
