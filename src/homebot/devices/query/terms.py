@@ -85,24 +85,52 @@ class CanDo:
 
 
 @dataclass(frozen=True, slots=True)
-class InArea:
+class _TextTerm:
+    """A term with one text. Those that follow have no fields of their own: to make a dataclass of each takes 0.4 ms."""
+
+    text: str
+
+
+class InArea(_TextTerm):
     """A device in this room, or in a room of this floor or home, folded; a name that begins with it counts as well."""
 
-    area: str
+    __slots__ = ()
 
 
-@dataclass(frozen=True, slots=True)
-class AreaIs:
+class AreaIs(_TextTerm):
     """A device in this very room, or in a room of this floor or home, folded; empty for a device without a room."""
 
-    area: str
+    __slots__ = ()
 
 
-@dataclass(frozen=True, slots=True)
-class NameIs:
+class NameIs(_TextTerm):
     """A device or part with this name or id, folded."""
 
-    name: str
+    __slots__ = ()
+
+
+class HasText(_TextTerm):
+    """A device with this word, folded, or one that begins with it or is a typo away."""
+
+    __slots__ = ()
+
+
+class FreshnessIs(_TextTerm):
+    """A device that is ``fresh``, ``unconfirmed`` or ``stale``."""
+
+    __slots__ = ()
+
+
+class ReachableIs(_TextTerm):
+    """A device or part that can be reached: ``yes``, ``no`` or ``unknown``."""
+
+    __slots__ = ()
+
+
+class GatewayIs(_TextTerm):
+    """A device of this gateway."""
+
+    __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,34 +148,6 @@ class StateIs:
     operator: Operator
     value: PlainValue
     types: frozenset[str] = frozenset()
-
-
-@dataclass(frozen=True, slots=True)
-class HasText:
-    """A device with this word, folded, or one that begins with it or is a typo away."""
-
-    word: str
-
-
-@dataclass(frozen=True, slots=True)
-class FreshnessIs:
-    """A device that is ``fresh``, ``unconfirmed`` or ``stale``."""
-
-    freshness: str
-
-
-@dataclass(frozen=True, slots=True)
-class ReachableIs:
-    """A device or part that can be reached: ``yes``, ``no`` or ``unknown``."""
-
-    state: str
-
-
-@dataclass(frozen=True, slots=True)
-class GatewayIs:
-    """A device of this gateway."""
-
-    gateway: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,17 +173,22 @@ class IsUnapproved:
 
 
 @dataclass(frozen=True, slots=True)
-class And:
+class _Joined:
+    """A term of others, which tells by its class how many of them must match."""
+
+    terms: tuple[Query, ...]
+
+
+class And(_Joined):
     """All of the terms; none at all match everything."""
 
-    terms: tuple[Query, ...]
+    __slots__ = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Or:
+class Or(_Joined):
     """Any of the terms."""
 
-    terms: tuple[Query, ...]
+    __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,11 +241,11 @@ def type_is(word: str) -> TypeIs:
     return TypeIs(spelled, types, singular if singular in _TAGS and not exact else "")
 
 
-_TextTerm: TypeAlias = AreaIs | InArea | NameIs | HasText | FreshnessIs | ReachableIs | GatewayIs
+_TextQuery: TypeAlias = AreaIs | InArea | NameIs | HasText | FreshnessIs | ReachableIs | GatewayIs
 _TextKind: TypeAlias = Literal["area", "in_area", "name", "text", "freshness", "reachable", "gateway"]
 TermKind: TypeAlias = Literal[_TextKind, "and", "or", "not", "type", "can", "state", "fact", "disputed", "unapproved"]
 
-_TEXT_KINDS: dict[type[_TextTerm], _TextKind] = {
+_TEXT_KINDS: dict[type[_TextQuery], _TextKind] = {
     AreaIs: "area",
     InArea: "in_area",
     NameIs: "name",
@@ -249,7 +254,7 @@ _TEXT_KINDS: dict[type[_TextTerm], _TextKind] = {
     ReachableIs: "reachable",
     GatewayIs: "gateway",
 }
-_TEXT_TERMS: dict[str, type[_TextTerm]] = {kind: term for term, kind in _TEXT_KINDS.items()}
+_TEXT_TERMS: dict[str, type[_TextQuery]] = {kind: term for term, kind in _TEXT_KINDS.items()}
 _OPERATORS: dict[str, Operator] = {operator: operator for operator in get_args(Operator)}
 
 
@@ -306,15 +311,7 @@ def query_terms(query: Query) -> tuple[QueryTerm, ...]:
                 found.append(QueryTerm(kind="disputed"))
             case IsUnapproved():
                 found.append(QueryTerm(kind="unapproved"))
-            case (
-                AreaIs(text)
-                | InArea(text)
-                | NameIs(text)
-                | HasText(text)
-                | FreshnessIs(text)
-                | ReachableIs(text)
-                | GatewayIs(text)
-            ):
+            case _TextTerm(text):
                 found.append(QueryTerm(kind=_TEXT_KINDS[type(term)], text=text))
     return tuple(found)
 
