@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal, Protocol, TypeAlias, runtime_checkable
+from typing import Literal, NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
@@ -30,8 +30,7 @@ __all__ = [
 AvailabilityMode: TypeAlias = Literal["all", "any", "latest"]
 
 
-@dataclass(frozen=True, slots=True)
-class Publication:
+class Publication(NamedTuple):
     """A message to publish.
 
     Attributes:
@@ -88,8 +87,7 @@ class TakesCode(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class AutoExpiry:
+class AutoExpiry(NamedTuple):
     """A value that ends by itself.
 
     Attributes:
@@ -140,8 +138,7 @@ class AvailabilitySource(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class LastWillAvailability:
+class LastWillAvailability(NamedTuple):
     """The topic of a device's last will, and the two payloads there; see :class:`AvailabilitySource`.
 
     Attributes:
@@ -159,8 +156,7 @@ class LastWillAvailability:
         return True if payload == self.online else False if payload == self.offline else None
 
 
-@dataclass(frozen=True, slots=True)
-class Availability:
+class Availability(NamedTuple):
     """The topics on which a device reports whether it can be reached. Before the first message it is unknown.
 
     Attributes:
@@ -172,8 +168,7 @@ class Availability:
     mode: AvailabilityMode = "latest"
 
 
-@dataclass(frozen=True, slots=True)
-class TextEndpoint:
+class TextEndpoint(NamedTuple):
     """The topics on which a device publishes and takes text by itself.
 
     Attributes:
@@ -251,8 +246,7 @@ class DeviceWithdrawn:
     device: DeviceAnnounced | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class DeviceRequest:
+class DeviceRequest(NamedTuple):
     """A convention knows of a device that identifies itself only when it is asked.
 
     The convention asks again at the device's next sign of life as long as no answer came, so a question may be dropped.

@@ -6,17 +6,15 @@ Source: Matter 1.6 application clusters; what Matter has no cluster for is named
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 __all__ = ["CAPABILITIES", "EVENTS", "CapabilityType", "ValueKind"]
 
 ValueKind: TypeAlias = Literal["bool", "number", "text", "numbers"]
 
 
-@dataclass(frozen=True, slots=True)
-class CapabilityType:
+class CapabilityType(NamedTuple):
     """The meaning of every capability of one name.
 
     Attributes:

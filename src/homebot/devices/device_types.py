@@ -6,14 +6,13 @@ Source: Matter 1.6 device library. Types that Matter does not have begin with ``
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
+from typing import NamedTuple
 
 __all__ = ["CAN_HURT", "DEVICE_TYPES", "DeviceType", "wanted_types"]
 
 
-@dataclass(frozen=True, slots=True)
-class DeviceType:
+class DeviceType(NamedTuple):
     """The type of a part.
 
     Attributes:

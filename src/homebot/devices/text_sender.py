@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from homebot.devices.device import Device, Endpoint
 from homebot.devices.gateway_messages import ONLY_OBSERVES, GatewayState, RawCommand
@@ -18,8 +18,7 @@ __all__ = ["TextSender", "TextTarget", "check_gateway"]
 _DEPTH = 1000
 
 
-@dataclass(frozen=True, slots=True)
-class TextTarget:
+class TextTarget(NamedTuple):
     """Destination of a text.
 
     Attributes:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 from collections import OrderedDict
 from collections.abc import Container, Iterable, Iterator
-from dataclasses import dataclass
 from hashlib import blake2b
-from typing import final
+from typing import NamedTuple, final
 
 from homebot.devices import Sighting
 from homebot.discovery.source_record import SourceKey
@@ -66,8 +65,7 @@ def _identity(sighting: Sighting) -> str:
     return blake2b(named.encode(errors="surrogatepass"), digest_size=8).hexdigest()
 
 
-@dataclass(frozen=True, slots=True)
-class Tombstone:
+class Tombstone(NamedTuple):
     """A device that went.
 
     Attributes:

@@ -6,10 +6,9 @@ All of SQLite happens in a worker thread. Without a file it does nothing.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import anyio
 from anyio import to_thread
@@ -215,7 +214,7 @@ class IndexPersistence:
 
     async def _write(self, file: IndexFile, batch: tuple[str, ...], owner: Iterable[str]) -> bool:
         records = await self._records(batch)
-        records = replace(records, owner=tuple((name, self._owner[name].record()) for name in owner))
+        records = records._replace(owner=tuple((name, self._owner[name].record()) for name in owner))
         if self.state != "ok" and not await self._open(file):
             return False
         try:
@@ -284,8 +283,7 @@ class IndexPersistence:
             self._node.log.warning(NOT_WRITTEN, message=f"{exc}; trying again", file=self.file, held_back=held_back)
 
 
-@dataclass(frozen=True, slots=True)
-class _SavedState:
+class _SavedState(NamedTuple):
     """The content of the file; the devices oldest first."""
 
     entries: tuple[Entry, ...]

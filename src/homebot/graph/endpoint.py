@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Literal, Protocol, TypeAlias, TypeVar, final
+from typing import Literal, NamedTuple, Protocol, TypeAlias, TypeVar, final
 
 from homebot.graph.qos import QoSProfile
 
@@ -44,8 +44,7 @@ class EndpointInfo:
     qos: QoSProfile | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class GraphChange:
+class GraphChange(NamedTuple):
     """One entity came or went.
 
     Attributes:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 from homebot.errors import ParameterError
 from homebot.isolation import crash_of, error_text
@@ -23,8 +23,7 @@ Value: TypeAlias = bool | int | float | str | bytes | Sequence[bool] | Sequence[
 Kind: TypeAlias = Literal["new", "changed"]
 
 
-@dataclass(frozen=True, slots=True)
-class ParameterDescriptor:
+class ParameterDescriptor(NamedTuple):
     """The constraints on a parameter.
 
     Attributes:

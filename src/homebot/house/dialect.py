@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import final
+from typing import NamedTuple, final
 
 from homebot.errors import UsageError
 from homebot.house.devices import SimulatedLamp, SimulatedThermostat, WindowMotor
@@ -114,8 +114,7 @@ class SimulatedDeviceInfo:
                 raise UsageError(f"{level!r} cannot be a level of a topic, as a device's name and service type must")
 
 
-@dataclass(frozen=True, slots=True)
-class OutgoingMessage:
+class OutgoingMessage(NamedTuple):
     """A message that a device sends.
 
     Attributes:
@@ -131,8 +130,7 @@ class OutgoingMessage:
     qos: int = 1
 
 
-@dataclass(frozen=True, slots=True)
-class Bridge:
+class Bridge(NamedTuple):
     """The one program that publishes for all devices that are bound to it.
 
     Attributes:

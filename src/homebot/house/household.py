@@ -6,7 +6,7 @@ import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from homebot.house.rooms import DAY, OUTSIDE, Rooms
 from homebot.timer_queue import TimerQueue
@@ -17,8 +17,7 @@ MOVES = 20.0
 """Seconds for which somebody who sits still moves after coming in, and each time in between."""
 
 
-@dataclass(frozen=True, slots=True)
-class Habit:
+class Habit(NamedTuple):
     """A habit: to set out for a room at some time of the day.
 
     Attributes:
@@ -37,8 +36,7 @@ class Habit:
     still: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Visit:
+class Visit(NamedTuple):
     """One habit on one day, with its jitter.
 
     Attributes:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import final
 
 import anyio
@@ -137,7 +137,7 @@ class MqttDevice(ConnectedDevice):
     def _keep(self, state: DeviceState) -> None:
         self._state = state
         self._last = self._dialect.state_messages(self._device, state)
-        self._again = tuple(replace(message, qos=0) for message in self._last)
+        self._again = tuple(message._replace(qos=0) for message in self._last)
 
     def _enqueue(self, messages: tuple[OutgoingMessage, ...]) -> None:
         for message in messages:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from homebot.errors import UsageError
 from homebot.house.rooms import Rooms
@@ -13,8 +13,7 @@ from homebot.house.simulated_device import SimulatedDevice
 __all__ = ["Pose", "Robot"]
 
 
-@dataclass(frozen=True, slots=True)
-class Pose:
+class Pose(NamedTuple):
     """A position and the direction of view.
 
     Attributes:

@@ -6,6 +6,7 @@ import heapq
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from homebot.errors import UsageError
 
@@ -43,8 +44,7 @@ OUTSIDE = "outside"
 """Where people are who are out. A room like any other, but dark and warm there is the weather."""
 
 
-@dataclass(frozen=True, slots=True)
-class Room:
+class Room(NamedTuple):
     """A room.
 
     Attributes:

@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 from homebot.errors import UsageError
 from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat
@@ -40,8 +41,7 @@ DOOR_LOCKS = 15.0
 """Seconds after somebody went through."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Drive:
+class _Drive(NamedTuple):
     """A robot's place, and whether it drives; the same for all that is no robot."""
 
     room: str = ""

@@ -7,8 +7,8 @@ Pure functions. Source for all rules: MQTT 5.0 section 4.7 (names, filters, ``$`
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 from homebot.errors import InvalidNameError
 
@@ -36,8 +36,7 @@ _KNOWN = 64
 from outside. They are few, because each may have 65,535 bytes."""
 
 
-@dataclass(frozen=True, slots=True)
-class SharedFilter:
+class SharedFilter(NamedTuple):
     """The two parts of ``$share/GROUP/FILTER``.
 
     Attributes:

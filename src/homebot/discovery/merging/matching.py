@@ -16,9 +16,8 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import chain
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from homebot.devices.part import Capability, Part
 from homebot.folding import fold
@@ -32,8 +31,7 @@ SETTING = "x_setting"
 """Device type of what somebody sets and nobody switches."""
 
 
-@dataclass(frozen=True, slots=True)
-class Candidate:
+class Candidate(NamedTuple):
     """A part among the others of its source.
 
     Attributes:

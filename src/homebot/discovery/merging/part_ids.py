@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 __all__ = ["MAX_LOST", "NO_IDS", "Named", "PartIds", "PartPlace", "lost_ids", "part_ids"]
 
@@ -21,8 +20,7 @@ MAX_LOST = 1000
 """Places of a device that tell nothing now and whose ids are remembered; the oldest are forgotten."""
 
 
-@dataclass(frozen=True, slots=True)
-class Named:
+class Named(NamedTuple):
     """A part that needs an id.
 
     Attributes:

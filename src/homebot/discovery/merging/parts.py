@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from operator import attrgetter
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from homebot.devices import DevicePart, Route
 from homebot.devices.device import EVERYTHING
@@ -66,8 +66,7 @@ class _Merged:
     ways: list[_Way] = field(default_factory=list)
 
 
-@dataclass(frozen=True, slots=True)
-class MergedParts:
+class MergedParts(NamedTuple):
     """The parts of a device.
 
     Attributes:

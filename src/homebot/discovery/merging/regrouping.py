@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from homebot.discovery.entry import Entry
 from homebot.discovery.source_record import SourceKey, SourceRecord
@@ -11,8 +11,7 @@ from homebot.discovery.source_record import SourceKey, SourceRecord
 __all__ = ["Regrouped", "regroup"]
 
 
-@dataclass(frozen=True, slots=True)
-class Regrouped:
+class Regrouped(NamedTuple):
     """One device as it is to be.
 
     Attributes:

@@ -7,7 +7,6 @@ cannot choose freely: ``…/kitchen_lamp/config`` stands for ``kitchen_lamp/set`
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -31,8 +30,7 @@ _WORD = re.compile(r"[^\x00-/:-`{-\x7f]+")  # lower case, digits and all beyond 
 _HEX = re.compile(r"(?:0x)?([0-9a-f]{12,16})")
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
+class Place(NamedTuple):
     """The place of an announcement, which hints at its sender.
 
     Attributes:

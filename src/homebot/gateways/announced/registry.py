@@ -9,7 +9,7 @@ long ones, of lists and of templates. Only what an announcement is longer than a
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.description import DeviceAnnounced
 from homebot.devices.part import size_of_texts, texts_of
@@ -77,8 +77,7 @@ class RegistryLimits:
 _LIMITS = RegistryLimits()
 
 
-@dataclass(frozen=True, slots=True)
-class RegistryChange:
+class RegistryChange(NamedTuple):
     """The changes that a new description makes.
 
     Attributes:

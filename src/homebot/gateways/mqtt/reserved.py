@@ -6,8 +6,9 @@ An app may publish there by itself, where it has reason to; a command to a devic
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
+from typing import NamedTuple
 
 from homebot.conventions.convention import Convention, ReservingConvention, TextConvention
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
@@ -27,8 +28,7 @@ _LONGEST_CACHED = 256
 """Characters; longer topics are looked at each time, so that strangers' announcements cannot fill the memory."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Rule:
+class _Rule(NamedTuple):
     """The reason why topics are reserved, and the convention that may use them all the same: all below its prefix."""
 
     why: str
@@ -51,7 +51,7 @@ class ReservedTopics:
                     self._rules.add(topic_filter, one)
                 continue
             narrow = _Rule(f"it is reserved for announcements to {one.name}")
-            wide = replace(narrow, free_for=one.name)
+            wide = narrow._replace(free_for=one.name)
             for topic_filter in one.filters():
                 self._rules.add(topic_filter, wide if "#" in topic_filter else narrow)
             if isinstance(one, ReservingConvention):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from hashlib import blake2b
 from secrets import token_bytes
 
@@ -31,7 +30,7 @@ class SentSecrets:
         while len(self.sent) >= MAX_TOPICS:
             del self.sent[next(iter(self.sent))]
         self.sent[publication.topic] = self._hash(publication.payload)
-        return replace(publication, retain=False)
+        return publication._replace(retain=False)
 
     def is_one(self, topic: str, payload: bytes) -> bool:
         """Return whether a message is one that we sent with a code."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import inf
+from typing import NamedTuple
 
 from homebot.mqtt.broker.authentication import Applicant, host_of
 from homebot.mqtt.broker.sessions import will_size
@@ -25,8 +25,7 @@ _NEVER = 0xFFFF_FFFF
 _DEFAULT_RECEIVE_MAXIMUM = 65_535
 
 
-@dataclass(frozen=True, slots=True)
-class ConnectRequest:
+class ConnectRequest(NamedTuple):
     """A client's CONNECT, with the protocol's defaults filled in.
 
     Attributes:

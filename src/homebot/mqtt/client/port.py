@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal, NamedTuple, Protocol
 
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
@@ -13,8 +13,7 @@ from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 __all__ = ["MqttClient", "MqttCounters", "MqttSubscription", "PublishResult", "SessionGrant"]
 
 
-@dataclass(frozen=True, slots=True)
-class MqttSubscription:
+class MqttSubscription(NamedTuple):
     """One topic filter and how its messages should come.
 
     Attributes:
@@ -35,8 +34,7 @@ class MqttSubscription:
     retain_handling: Literal[0, 1, 2] = 0
 
 
-@dataclass(frozen=True, slots=True)
-class SessionGrant:
+class SessionGrant(NamedTuple):
     """The session as the broker granted it when the link was made.
 
     Attributes:
@@ -56,8 +54,7 @@ class SessionGrant:
     maximum_packet_size: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class PublishResult:
+class PublishResult(NamedTuple):
     """The broker has taken the message.
 
     Attributes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from homebot.errors import UsageError
 from homebot.mqtt.packets.primitives import Cursor, encode_binary, encode_text, encode_uint16, encode_varint
@@ -78,8 +79,7 @@ class Connect:
     properties: Properties = NO_PROPERTIES
 
 
-@dataclass(frozen=True, slots=True)
-class Connack:
+class Connack(NamedTuple):
     """The broker's answer to CONNECT; *reason* is in MQTT 5's numbers whatever the connection speaks."""
 
     session_present: bool = False
@@ -235,16 +235,14 @@ class Pingresp:
     """The broker's answer to a ping."""
 
 
-@dataclass(frozen=True, slots=True)
-class Disconnect:
+class Disconnect(NamedTuple):
     """The last packet of a connection; before MQTT 5 only clients send it, without reason and properties."""
 
     reason: ReasonCode = ReasonCode.SUCCESS
     properties: Properties = NO_PROPERTIES
 
 
-@dataclass(frozen=True, slots=True)
-class Auth:
+class Auth(NamedTuple):
     """A step of an extended authentication; MQTT 5 only."""
 
     reason: ReasonCode = ReasonCode.SUCCESS

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from homebot.errors import UsageError
@@ -63,8 +62,7 @@ class Puback(NamedTuple):
     properties: Properties = NO_PROPERTIES
 
 
-@dataclass(frozen=True, slots=True)
-class Pubrec:
+class Pubrec(NamedTuple):
     """The first answer to a PUBLISH at QoS 2."""
 
     packet_id: int
@@ -72,8 +70,7 @@ class Pubrec:
     properties: Properties = NO_PROPERTIES
 
 
-@dataclass(frozen=True, slots=True)
-class Pubrel:
+class Pubrel(NamedTuple):
     """The sender's answer to PUBREC: the packet id may be forgotten."""
 
     packet_id: int
@@ -81,8 +78,7 @@ class Pubrel:
     properties: Properties = NO_PROPERTIES
 
 
-@dataclass(frozen=True, slots=True)
-class Pubcomp:
+class Pubcomp(NamedTuple):
     """The end of a QoS 2 exchange."""
 
     packet_id: int

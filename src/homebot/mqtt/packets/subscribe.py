@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from homebot.errors import InvalidNameError, UsageError
@@ -53,8 +52,7 @@ class FilterRequest(NamedTuple):
     retain_handling: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Subscribe:
+class Subscribe(NamedTuple):
     """A client asks for messages; *filters* has one entry or more."""
 
     packet_id: int
@@ -62,8 +60,7 @@ class Subscribe:
     properties: Properties = NO_PROPERTIES
 
 
-@dataclass(frozen=True, slots=True)
-class Suback:
+class Suback(NamedTuple):
     """The answer to SUBSCRIBE: one reason per filter in the same order; 0 to 2 are the granted QoS."""
 
     packet_id: int
@@ -71,8 +68,7 @@ class Suback:
     properties: Properties = NO_PROPERTIES
 
 
-@dataclass(frozen=True, slots=True)
-class Unsubscribe:
+class Unsubscribe(NamedTuple):
     """A client wants no more messages; *filters* has one entry or more."""
 
     packet_id: int
@@ -80,8 +76,7 @@ class Unsubscribe:
     properties: Properties = NO_PROPERTIES
 
 
-@dataclass(frozen=True, slots=True)
-class Unsuback:
+class Unsuback(NamedTuple):
     """The answer to UNSUBSCRIBE: one reason per filter in the same order; before MQTT 5 none at all."""
 
     packet_id: int
