@@ -7,7 +7,7 @@ from dataclasses import dataclass
 __all__ = ["BleBackend"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class BleBackend:
     """The two classes by which bleak reaches a Bluetooth stack; see ``backend=`` of its scanner and its client.
 

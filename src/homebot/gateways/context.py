@@ -30,7 +30,7 @@ class HostService(Generic[ServiceT_co]):
     start: Callable[[Graph, Clock], AbstractAsyncContextManager[ServiceT_co]]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class GatewayContext:
     """The surroundings of a gateway beside its node and its settings; its clock is that of the node's graph.
 

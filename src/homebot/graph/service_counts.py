@@ -48,7 +48,7 @@ class ServiceCounts:
 
 
 @final
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ServiceReports:
     """Takes the reports of one service.
 

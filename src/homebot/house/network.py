@@ -33,7 +33,7 @@ OnCommand: TypeAlias = Callable[[str], None]
 LOOPBACK = "127.0.0.1"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ServedFamily:
     """A family of devices that are servers or radios by themselves.
 

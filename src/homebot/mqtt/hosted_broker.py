@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["HostedBroker"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class HostedBroker:
     """A broker that runs in this process.
 

@@ -82,7 +82,7 @@ ACT = "act"
 sends commands at all."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Plan:
     """A configuration, understood.
 
@@ -252,7 +252,7 @@ def _door(config: Config) -> DoorSettings:
     given = parse_settings(DoorTable, table, source, "door", config.folder)
     values = _access(given, given.token_file, source, "door", "HOMEBOT_DOOR_TOKEN", has_other_tokens=bool(tokens))
     try:
-        return DoorSettings(**{**values, "tokens": tokens})
+        return DoorTable(**{**values, "tokens": tokens})
     except ValidationError as exc:  # its text would show the secrets
         raise ConfigError(source, "door.tokens", exc.errors()[0]["msg"].removeprefix("Value error, ")) from None
 

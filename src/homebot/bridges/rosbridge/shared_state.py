@@ -97,7 +97,7 @@ class ExpectedTopics:
                         callback(change.entity.name)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class SharedState:
     """The state that all clients of a door share.
 

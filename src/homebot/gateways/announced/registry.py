@@ -51,7 +51,7 @@ Readers: TypeAlias = tuple[tuple[str, AnnouncedPart | AvailabilityReader], ...]
 """Addresses, each with a part, or a source of availability, that is read there."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class RegistryLimits:
     """The limits on all announcements together.
 

@@ -27,7 +27,7 @@ _FEW_PARTS = 100
 _BOUNDS = RegistryLimits()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class TopicReaders:
     """Everybody who reads one topic.
 

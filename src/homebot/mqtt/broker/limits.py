@@ -12,7 +12,7 @@ __all__ = ["BrokerLimits", "checked_keep_alive"]
 _MIB = 1024 * 1024
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class BrokerLimits:
     """The bounds of one broker; sizes in bytes, times in seconds, all above 0.
 
