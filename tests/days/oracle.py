@@ -12,7 +12,7 @@ from typing import Final
 from tests.days.closed_rooms import closed_room_refusals
 from tests.days.living import LivedDay
 from tests.days.random_day import GRANTS, RandomDay
-from tests.days.truth import TruthfulCommand, annoys, is_off, is_on
+from tests.days.truth import TruthfulCommand, annoys, heats, is_off, is_on
 
 from homebot.devices.command_messages import CommandResult
 from homebot.devices.journal_messages import JournalEntry
@@ -64,7 +64,7 @@ def unseen(lived: LivedDay) -> list[TruthfulCommand]:
 
 def unseen_open(lived: LivedDay) -> list[TruthfulCommand]:
     """Return each command that heated while a window or door was open whose contact said that it is closed."""
-    return [one for one in lived.commands if _heats(one) and one.is_open and not one.is_told_open]
+    return [one for one in lived.commands if heats(one) and one.is_open and not one.is_told_open]
 
 
 def issuers_of(lived: LivedDay) -> dict[str, str]:
@@ -94,7 +94,7 @@ def broken_chains(lived: LivedDay) -> list[str]:
 def _violated(command: TruthfulCommand, issuer: str, day: RandomDay, lived: LivedDay) -> Iterator[str]:
     """Yield the policies that *command* violates."""
     is_by_person = issuer.startswith(_CLIENT)
-    if _heats(command) and command.is_told_open:
+    if heats(command) and command.is_told_open:
         yield "interlock"
     if command.kind == "lock" and command.command == "unlock" and (is_by_person or not _is_granted("lock", issuer)):
         yield "rights"  # no client of these days has one that names a lock
@@ -108,10 +108,6 @@ def _violated(command: TruthfulCommand, issuer: str, day: RandomDay, lived: Live
         yield "quiet_hours"
     if not _is_granted(command.kind, issuer):
         yield "grants"
-
-
-def _heats(command: TruthfulCommand) -> bool:
-    return command.kind == "thermostat" and command.command == "25"
 
 
 def _is_granted(kind: str, issuer: str) -> bool:

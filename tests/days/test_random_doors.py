@@ -129,3 +129,12 @@ def test_an_open_door_of_which_no_contact_tells_is_counted_apart(fault: Table) -
     day, lived = lived_through(house(door=fault), HEAT, WINDOW)
     assert violations(day, lived) == []
     assert [(one.device, one.is_ever_told_open) for one in unseen_open(lived)] == [("heating", False)]
+
+
+def test_a_lower_set_point_is_no_heat_while_a_door_is_open() -> None:
+    """A random day found that the oracle took 25 °C for heat, whatever it was before."""
+    tables = house()
+    tables["devices"]["heating"]["target"] = 30.0
+    day, lived = lived_through(tables, HEAT, WINDOW)
+    assert violations(day, lived) == []
+    assert [(one.device, one.target, one.is_told_open) for one in lived.commands] == [("heating", 30.0, True)]

@@ -14,13 +14,14 @@ from tests.days.random_day import RandomDay
 from tests.days.told import RECONNECTED, Told
 
 from homebot.house import World
-from homebot.house.devices import CoverMotor
+from homebot.house.devices import CoverMotor, SimulatedThermostat
 from homebot.house.event_log import Event, WorldLog
 from homebot.house.faults import unwrap
 from homebot.house.sensors import MotionSensor, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
+from homebot.numbers import to_number
 
-__all__ = ["GroundTruth", "TruthfulCommand", "annoys", "is_off", "is_on"]
+__all__ = ["GroundTruth", "TruthfulCommand", "annoys", "heats", "is_off", "is_on"]
 
 _ROUNDING: Final = 1e-6
 """Seconds that clocks round off."""
@@ -47,6 +48,7 @@ class TruthfulCommand:
         is_told_open: Whether one of these contacts has said so for a second, or fell silent.
         is_ever_told_open: Whether each of these contacts has said ``open`` before: one that never has may be broken.
         position: How far a cover is open, from 0 to 1; 0 for everything else.
+        target: Degrees Celsius that a thermostat was set to before; 0 for everything else.
     """
 
     at: float
@@ -61,6 +63,7 @@ class TruthfulCommand:
     is_told_open: bool
     is_ever_told_open: bool
     position: float
+    target: float
 
 
 class GroundTruth(WorldLog):
@@ -119,6 +122,7 @@ class GroundTruth(WorldLog):
             any(self._is_told_open(name, event.at) for name in opened),
             all(self._told[name].has_opened for name in opened),
             real.position_at(event.at) if isinstance(real, CoverMotor) else 0.0,
+            real.target if isinstance(real, SimulatedThermostat) else 0.0,
         )
 
     def _sensors(self, room: str, kind: type[SimulatedDevice]) -> list[str]:
@@ -182,3 +186,9 @@ def annoys(command: TruthfulCommand) -> bool:
     if command.kind == "cover":
         return command.command == "close" or (command.command == "0" and command.position > 0)
     return is_off(command)
+
+
+def heats(command: TruthfulCommand) -> bool:
+    """Return whether a thermostat is told to be warmer than it was set to."""
+    wanted = to_number(command.command)
+    return command.kind == "thermostat" and wanted is not None and wanted > command.target
