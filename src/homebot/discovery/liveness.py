@@ -144,10 +144,10 @@ class Liveness:
         before, entry.freshness = entry.freshness, "fresh"
         if stamp is not self._stamp:  # all that is heard at once has one
             self._stamp, self._seconds = stamp, stamp.to_seconds()
-        entry.deadline, entry.expires = now + silence, self._seconds + silence
+        due, entry.deadline, entry.expires = entry.deadline, now + silence, self._seconds + silence
         if entry.is_shared:
             self._mark_gateway_seen(entry, source.key[0], was_stale=before == "stale")
-        else:
+        elif before != "fresh" or entry.deadline < due:  # a later one is seen when the one before has come
             self._deadlines.set(entry.id, entry.deadline, None)
         if before == "fresh":
             return
@@ -203,7 +203,10 @@ class Liveness:
             entry = self._table.entries[due[0]]
             if self._due(entry) <= now:
                 return entry
-            self._mark_gateways_stale(entry, now)
+            if entry.is_shared:
+                self._mark_gateways_stale(entry, now)
+            else:
+                self.schedule(entry)
         return None
 
     def mark_stale(self, entry: Entry) -> None:
