@@ -135,13 +135,14 @@ class ChangeQueue:
         self.states = [] if at_most is None else self.states[at_most:]
         found: list[StateChange] = []
         for entry, parts, readings, whole, told_at, live in taken:
-            current = self._current(entry, parts, readings)
-            if not current:
-                continue
-            stream = whole
-            if len(current) < len(readings):
-                names = [name for one in current for name in (one.part, one.capability)]
-                stream = stream_of((entry.id, *names))
+            current, stream = readings, whole
+            if self._entries.get(entry.id) is not entry or entry.parts(self._topics) is not parts:
+                current = self._current(entry, readings)
+                if not current:
+                    continue
+                if len(current) < len(readings):
+                    names = [name for one in current for name in (one.part, one.capability)]
+                    stream = stream_of((entry.id, *names))
             self.sequence += 1
             found.append(
                 StateChange.of_checked(
@@ -155,15 +156,12 @@ class ChangeQueue:
             )
         return tuple(found)
 
-    def _current(self, entry: Entry, parts: MergedParts, readings: tuple[Reading, ...]) -> tuple[Reading, ...]:
+    def _current(self, entry: Entry, readings: tuple[Reading, ...]) -> tuple[Reading, ...]:
         """Return those of *readings* whose part and capability did not go meanwhile."""
         if self._entries.get(entry.id) is not entry:
             return ()
-        merged = entry.parts(self._topics)
-        if merged is parts:  # as nearly always
-            return readings
         if readings[0].capability in EVENTS:
-            ids = {part.id for part in merged.parts}
+            ids = {part.id for part in entry.parts(self._topics).parts}
             return tuple([reading for reading in readings if reading.part in ids])
         places = {(known.part, known.capability) for known in entry.to_device(self._topics).states}
         return tuple([reading for reading in readings if (reading.part, reading.capability) in places])

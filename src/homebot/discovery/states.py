@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from itertools import chain
 from operator import attrgetter
 from typing import TypeAlias, final
 
@@ -13,6 +14,7 @@ from homebot.discovery.changes import stream_of
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
+from homebot.discovery.merging.parts import MergedParts
 from homebot.discovery.merging.trust import EndpointKey, can_hurt, endpoint_of, takes_commands
 from homebot.discovery.setting_changes import SettingChanges
 from homebot.discovery.source_record import Reach, SourceRecord, StoredValue
@@ -149,19 +151,13 @@ class StateRecorder:
         if not table.collects_states:
             return
         merged = entry.parts(table.topics)
-        readings: list[Reading] = []
-        names = [entry.id]
-        name, part_id = None, None
-        for place, reading, _ in new:
-            if place[0] != name:
-                name = place[0]
-                part = merged.shown_part_of(source, name)
-                part_id = None if part is None else part.id
-            if part_id is not None:
-                readings.append(reading if part_id == name else _of_part(part_id, reading))
-                names += (part_id, place[1])
+        places, readings, _ = zip(*new, strict=True)
+        if not merged.has_own_ids:
+            readings = tuple([shown for one in readings if (shown := _shown(merged, source, one)) is not None])
+            places = tuple([(one.part, one.capability) for one in readings])
         if readings:
-            table.changes.note_states((entry, merged, tuple(readings), stream_of(names), stamp, live))
+            stream = stream_of((entry.id, *chain.from_iterable(places)))
+            table.changes.note_states((entry, merged, readings, stream, stamp, live))
 
     def _record_event(self, entry: Entry, source: SourceRecord, reading: Reading, stamp: Time) -> None:
         """Publish an event once, by however many routes it comes; it is no state, so nothing is found by it."""
@@ -219,6 +215,14 @@ def is_denied(sources: Iterable[SourceRecord]) -> bool:
     return False
 
 
+def _shown(merged: MergedParts, source: SourceRecord, reading: Reading) -> Reading | None:
+    """Return *reading* as one of the part of the device that it is of; None where that is not shown."""
+    part = merged.shown_part_of(source, reading.part)
+    return None if part is None else _of_part(part.id, reading)
+
+
 def _of_part(part_id: str, reading: Reading) -> Reading:
     """Return *reading* as one of the part of the device, which an announcement may call otherwise."""
+    if part_id == reading.part:
+        return reading
     return Reading.of_checked(part=part_id, capability=reading.capability, value=reading.value)

@@ -9,6 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from homebot.devices import Sighting
+from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex
 from homebot.discovery.merging.part_ids import MAX_LOST, NO_IDS, Named, PartPlace, lost_ids, part_ids
@@ -16,6 +17,7 @@ from homebot.discovery.record import entry_record, read_entry
 
 Announce = Callable[..., Sighting]
 MakePart = Callable[..., Part]
+Tell = Callable[..., Report]
 
 IEEE = "eui64:00158d0001abcdef"
 
@@ -210,3 +212,18 @@ def test_ids_are_always_different_and_last(
     told = {place: part_id for part, part_id in zip(named, ids, strict=True) for _, place in part.places}
     if len(told) == sum(len(part.places) for part in named):
         assert part_ids(named, told) == ids
+
+
+@pytest.mark.parametrize("is_alone", [False, True])
+def test_a_value_is_told_of_the_part_by_its_id_in_the_device(
+    index: DeviceIndex, foreign: Sighting, native: Sighting, tell: Tell, *, is_alone: bool
+) -> None:
+    """Whichever of two announcements it came through; also when the one that gave the id is gone."""
+    index.collects_states = True
+    for one in (foreign, native, *([gone(foreign)] if is_alone else [])):
+        index.observe(one)
+        index.take_changes()
+    index.report(tell(native, "on_off", True, part="state"))
+    (change,) = index.take_states()
+    assert [(one.part, one.value.plain()) for one in change.readings] == [("0x17_light", True)]
+    assert change.stream.split("\0")[1:] == ["0x17_light", "on_off"]

@@ -74,12 +74,14 @@ class MergedParts(NamedTuple):
         conflicts: What was left out, and why, in words.
         places: Which part of the device each part of a source is, by gateway, key and part.
         claimed: The numbers of those that only claimed announcements describe, beside others.
+        has_own_ids: Whether it has all parts of all announcements, by the ids that they have there.
     """
 
     parts: tuple[DevicePart, ...]
     conflicts: tuple[str, ...]
     places: dict[PartPlace, int]
     claimed: frozenset[int] = frozenset()
+    has_own_ids: bool = False
 
     @property
     def believed(self) -> tuple[DevicePart, ...]:
@@ -143,12 +145,16 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
     if left_out:
         conflicts.append(_left_out(left_out))
     only_claimed = claimed.keys() - described
+    parts = _named(tuple(numbered.values()), known)
     conflicts += dict.fromkeys(_claim_conflict(claimed[number]) for number in sorted(only_claimed))
     return MergedParts(
-        _named(tuple(numbered.values()), known),
+        parts,
         tuple(conflicts),
         places,
         frozenset(only_claimed) if any(not source.is_claimed for source in sources) else frozenset(),
+        has_own_ids=not claimed
+        and len(places) == sum(len(source.sighting.parts) for source in sources)
+        and all(parts[number].id == place[-1] for place, number in places.items()),
     )
 
 
@@ -210,6 +216,7 @@ def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) 
     gateway, key = source.key
     convention = source.sighting.convention
     ids: Sequence[str] = tuple(map(_ID, parts))
+    has_own_ids = not known and len(set(ids)) == len(ids) == len(source.sighting.parts)
     if known or len(set(ids)) < len(ids):
         label = source.label
         ids = part_ids([Named(part, label, [(source.number, (gateway, key, part))]) for part in ids], known)
@@ -227,7 +234,7 @@ def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) 
         merged.append(DevicePart.of_checked(id=ids[number], part=part, routes=routes))
     if left_out := len(source.sighting.parts) - len(parts):
         conflicts.append(_left_out(left_out))
-    return MergedParts(tuple(merged), tuple(conflicts), places)
+    return MergedParts(tuple(merged), tuple(conflicts), places, has_own_ids=has_own_ids)
 
 
 def _claim_conflict(source: SourceRecord) -> str:
