@@ -235,7 +235,7 @@ class Directory:
         """Take in *reports* for so many seconds, or all."""
         index, monotonic = self.index, self._clock.monotonic
         index.collects_states = self._states.subscription_count > 0
-        index.collects_settings = self._settings.subscription_count > 0
+        index.collects_settings = collects_settings = self._settings.subscription_count > 0
         now = monotonic()
         until = now + slice_of
         try:
@@ -247,7 +247,7 @@ class Directory:
                 if (now := monotonic()) >= until:
                     break
         finally:
-            if index.settings and not self._settings_changed.is_set():
+            if collects_settings and index.settings and not self._settings_changed.is_set():
                 self._settings_changed.set()
             self._wake_workers()
 

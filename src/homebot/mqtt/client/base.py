@@ -273,6 +273,7 @@ class ClientLink(ABC):
         """Handle bytes from the broker."""
         self._heard_at = self._loop.time()
         answers = b""
+        has_messages = False
         try:
             for frame in self._packets.feed(data):
                 if self._lost is not None:
@@ -280,6 +281,7 @@ class ClientLink(ABC):
                 kind = frame.first >> 4
                 if kind == _PUBLISH and self._is_granted:
                     answers += self._receiver.publish(frame)
+                    has_messages = True
                 elif kind == _PUBREL and self._is_granted:
                     answers += self._receiver.release(frame)
                 else:
@@ -294,7 +296,8 @@ class ClientLink(ABC):
             if answers:
                 self._put(answers)
         finally:
-            self._receiver.deliver()
+            if has_messages:
+                self._receiver.deliver()
 
     def drained(self) -> None:
         """Go on: the broker has taken everything that was written."""

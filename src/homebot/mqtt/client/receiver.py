@@ -148,9 +148,13 @@ class Inbox:
     def put(self, *messages: MqttMessage) -> None:
         """Add messages, and make room for them if need be."""
         self._messages.extend(messages)
-        sizes = [len(topic) + len(payload) for topic, payload, qos, _, _, _ in messages if qos == 0]
-        self._droppable += len(sizes)
-        self._droppable_bytes += sum(sizes)
+        count = size = 0
+        for topic, payload, qos, _, _, _ in messages:
+            if qos == 0:
+                count += 1
+                size += len(topic) + len(payload)
+        self._droppable += count
+        self._droppable_bytes += size
         while self._droppable > 1 and (self._droppable > self._max_messages or self._droppable_bytes > self._max_bytes):
             self._drop_oldest()
         if self._wake is not None:
