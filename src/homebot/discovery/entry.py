@@ -125,13 +125,12 @@ class Entry:
 
     def parts(self, topics: TopicOwnership) -> MergedParts:
         """Return its parts."""
-        described = self._description
-        return (self._described(topics) if described is None else described).merged
+        return (self._description or self._described(topics)).merged
 
     def to_device(self, topics: TopicOwnership) -> Device:
         """Return the message that tells all of it; the same object as long as nothing is new."""
         if self._device is None:
-            described = self._described(topics)
+            described = self._description or self._described(topics)
             sources, has_states, has_events = self.sources.values(), False, False
             for source in sources:
                 has_states = has_states or bool(source.values)
