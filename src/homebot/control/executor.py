@@ -296,7 +296,7 @@ class CommandExecutor:
         while True:
             now = self._clock.monotonic()
             outcome = pending.outcome(now)
-            if outcome.succeeded or pending.is_over or now >= until:
+            if isinstance(outcome, Confirmed | AlreadySo) or pending.is_over or now >= until:
                 return outcome
             await changed.wait(until - now)
 
