@@ -9,7 +9,7 @@ import gc
 import os
 import re
 from collections.abc import AsyncIterator, Callable, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -255,6 +255,7 @@ async def _run(make_runtime: Callable[..., Runtime], seconds: float | None) -> i
 @asynccontextmanager
 async def _settled(runtime: Runtime) -> AsyncIterator[None]:
     """Enter *runtime*; what is there then, modules and classes above all, stays, and is no garbage ever."""
-    async with runtime:
-        gc.freeze()
+    async with AsyncExitStack() as stack:
+        with gc_paused():
+            await stack.enter_async_context(runtime)
         yield
