@@ -15,7 +15,8 @@ from homebot.testing import Day
 from homebot.testing.day_event import DayEvent
 
 START = 5.5 * 3600.0
-OFF = {"at": 3480.0, "device": "lamp", "capability": "on_off", "value": False}
+OFF_AT = 3480.0
+OFF = {"at": OFF_AT, "device": "lamp", "capability": "on_off", "value": False}
 """At 06:28. Anna comes at 06:00, reads, and last moved at 06:20: longer ago than the guard waits."""
 
 DOOR = {"hall": ["door"]}
@@ -138,3 +139,15 @@ def test_a_lower_set_point_is_no_heat_while_a_door_is_open() -> None:
     day, lived = lived_through(tables, HEAT, WINDOW)
     assert violations(day, lived) == []
     assert [(one.device, one.target, one.is_told_open) for one in lived.commands] == [("heating", 30.0, True)]
+
+
+def test_a_hand_that_changes_nothing_cannot_be_told_from_a_report_that_is_repeated() -> None:
+    """A random day found it: a lamp that is on is switched on, reports it again, and the light service turns it off."""
+    tables = house()
+    tables["devices"]["lamp"]["is_on"] = True
+    tables["house"]["by_hand"] = False
+    walk = DayEvent(START + 10.0, "press", "motion", "motion")
+    again = DayEvent(START + OFF_AT, "press", "lamp", "on")
+    day, lived = lived_through(tables, OFF, walk, again)
+    assert violations(day, lived) == []
+    assert [one.device for one in unseen(lived)] == ["lamp"]

@@ -42,8 +42,8 @@ class TruthfulCommand:
         room: Where the device is.
         awake: How many people are awake there.
         is_unseen: Whether the motion sensors there, all of which have detected somebody before and seem to work, have
-            long said that nobody is there, the contacts on its doors do not show that somebody stayed, and no hand has
-            switched the device at this moment.
+            long said that nobody is there, the contacts on its doors do not show that somebody stayed, and no hand
+            has changed at this moment what the device reports.
         is_open: Whether a door or window with a contact there is open.
         is_told_open: Whether one of these contacts has said so for a second, or fell silent.
         is_ever_told_open: Whether each of these contacts has said ``open`` before: one that never has may be broken.
@@ -80,6 +80,8 @@ class GroundTruth(WorldLog):
         self._world = world
         self._day = day
         self._told: dict[str, Told] = {}
+        self._said: dict[str, str] = {}
+        self._pressed: dict[str, float] = {}
         self._switched: dict[str, float] = {}
         self._began = 0.0
 
@@ -88,6 +90,7 @@ class GroundTruth(WorldLog):
         self.commands.clear()
         self._began = self._world.now
         for name, placed in self._world.devices.items():
+            self._said[name] = placed.device.state()
             if isinstance(unwrap(placed.device), MotionSensor | SimulatedContactSensor):
                 self._told[name] = Told(self._began)
                 if placed.device.has_power:
@@ -101,7 +104,11 @@ class GroundTruth(WorldLog):
         if event.verb == "power" and event.who in self._told:
             self._told[event.who].power_at = event.at
         if event.verb == "switch":
-            self._switched[event.who] = event.at
+            self._pressed[event.who] = event.at
+        if event.verb == "says":
+            if event.what != self._said.get(event.who) and self._pressed.get(event.who) == event.at:
+                self._switched[event.who] = event.at
+            self._said[event.who] = event.what
         if event.verb == "told":
             self.commands.append(self._seen(event))
 
