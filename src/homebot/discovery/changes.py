@@ -43,6 +43,8 @@ NewStates: TypeAlias = tuple[Entry, MergedParts, tuple[Reading, ...], str, Time,
 stream of their change, when they were told, and whether the device told them itself."""
 
 
+_change_of = StateChange.of_checked  # looked up once: that costs as much as a call
+
 stream_of = "\0".join
 """Returns the stream of a change of a device: its id, and part and capability of each value in it."""
 
@@ -145,7 +147,7 @@ class ChangeQueue:
                     stream = stream_of((entry.id, *names))
             self.sequence += 1
             found.append(
-                StateChange.of_checked(
+                _change_of(
                     stream=stream,
                     device=entry.id,
                     readings=current,

@@ -25,6 +25,9 @@ SightingKind: TypeAlias = Literal["appeared", "updated", "removed"]
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
 """Most devices have none of what few have; a dict of their own would be 64 bytes of each device."""
 
+# Looked up once: pydantic's metaclass makes each look-up on a message type cost as much as a call.
+_reading_of, _value_of = Reading.of_checked, Value.of
+
 _MAX_STREAMS = 100
 _MAX_READINGS = 100
 _NEVER = Time(sec=0, nanosec=0)
@@ -61,8 +64,8 @@ class AnnouncedPart(PartTexts):
             if before is not None and before[0] == value and type(before[0]) is type(value):
                 found.append(before[1])
                 continue
-            make = Reading.of_checked if str.isascii(name) else Reading
-            reading = make(part=self.described.part.id, capability=name, value=Value.of(value))
+            make = _reading_of if str.isascii(name) else Reading
+            reading = make(part=self.described.part.id, capability=name, value=_value_of(value))
             if before is not None or len(known) < _MAX_READINGS:
                 known[name] = (value, reading)
             found.append(reading)

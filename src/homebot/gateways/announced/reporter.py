@@ -23,6 +23,8 @@ _EVENTS = 1000
 
 _LAST = NEVER.to_seconds()
 
+_report_of = Report.of_checked  # looked up once: that costs as much as a call
+
 
 def stamps(seconds: float, stale_after: float) -> tuple[Time, Time]:
     """Return *seconds* since the Unix epoch, and when who was seen then counts as stale.
@@ -78,7 +80,7 @@ class DeviceReporter:
     ) -> None:
         """Publish what the device *key* reported."""
         self._reports.publish(
-            Report.of_checked(
+            _report_of(
                 gateway=self._gateway_name,
                 key=key,
                 readings=readings,
