@@ -5,8 +5,9 @@ from __future__ import annotations
 import asyncio
 import math
 from collections import OrderedDict
+from collections.abc import Iterable
 from functools import partial
-from typing import TYPE_CHECKING, Final, TypeAlias, final
+from typing import Final, TypeAlias, final
 
 import anyio
 
@@ -20,6 +21,7 @@ from homebot.control.judge import Judge
 from homebot.control.learnt_persistence import LearntPersistence
 from homebot.control.leases import LEASE_POLICY, Leases
 from homebot.control.pending import PendingCommand, PendingCommands, Signal
+from homebot.control.rehearsal import Rehearsal, rehearsed_result
 from homebot.control.report_watch import ReportWatch
 from homebot.control.response_times import ResponseTimes
 from homebot.control.settings import ControlSettings
@@ -27,7 +29,7 @@ from homebot.control.settling import Settling
 from homebot.control.value_text import value_text
 from homebot.control.witnesses import WitnessVerification
 from homebot.devices import FIND_DEVICES, Device, DevicePart, FindDevices
-from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
+from homebot.devices.command_messages import CommandRequest, CommandResult
 from homebot.devices.command_results import result_of
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, Gone, NoAnswer, Outcome, Refused
@@ -36,10 +38,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError
 from homebot.graph import Node
 
-if TYPE_CHECKING:
-    from homebot.control.rehearsal import Rehearsal
-
-__all__ = ["CommandExecutor", "rehearsed_result"]
+__all__ = ["CommandExecutor"]
 
 WOULD_SEND = "control.would_send"
 
@@ -193,9 +192,10 @@ class CommandExecutor:
         echoes = self._expected_echoes(command)
         places, is_settling = command.places, False
         is_at_rest = not self._pending.has_any(places)  # else the device may be about to change
-        known, recent = self._known(command, echoes)
+        expected = command.expected
+        known, recent = self._known(command, expected, echoes)
         changed = Signal()
-        pending = PendingCommand(command, known, command.expected, self._clock.monotonic(), changed.set, echoes)
+        pending = PendingCommand(command, known, expected, self._clock.monotonic(), changed.set, echoes)
         watch = self._watch.watch(command.part.routes, partial(self._take, pending))
         self._answers.expect(pending)
         self._pending.put(pending)
@@ -370,14 +370,16 @@ class CommandExecutor:
         for capability, seconds in pending.taken_back:
             self._echoes.note_fast(target, capability, name, seconds, is_repeated=capability in pending.repeated)
 
-    def _known(self, command: IssuedCommand, echoes: ExpectedEchoes) -> tuple[dict[str, PlainValue], bool]:
+    def _known(
+        self, command: IssuedCommand, expected: Iterable[str], echoes: ExpectedEchoes
+    ) -> tuple[dict[str, PlainValue], bool]:
         """Return the values that the part reported live, and whether all that are wanted were reported lately.
 
         What was reported before a command failed, or before one for something else that still waits, is not known, and
         what may be an echo, or was reported since a command failed, not lately: the next one is sent in any case.
         """
         now, known, ages = self._clock.now(), {}, [0.0]
-        asked = command.settings.keys() | command.expected.keys()
+        asked = {*command.settings, *expected}
         is_doubted = self._pending.wants_otherwise(command) or self.witnesses.disproves(command)
         if is_doubted or command.device.freshness != "fresh":
             return {}, False
@@ -389,13 +391,6 @@ class CommandExecutor:
                 if unsure_since is None or told_at > unsure_since:
                     known[state.capability] = state.value.plain()
         return known, max(ages) <= _RECENT and echoes is NO_ECHOES
-
-
-def rehearsed_result(assumed: Outcome, wanted: tuple[Setting, ...] = ()) -> CommandResult:
-    """Return the result of a command in a rehearsal, which says so; one that succeeds has the *wanted* values."""
-    if not assumed.succeeded:
-        return result_of(assumed)
-    return result_of(assumed, wanted).with_checked(text=f"not sent, and taken for done ({assumed.text})")
 
 
 def _settings_text(command: IssuedCommand) -> str:

@@ -7,9 +7,10 @@ from typing import Final, final
 
 from homebot.control.client_commands import POLICY, client_refusal
 from homebot.control.command import IssuedCommand
-from homebot.control.executor import CommandExecutor, rehearsed_result
+from homebot.control.executor import CommandExecutor
 from homebot.control.journal import CommandJournal
 from homebot.control.judge import Judge
+from homebot.control.rehearsal import rehearsed_result
 from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import always_asks
 from homebot.devices.command_messages import CommandRequest, Setting
