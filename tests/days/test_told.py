@@ -78,3 +78,11 @@ def test_a_contact_that_says_when_it_is_online_is_known_to_have_lost_its_power()
     known = Placed(unplugged, "hall", dialect="homeassistant"), Placed(unplugged, "hall")
     assert [told.trusted_until(one, 0.0) for one in known] == [1000.0, 1000.0 - HEARTBEAT + HOUR]
     assert [told.silence_known_from(one, 0.0) for one in known] == [1120.0, 1000.0 + HOUR + 120.0]
+
+
+def test_a_contact_that_was_silent_before_homebot_began_is_not_trusted_for_a_day() -> None:
+    """Its retained message that it is online may be old."""
+    silent = Silent(SimulatedContactSensor("door"), random.Random(1), since=0.0)  # noqa: S311  # no secrets
+    silent.advance(HOUR)
+    placed = Placed(silent, "hall", dialect="homeassistant")
+    assert Told(HOUR).trusted_until(placed, HOUR) == 2 * HOUR - HEARTBEAT

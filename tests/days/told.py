@@ -91,7 +91,8 @@ class Told:
         tells_link = _tells_link(placed)
         if not placed.device.has_power:
             return self.power_at if tells_link else self.power_at - HEARTBEAT + _STALE
-        return _silent_from(placed, began) - HEARTBEAT + (_STALE_ONLINE if tells_link else _STALE)
+        spoke = _silent_from(placed, 0.0) > began  # only what is online live, and not by a retained message, is trusted
+        return _silent_from(placed, began) - HEARTBEAT + (_STALE_ONLINE if tells_link and spoke else _STALE)
 
 
 def _tells_link(placed: Placed) -> bool:
