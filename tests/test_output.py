@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 import json
 import os
 import re
@@ -16,6 +17,7 @@ from typing import TextIO
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.patience import PATIENCE
 
 from homebot.output import CleanText, OutputQueue, QueuedText, clean_output, queued_output
 
@@ -78,6 +80,17 @@ def test_a_reader_that_pauses_delays_nobody_and_is_told_what_it_missed_where_it_
     assert queue.lost == 100_000 - len(numbers)
 
 
+def test_a_computer_that_stands_still_takes_no_time_from_what_is_written_at_the_end(pipe: Pipe) -> None:
+    hours = itertools.count(0, 3600)
+    queue = OutputQueue(pipe.writes, now=lambda: float(next(hours)))
+    queue.put("x" * 1_000_000)
+    queue.put("end")
+    reader = threading.Timer(0.3, pipe.read_until, [b"end"])
+    reader.start()
+    assert queue.drain(PATIENCE)
+    reader.join()
+
+
 def test_a_reader_that_has_gone_costs_nothing_more(pipe: Pipe) -> None:
     queue = OutputQueue(pipe.writes)
     os.close(pipe.reads)
@@ -118,7 +131,7 @@ def test_in_the_block_prints_are_queued_and_after_it_things_are_as_before(
         assert lost_lines() == 0
     after: object = sys.stdout
     assert after is stream
-    assert pipe.read() == b"out\nerror\n"
+    assert pipe.read_until(b"error\n") == b"out\nerror\n"
 
 
 def test_leaving_the_block_takes_no_longer_than_the_last_chance(pipe: Pipe, monkeypatch: pytest.MonkeyPatch) -> None:

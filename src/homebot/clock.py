@@ -39,18 +39,20 @@ class LoopClock:
             it runs with the loop. By default the computer's own time, also when that is set or slept meanwhile.
 
     Attributes:
-        monotonic: Returns seconds of the event loop's time; the loop's own function, as it is called so often.
+        monotonic: Returns seconds of the event loop's time. It is asked so often that it is the loop's own function, or
+            the one that this calls.
+        now: Returns seconds since the Unix epoch, UTC; likewise.
     """
 
     def __init__(self, epoch: float | None = None) -> None:
         loop = asyncio.get_running_loop()
-        self.monotonic = loop.time
-        self._follows_computer = epoch is None and type(loop).time is asyncio.BaseEventLoop.time
+        is_real = type(loop).time is asyncio.BaseEventLoop.time
+        self.monotonic = time.monotonic if is_real else loop.time
         self._offset = (time.time() if epoch is None else epoch) - self.monotonic()
+        self.now = time.time if epoch is None and is_real else self._of_loop
 
-    def now(self) -> float:
-        """Return seconds since the Unix epoch, UTC."""
-        return time.time() if self._follows_computer else self._offset + self.monotonic()
+    def _of_loop(self) -> float:
+        return self._offset + self.monotonic()
 
 
 @final

@@ -172,7 +172,9 @@ class _StdlibLines(logging.Handler):
             return
         if record.name == _WARNINGS and (forgotten := _FORGOTTEN.search(text := _text(record))) is not None:
             place = text.partition(": RuntimeWarning")[0]
-            message = f"{forgotten[1]}() was called without await, so it did nothing: {place}"
+            called = forgotten[1].removesuffix(".__aenter__")  # a block that waits as it is entered
+            word = "await" if called == forgotten[1] else "`async with`"
+            message = f"{called}() was called without {word}, so it did nothing: {place}"
             structlog.get_logger(node=record.name).error(FORGOTTEN_AWAIT, message=message, held_back=held_back)
             return
         facts = {"exc_info": record.exc_info} if record.exc_info else {}

@@ -20,6 +20,7 @@ from types import FrameType, TracebackType
 from typing import Any, Final, Self, TypeVar, final
 
 from homebot.logger import get_logger
+from homebot.starvation import StarvedTime, queued_seconds
 
 __all__ = ["LoopWatch", "ProductionLoop", "WatchedSelector"]
 
@@ -92,6 +93,7 @@ class LoopWatch:
         self._thread = threading.Thread(target=self._watch, name="loop watch", daemon=True)
         self._loop = loop
         self._loop_thread = 0
+        self._native_thread = 0
 
     def has_started(self) -> None:
         """Take the loop for blocked sooner: others wait from now on."""
@@ -118,6 +120,7 @@ class LoopWatch:
 
     def __enter__(self) -> Self:
         self._loop_thread = threading.get_ident()
+        self._native_thread = threading.get_native_id()
         self._thread.start()
         return self
 
@@ -130,22 +133,21 @@ class LoopWatch:
     def _watch(self) -> None:
         since: float | None = None  # the turn of the loop that was reported as blocked
         turn: float | None = None
-        starved = 0.0  # seconds of this turn in which the computer let nothing of this process run
-        looked, used = time.monotonic(), time.process_time()
+        starved = StarvedTime(_LOOK_EVERY)  # of this turn
+        starved.look(time.monotonic(), time.process_time(), queued_seconds(self._native_thread))
         while not self._stop.wait(_LOOK_EVERY):
             busy_since = self._selector.busy_since
-            now, cpu = time.monotonic(), time.process_time()
+            now = time.monotonic()
             if busy_since != turn:
-                turn, starved = busy_since, 0.0
-            starved += max(0.0, now - looked - _LOOK_EVERY - (cpu - used))
-            looked, used = now, cpu
+                turn, starved.seconds = busy_since, 0.0
+            starved.look(now, time.process_time(), queued_seconds(self._native_thread))
             if since is not None:
                 if busy_since == since:
                     self._note(now, now - since)
                 else:
                     self._report_free(min(busy_since or now, now) - since)
                     since = None
-            if since is None and busy_since is not None and now - busy_since - starved >= self.blocked_after:
+            if since is None and busy_since is not None and now - busy_since - starved.seconds >= self.blocked_after:
                 stack = self._stack()
                 if self._selector.busy_since == busy_since:  # else the stack is that of another turn
                     since = busy_since

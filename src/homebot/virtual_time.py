@@ -34,7 +34,7 @@ RESOLUTION = 1e-6  # seconds; timers closer than this fire together. Far above t
 SELDOM = 50  # turns of a busy loop after which files are looked at all the same
 HOT_AFTER = 30.0  # real seconds and
 HOT_TURNS = 500_000  # turns, both in one moment, in which no program that ever waits can still be busy
-STUCK_AFTER = 5.0  # real seconds in which a thread or a signal may still wake a loop that has no timer
+STUCK_AFTER = 30.0  # real seconds in which a thread or a signal may still wake a loop that has no timer
 THREAD_STUCK_AFTER = 120.0  # real seconds that a worker thread may take; it writes a file, and the disk may be slow
 _LIBRARIES = tuple(str(Path(str(each.__file__)).parent) for each in (asyncio, anyio))
 
@@ -43,7 +43,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
     """An event loop in virtual time, which starts at 0.
 
     Made for ``asyncio.Runner(loop_factory=VirtualTimeLoop)`` and its likes. A program that waits for what cannot come,
-    with nothing ready and no timer set, ends with :class:`homebot.errors.UsageError` after 5 real seconds; one that is
+    with nothing ready and no timer set, ends with :class:`homebot.errors.UsageError` after 30 real seconds; one that is
     always busy, so that no time can pass, after 30 and half a million turns. The error says which tasks are busy. A
     worker thread that takes longer than 120 real seconds ends it too.
     """

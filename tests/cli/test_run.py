@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.cli import main
 from homebot.cli.commands.run import configuration
@@ -132,6 +133,16 @@ def test_the_door_is_where_the_option_says() -> None:
     assert config_of("--door", "127.0.0.1:7").door == {"host": "127.0.0.1", "port": 7}
 
 
+def test_the_door_may_stand_before_the_command() -> None:
+    """As it may before any other; it was ignored."""
+
+    def door_of(*line: str) -> object:
+        return configuration(make_parser(line).parse_args(line))[0].door
+
+    assert door_of("--door", "127.0.0.1:7", "run") == {"host": "127.0.0.1", "port": 7}
+    assert door_of("--door", "127.0.0.1:7", "run", "--door", "127.0.0.1:8") == {"host": "127.0.0.1", "port": 8}
+
+
 def test_the_variable_of_clients_does_not_move_a_door_whose_place_the_file_states(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -233,9 +244,9 @@ def test_a_watchdog_that_was_not_needed_leaves_no_thread() -> None:
     with Watchdog() as watchdog:
         watchdog.start()
         watchdog.start()
-    for timer in watchdog._timers:
-        timer.join(5)
-        assert not timer.is_alive()
+    for thread in watchdog._threads:
+        thread.join(PATIENCE)
+        assert not thread.is_alive()
     with Watchdog():
         pass
 

@@ -47,4 +47,7 @@ async def family(seed: int) -> str:
 if __name__ == "__main__":
     structlog.configure(logger_factory=structlog.PrintLoggerFactory(sys.stderr))
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
-        sys.stdout.write(runner.run({"thesis": thesis, "family": family}[sys.argv[1]](int(sys.argv[2]))))
+        day = runner.run({"thesis": thesis, "family": family}[sys.argv[1]](int(sys.argv[2])))
+    # With PYTHONUNBUFFERED set, sys.stdout drops the rest of what a pipe takes only in part.
+    with open(sys.stdout.fileno(), "w", encoding="utf-8", closefd=False) as out:
+        out.write(day)

@@ -67,7 +67,7 @@ def test_a_failed_test_shows_the_packets_of_each_broker_that_had_any(pytester: p
     result.assert_outcomes(passed=1, failed=1)
     result.stdout.fnmatch_lines(
         [
-            "E *no client published '69' on t within 1 s",
+            "E *no client published '69' on t within 5 s",
             "E *received with another payload:",
             "E *t '68' (QoS 0, from a)",
             "*MQTT packets of mqtt_broker*",

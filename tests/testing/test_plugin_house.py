@@ -453,6 +453,23 @@ def test_a_command_that_nobody_awaits_fails_its_test(pytester: pytest.Pytester) 
     run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=1, failed=1)
 
 
+def test_a_hold_that_nobody_enters_fails_its_test(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        """
+        import gc
+        from homebot.devices.hold import hold_part
+
+        async def test_forgets():
+            hold_part(None, None, "", "open", "robot", 10.0)
+            gc.collect()
+
+        async def test_that_is_well():
+            pass
+        """
+    )
+    run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=1, failed=1)
+
+
 def test_every_command_of_every_kind_is_among_those() -> None:
     handles = import_module("homebot.devices.handles")
     kinds = [one for name in handles.__all__ if isinstance(one := getattr(handles, name), type)]

@@ -24,6 +24,7 @@ from websockets.http11 import Response
 from websockets.protocol import State
 from websockets.uri import parse_uri
 
+from homebot.cli.arguments import DEFAULT_DOOR, door_of_environment
 from homebot.errors import ConfigError, LinkError, PeerError, RefusedError, ServiceTimeoutError, WireError
 
 __all__ = ["DoorClient", "ReceivedMessage", "open_door", "with_client"]
@@ -58,7 +59,7 @@ def with_client(options: argparse.Namespace, command: Callable[[DoorClient], int
     Raises:
         HomebotError: Nobody answers, the server does not let us in, or the command failed.
     """
-    host, port = options.door
+    host, port = options.door or door_of_environment() or DEFAULT_DOOR
     with open_door(host, port, _token(options.token_file)) as door:
         try:
             return command(door)

@@ -18,9 +18,12 @@ GATEWAY_STATE = "homebot/msg/GatewayState"
 _RAW_COMMAND = "homebot/msg/RawCommand"
 
 _STATE_TIMEOUT = 2.0
-"""Seconds for a state that is kept for late joiners, and so comes at once where there is one."""
+"""Seconds for the state of a gateway that nobody publishes yet."""
 
-_OUTCOME = 5.0
+_STATE_WITHIN = 10.0
+"""Seconds for one that is published: it is kept for late joiners, and comes at once unless the computer is busy."""
+
+_OUTCOME = 10.0
 _POLL = 0.02
 _LOG_WAIT = 0.3
 """Seconds: for what became of a command, between two looks, and for the lines of the log that are kept."""
@@ -120,7 +123,8 @@ def gateway_state(door: DoorClient, gateway: str) -> GatewayStateRecord | None:
     """Return how *gateway* says it is; None where nobody says so."""
     topic = GatewayNames(gateway).state
     door.subscribe(topic)
-    for message in door.until(_STATE_TIMEOUT):
+    is_published = entities(door, kind="publisher", name=topic)
+    for message in door.until(_STATE_WITHIN if is_published else _STATE_TIMEOUT):
         if message.topic == topic:
             return cast("GatewayStateRecord", message.message)
     return None

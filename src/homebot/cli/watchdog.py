@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+from collections.abc import Callable
 from types import TracebackType
 from typing import Self, final
 
@@ -15,7 +16,13 @@ LEFT_BEHIND = "runtime.left_behind"
 
 WARN_AFTER = 4.5
 EXIT_AFTER = 4.8
-"""Seconds from :meth:`Watchdog.start` to the end of the process: together with a little work, below five."""
+"""Seconds from :meth:`Watchdog.start` to the end of the process: together with a little work, below five.
+
+Those do not count in which the computer let the process do nothing, because it slept or was too busy.
+"""
+
+_TICK = 0.3
+"""Seconds; a tick that takes longer counts as one, as then it was not the process that took so long."""
 
 _log = get_logger(node="/homebot")
 
@@ -29,7 +36,9 @@ class Watchdog:
     """
 
     def __init__(self) -> None:
-        self._timers = (threading.Timer(WARN_AFTER, _warn), threading.Timer(EXIT_AFTER, os._exit, [1]))
+        self._over = threading.Event()
+        actions = ((WARN_AFTER, _warn), (EXIT_AFTER, _exit))
+        self._threads = [threading.Thread(target=self._run, args=one, name="watchdog", daemon=True) for one in actions]
         self._is_started = False
         self._lock = threading.RLock()  # reentrant, as a signal may come in the middle of a start
 
@@ -39,9 +48,8 @@ class Watchdog:
             if self._is_started:
                 return
             self._is_started = True
-            for timer in self._timers:
-                timer.daemon = True
-                timer.start()
+            for thread in self._threads:
+                thread.start()
 
     def __enter__(self) -> Self:
         return self
@@ -49,9 +57,18 @@ class Watchdog:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        for timer in self._timers:
-            timer.cancel()
+        self._over.set()
+
+    def _run(self, seconds: float, act: Callable[[], None]) -> None:
+        for _ in range(round(seconds / _TICK)):
+            if self._over.wait(_TICK):
+                return
+        act()
 
 
 def _warn() -> None:
     _log.critical(LEFT_BEHIND, message="not everything stopped in time; exiting anyway")
+
+
+def _exit() -> None:
+    os._exit(1)

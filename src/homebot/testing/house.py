@@ -99,7 +99,8 @@ def _is_for_mqtt(name: str, table: Table) -> bool:
     return issubclass(kind, MqttGateway)
 
 
-DEFAULT_WAIT = 5.0
+DEFAULT_WAIT = 30.0
+"""Seconds: on an idle computer it takes milliseconds, but the one that runs the tests may be slow or busy."""
 
 EVERYTHING = MqttSubscription("#", qos=1, no_local=True)
 """The subscription of a test: all but its own messages."""

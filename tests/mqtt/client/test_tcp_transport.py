@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import concurrent.futures
 import contextlib
 import socket
 import ssl
-from collections.abc import AsyncIterator
+import threading
+from collections.abc import AsyncIterator, Coroutine
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +16,12 @@ import anyio
 import pytest
 import trustme
 from tests.mqtt.client.conftest import ClientKind
+from tests.patience import PATIENCE
 
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttSubscription
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.client.tcp_transport import TcpTransport, dial_tcp
 from homebot.mqtt.options import MqttOptions
 
@@ -212,6 +216,36 @@ async def test_a_connect_that_is_cancelled_during_the_hand_shake_closes_its_sock
             await greeted.wait()
             tasks.cancel_scope.cancel()
         await closed.wait()
+
+
+async def test_so_it_does_where_its_thread_has_not_come_to_wait_for_the_hand_shake(
+    certificates: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The thread of aiomqtt has the loop shake hands, and is stopped by the computer before it goes on."""
+    goes_on, hand_over = threading.Event(), asyncio.run_coroutine_threadsafe
+
+    def stopped(work: Coroutine[Any, Any, None], loop: asyncio.AbstractEventLoop) -> concurrent.futures.Future[None]:
+        handed_over = hand_over(work, loop)
+        goes_on.wait(PATIENCE)
+        return handed_over
+
+    async def connect() -> None:
+        ca_file = certificates / "ca.pem"
+        options = MqttOptions(host="127.0.0.1", port=port, tls=True, ca_file=ca_file, timeout=10 * PATIENCE)
+        async with AiomqttClient(options).connected():
+            pass
+
+    monkeypatch.setattr(asyncio, "run_coroutine_threadsafe", stopped)
+    async with silent_peer() as (port, greeted, closed):
+        try:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(connect)
+                await greeted.wait()
+                tasks.cancel_scope.cancel()
+            with anyio.fail_after(PATIENCE):
+                await closed.wait()
+        finally:
+            goes_on.set()
 
 
 @contextlib.asynccontextmanager

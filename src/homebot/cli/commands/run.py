@@ -62,7 +62,7 @@ Devices are remembered in HOMEBOT_DATA (default: the user's data directory), but
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot run``."""
-    set_command(parser, run, _EXAMPLES)
+    set_command(parser, run, _EXAMPLES, ("door",))
     parser.add_argument(
         "--config", metavar="FILE", help="configuration file in TOML (default: homebot.toml, if it exists)"
     )
@@ -94,6 +94,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--door",
         metavar="HOST:PORT",
         type=door_address,
+        default=argparse.SUPPRESS,  # one that stands before the command counts as well
         help="address to listen on for rosbridge clients (default: [door], else HOMEBOT_DOOR, else 127.0.0.1:9090)",
     )
     parser.add_argument(

@@ -42,7 +42,9 @@ LONGEST_TTL = 4500.0
 UNKNOWN_TTL = 120.0
 """Seconds: what section 10 recommends for SRV records; used when the record is not cached any more."""
 
-_CLOSING = 2.0
+_CLOSING = 4.0
+"""Seconds for the goodbyes, which take half of one: whoever is cut off leaves its sockets open."""
+
 _SRV = 33  # RFC 2782
 _ADDRESS_TYPES = frozenset({1, 28})  # A (RFC 1035) and AAAA (RFC 3596)
 

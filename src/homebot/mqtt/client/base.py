@@ -125,8 +125,8 @@ class BaseClient(ABC):
 
     def ack(self, messages: Iterable[MqttMessage]) -> None:
         """Acknowledge; see `MqttClient.ack`."""
-        if self._link is not None:
-            self._link.ack(messages)
+        if self._link is not None and (data := self._receiver.settle(messages)):
+            self._link.acknowledge(data)
 
     def drop(self) -> None:
         """Cut the link; see `MqttClient.drop`."""
@@ -257,10 +257,9 @@ class ClientLink(ABC):
     async def close(self, *, ends_session: bool) -> None:
         """Send DISCONNECT and wait until the link is closed; *ends_session* where the version has a field for it."""
 
-    def ack(self, messages: Iterable[MqttMessage]) -> None:
-        """Acknowledge those of *messages* that came by this link, perhaps together with what follows."""
-        data = self._receiver.settle(messages)
-        if data and self._lost is None and self.transport is not None:
+    def acknowledge(self, data: bytes) -> None:
+        """Send acknowledgements, perhaps together with what follows; nothing where the link is lost."""
+        if self._lost is None and self.transport is not None:
             self.transport.write_acknowledgements(data)
 
     def cut(self, reason: LinkError | RefusedError) -> None:

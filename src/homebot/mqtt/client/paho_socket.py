@@ -9,7 +9,6 @@ of it than to send and receive; so what wraps it here carries it in the event lo
 from __future__ import annotations
 
 import asyncio
-import concurrent.futures
 import socket
 import ssl
 from typing import Any, final
@@ -53,7 +52,7 @@ class PahoSocket:
         self._link = link
         self._loop = asyncio.get_running_loop()
         self._connected: socket.socket | None = None
-        self._opening: concurrent.futures.Future[None] | None = None
+        self._handshake: asyncio.Task[None] | None = None
         self._is_over = self._is_publishing = False
         self._unread = bytearray()  # at most one packet
         self._tick: asyncio.TimerHandle | None = None
@@ -92,8 +91,8 @@ class PahoSocket:
         self._is_over = True
         if self._tick is not None:
             self._tick.cancel()
-        if self._opening is not None:
-            self._opening.cancel()
+        if self._handshake is not None:
+            self._handshake.cancel()
 
     def wrap_socket(self, sock: socket.socket, **how: object) -> PahoSocket:
         """Take the socket that paho has connected, in paho's thread."""
@@ -108,8 +107,8 @@ class PahoSocket:
 
     def do_handshake(self) -> None:
         """Have the event loop carry the connection, in paho's thread; wait until it does."""
-        self._opening = asyncio.run_coroutine_threadsafe(self._carry(), self._loop)
-        self._opening.result(2 * self._options.timeout)  # never that long where the loop runs
+        carried = asyncio.run_coroutine_threadsafe(self._carry(), self._loop)
+        carried.result(2 * self._options.timeout)  # never that long where the loop runs
 
     def recv(self, size: int) -> bytes:
         """Return the next of the bytes that are there for paho."""
@@ -142,6 +141,7 @@ class PahoSocket:
         if self._is_over:
             sock.close()
             raise ConnectionAbortedError("the connection attempt was abandoned")
+        self._handshake = asyncio.current_task()  # not by paho's thread: it may come to it after the end
         transport = TcpTransport(self._link)
         with anyio.fail_after(self._options.timeout):
             await transport.carry(sock, self._options, self._tls)

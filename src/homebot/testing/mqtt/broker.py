@@ -96,7 +96,7 @@ class BrokerView:
 
 
 _CALM_ROUNDS = 3  # of both loops without a packet: an answer needs one
-_TIMEOUT = 5.0
+_TIMEOUT = 30.0
 
 
 @final
@@ -134,7 +134,7 @@ class TestBroker(BrokerView):
         """
         await self._thread.run(self._core.publish, topic, payload, qos, retain, properties)
 
-    async def expect(self, filter: str, payload: Wanted = None, timeout: float = 1.0) -> RecordedMessage:  # noqa: A002, ASYNC109 - the words that users look for
+    async def expect(self, filter: str, payload: Wanted = None, timeout: float = 5.0) -> RecordedMessage:  # noqa: A002, ASYNC109 - the words that users look for
         """Return the first message of a client that fits and was not returned before; wait for it if need be.
 
         Args:
@@ -165,7 +165,7 @@ class TestBroker(BrokerView):
             quiet: Return only after so many seconds without any packet.
 
         Raises:
-            AssertionError: There was no rest within 5 seconds.
+            AssertionError: There was no rest within 30 seconds.
         """
         with anyio.move_on_after(_TIMEOUT + quiet):
             await self._come_to_rest()
@@ -214,7 +214,7 @@ class BlockingTestBroker(BrokerView):
         """Publish as :meth:`TestBroker.publish` does."""
         self._thread.call(self._core.publish, topic, payload, qos, retain, properties)
 
-    def expect(self, filter: str, payload: Wanted = None, timeout: float = 1.0) -> RecordedMessage:  # noqa: A002 - as above
+    def expect(self, filter: str, payload: Wanted = None, timeout: float = 5.0) -> RecordedMessage:  # noqa: A002 - as above
         """Return as :meth:`TestBroker.expect` does."""
         validate_filter(filter)
         journal = self._core.journal
@@ -228,7 +228,7 @@ class BlockingTestBroker(BrokerView):
         """Return after *quiet* seconds without any packet.
 
         Raises:
-            AssertionError: There was no rest within 5 seconds.
+            AssertionError: There was no rest within 30 seconds.
         """
         self._thread.call(self._settle, quiet)
 
