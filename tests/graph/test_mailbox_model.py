@@ -5,6 +5,7 @@ from __future__ import annotations
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
+from tests.generated_examples import examples
 
 from homebot.graph.mailbox import KeyedQueue, Mailbox, keyed_queue
 
@@ -98,7 +99,7 @@ class KeyedMailbox(RuleBasedStateMachine):
             assert self.losses == self.dropped
 
 
-brief = settings(max_examples=60, stateful_step_count=30, deadline=None)
+brief = settings(max_examples=examples(60), stateful_step_count=30, deadline=None)
 TestPlainMailbox = PlainMailbox.TestCase
 TestPlainMailbox.settings = brief
 TestKeyedMailbox = KeyedMailbox.TestCase

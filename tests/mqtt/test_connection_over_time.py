@@ -12,9 +12,10 @@ import pytest
 
 from homebot.errors import RefusedError
 from homebot.mqtt.client import MqttSubscription
-from homebot.mqtt.connection import OFFLINE, ONLINE, ConnectionState, LinkPhase, MqttConnection
+from homebot.mqtt.connection import ConnectionState, LinkPhase, MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.status import OFFLINE, ONLINE
 
 pytestmark = pytest.mark.virtual_time
 

@@ -16,6 +16,7 @@ from asyncio import current_task
 from asyncio.tasks import _enter_task, _leave_task  # documented for those who step coroutines: "Extending asyncio"
 from collections.abc import Callable, Coroutine, Iterator
 from contextvars import Context, copy_context
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias, cast, final
 
 import anyio
@@ -24,6 +25,7 @@ from homebot.errors import ServiceGoneError, ServiceTimeoutError
 from homebot.graph.handler_steps import IS_DUE, NOT_BEGUN, Handling, RemainingSteps
 from homebot.graph.handler_wait import HandlerWait
 from homebot.isolation import is_cancelled, is_end_of, uncancel
+from homebot.time_limits import TimeLimits
 
 if TYPE_CHECKING:
     from homebot.graph.service import Service
@@ -37,7 +39,7 @@ _MOST_FREE = 8
 
 @final
 class HandlerRun:
-    """A call whose handler is at work in a task of the serving node.
+    """A call whose handler is at work in a task of the serving node; both know it as soon as it is made.
 
     Attributes:
         server: The service.
@@ -76,6 +78,8 @@ class HandlerRun:
         self.outcome: asyncio.Future[object] = loop.create_future()
         self.has_ended = False
         self._end: anyio.Event | None = None
+        task.run = self
+        server.add_run(self)
 
     async def wait_for_end(self) -> None:
         """Wait until the handler has ended."""
@@ -85,8 +89,8 @@ class HandlerRun:
 
     async def wait(self, timeout: float) -> object:  # noqa: ASYNC109  # as Client.call
         """Return the handler's outcome; a caller that is cancelled, or *timeout* seconds, leave it at work."""
-        loop = self.outcome.get_loop()
-        timer = loop.call_at(loop.time() + timeout, self._expire, timeout)
+        limits = self.server.tasks.limits
+        limit = limits.set(timeout, partial(self._expire, timeout))
         try:
             return await self.outcome
         except BaseException:
@@ -97,7 +101,7 @@ class HandlerRun:
                 self.server.drop(self.outcome.result())
             raise
         finally:
-            timer.cancel()
+            limits.discard(limit)
 
     def end(self, outcome: object) -> None:
         """Give the handler's *outcome* to the caller, or drop it where the caller has left."""
@@ -209,11 +213,13 @@ class HandlerTasks:
     Attributes:
         is_open: Whether the node runs. Where it does not, a handler runs in the task of its caller and ends with it.
         by_task: As above.
+        limits: The time limits of the callers that wait.
     """
 
     def __init__(self, by_task: dict[asyncio.Task[Any], HandlerTask]) -> None:
         self.is_open = False
         self.by_task = by_task
+        self.limits = TimeLimits()
         self._loop: asyncio.AbstractEventLoop  # once it is open
         self._start_task: StartTask
         self._free: list[HandlerTask] = []
@@ -251,7 +257,7 @@ class HandlerTasks:
             return exc.value if type(exc) is StopIteration else server.failed(exc)
         _leave_task(loop, task)
         _enter_task(loop, caller)
-        run = self._hand_over(HandlerRun(server, host, handler, context, waits_for))
+        run = HandlerRun(server, host, handler, context, waits_for)
         if host.wait.is_woken:  # its first step cancelled its task
             return run
         if host.wait.hand_on(waits_for):
@@ -292,12 +298,6 @@ class HandlerTasks:
 
     def _start(self, server: Service[Any, Any], handler: Handling, caller: asyncio.Task[Any] | None) -> HandlerRun:
         host = HandlerTask(self, caller)
-        run = self._hand_over(HandlerRun(server, host, handler, copy_context(), NOT_BEGUN))
+        run = HandlerRun(server, host, handler, copy_context(), NOT_BEGUN)
         self._start_task(host.main)
-        return run
-
-    def _hand_over(self, run: HandlerRun) -> HandlerRun:
-        host = run.task
-        host.run = run
-        run.server.add_run(run)
         return run

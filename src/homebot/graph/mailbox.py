@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import sys
 from collections import OrderedDict, deque
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator, Sized
 from typing import Generic, Protocol, TypeVar
 
 import anyio.lowlevel
@@ -56,12 +56,13 @@ class Mailbox(Generic[T]):
 
     Attributes:
         queue: The waiting items, oldest first. A publisher appends here itself, see ``Publisher.publish``.
+        waiting: Is empty when the queue is; to ask it takes a fraction of the time.
         depth: How many items may wait; a keyed queue, or one that was given, keeps its own bounds.
         waiter: Set while the reader waits for an item; whoever adds one calls :meth:`wake`.
         senders: Those who wait for room; whoever removes an item calls :meth:`admit_senders` when there are any.
     """
 
-    __slots__ = ("_closed", "_keyed", "_losses", "_turn", "depth", "queue", "senders", "waiter")
+    __slots__ = ("_closed", "_keyed", "_losses", "_turn", "depth", "queue", "senders", "waiter", "waiting")
 
     def __init__(
         self, depth: int, key: Callable[[T], Hashable] | None = None, queue: BoundedQueue[T] | None = None
@@ -71,6 +72,7 @@ class Mailbox(Generic[T]):
         keyed = None if key is None else keyed_queue(depth, key, self._losses.add)
         self._keyed: BoundedQueue[T] | None = keyed if queue is None else queue
         self.queue: Queue[T] = deque() if self._keyed is None else self._keyed
+        self.waiting: Sized = self.queue if keyed is None or queue is not None else keyed.items
         self.depth = depth if self._keyed is None else sys.maxsize
         self.waiter: asyncio.Future[None] | None = None
         self.senders: deque[asyncio.Future[None]] = deque()
@@ -98,7 +100,7 @@ class Mailbox(Generic[T]):
 
     def take(self) -> T | None:
         """Return the oldest item, or None when there is none now."""
-        if not self.queue:
+        if not self.waiting:
             return None
         item = self.queue.popleft()
         if self.senders:
@@ -116,7 +118,7 @@ class Mailbox(Generic[T]):
         if self._turn >= TURN:
             self._turn = 0
             await anyio.lowlevel.checkpoint()
-        while not self.queue:
+        while not self.waiting:
             await self.wait()
         item = self.queue.popleft()
         if self.senders:
@@ -130,7 +132,7 @@ class Mailbox(Generic[T]):
             ClosedError: The mailbox is closed and empty.
             UsageError: Another task is waiting already.
         """
-        if self.queue:
+        if self.waiting:
             return
         if self._closed:
             raise ClosedError("closed")
@@ -190,7 +192,7 @@ class Mailbox(Generic[T]):
 
     def clear(self) -> None:
         """Let go of all that waits; that is no loss."""
-        while self.queue:
+        while self.waiting:
             self.queue.popleft()
         self.admit_senders()
 
@@ -221,13 +223,16 @@ class KeyedQueue(Generic[T]):
 
     An item that would be one too many for its key drops the oldest item of that key. At most 100,000 items wait at
     once, whatever their keys; one more drops the oldest item of all.
+
+    Attributes:
+        items: Where they lie, by a number or by their key.
     """
 
     def __init__(self, depth: int, key: Callable[[T], Hashable], on_loss: Callable[[T], None] | None) -> None:
         self._depth = depth
         self._key = key
         self._on_loss = on_loss
-        self._items: OrderedDict[Hashable, T] = OrderedDict()  # by number
+        self.items: OrderedDict[Hashable, T] = OrderedDict()
         # Of a key there are mostly one or two, and a deque begins with room for 64.
         self._make_numbers: Callable[[], list[int] | deque[int]] = list if depth <= _FEW else deque
         self._numbers: dict[Hashable, list[int] | deque[int]] = {}
@@ -238,11 +243,11 @@ class KeyedQueue(Generic[T]):
         key = self._key(item)
         numbers = self._numbers.get(key)
         if numbers is not None and len(numbers) >= self._depth:
-            lost = self._items.pop(numbers[0])
+            lost = self.items.pop(numbers[0])
             del numbers[0]
             if self._on_loss is not None:
                 self._on_loss(lost)
-        elif len(self._items) >= MAX_KEYED_ITEMS:
+        elif len(self.items) >= MAX_KEYED_ITEMS:
             lost = self.popleft()
             if self._on_loss is not None:
                 self._on_loss(lost)
@@ -250,16 +255,16 @@ class KeyedQueue(Generic[T]):
         if numbers is None:
             numbers = self._numbers[key] = self._make_numbers()
         numbers.append(self._next)
-        self._items[self._next] = item
+        self.items[self._next] = item
         self._next += 1
 
     def has_room_for(self, item: T) -> bool:
         """Return whether :meth:`append` would take *item* without dropping another."""
-        return len(self._numbers.get(self._key(item), ())) < self._depth and len(self._items) < MAX_KEYED_ITEMS
+        return len(self._numbers.get(self._key(item), ())) < self._depth and len(self.items) < MAX_KEYED_ITEMS
 
     def popleft(self) -> T:
         """Remove and return the oldest item."""
-        _, item = self._items.popitem(last=False)
+        _, item = self.items.popitem(last=False)
         key = self._key(item)
         numbers = self._numbers[key]
         del numbers[0]
@@ -270,20 +275,20 @@ class KeyedQueue(Generic[T]):
     def discard(self, key: Hashable) -> None:
         """Forget every item of *key*."""
         for number in self._numbers.pop(key, ()):
-            del self._items[number]
+            del self.items[number]
 
     def __len__(self) -> int:
-        return len(self._items)
+        return len(self.items)
 
     def __iter__(self) -> Iterator[T]:
-        return iter(self._items.values())
+        return iter(self.items.values())
 
 
 class _NewestOfEach(KeyedQueue[T]):
     """The same of depth 1, as nearly all keyed topics have it: the items lie under their keys."""
 
     def append(self, item: T) -> None:
-        key, items, on_loss = self._key(item), self._items, self._on_loss
+        key, items, on_loss = self._key(item), self.items, self._on_loss
         if key in items:
             lost = items.pop(key)
             if on_loss is not None:
@@ -295,13 +300,13 @@ class _NewestOfEach(KeyedQueue[T]):
         items[key] = item
 
     def has_room_for(self, item: T) -> bool:
-        return self._key(item) not in self._items and len(self._items) < MAX_KEYED_ITEMS
+        return self._key(item) not in self.items and len(self.items) < MAX_KEYED_ITEMS
 
     def popleft(self) -> T:
-        return self._items.popitem(last=False)[1]
+        return self.items.popitem(last=False)[1]
 
     def discard(self, key: Hashable) -> None:
-        self._items.pop(key, None)
+        self.items.pop(key, None)
 
 
 def keyed_queue(depth: int, key: Callable[[T], Hashable], on_loss: Callable[[T], None] | None = None) -> KeyedQueue[T]:

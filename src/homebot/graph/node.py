@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping
+from functools import partial
 from types import TracebackType
 from typing import Literal, Self, TypeVar
 
@@ -174,7 +175,8 @@ class Node:
         channel.add_subscription(subscription)
         self._show(subscription)
         if callback is not None:
-            self._start(lambda: subscription.run(callback, concurrent=concurrent))
+            run = subscription.run_concurrently if concurrent else subscription.run_in_turn
+            self._start(partial(run, callback))
         return subscription
 
     def create_service(

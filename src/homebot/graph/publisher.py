@@ -26,6 +26,7 @@ class Publisher(Generic[MessageT]):
     Attributes:
         info: The endpoint as the graph shows it.
         qos: The quality of service that it offers.
+        subscription_count: The number of matched subscriptions.
         incompatible_qos_count: The number of subscriptions that requested more than it offers.
     """
 
@@ -41,6 +42,7 @@ class Publisher(Generic[MessageT]):
         """Take what :meth:`homebot.graph.Node.create_publisher` gives; not for use by hand."""
         self.info = EndpointInfo(EntityKind.PUBLISHER, node, topic, message_type.ros_type, qos)
         self.qos = qos
+        self.subscription_count = 0
         self.incompatible_qos_count = 0
         self._on_close: Callable[[], None] | None = on_close
         self._message_type = message_type
@@ -56,11 +58,6 @@ class Publisher(Generic[MessageT]):
     def topic_name(self) -> str:
         """Full name of the topic."""
         return self.info.name
-
-    @property
-    def subscription_count(self) -> int:
-        """The number of matched subscriptions."""
-        return len(self._mailboxes)
 
     def reaches(self, node: str) -> bool:
         """Return whether the node with the full name *node* has a matched subscription."""
@@ -145,6 +142,7 @@ class Publisher(Generic[MessageT]):
         """Take *subscriptions* as the ones to publish to; called by the topic."""
         self._subscriptions = subscriptions
         self._mailboxes = tuple(subscription.mailbox for subscription in subscriptions)
+        self.subscription_count = len(subscriptions)
 
     def replay(self, subscription: Subscription[MessageT]) -> None:
         """Put what is kept into *subscription*, oldest first; called by the topic for a late joiner."""

@@ -179,7 +179,10 @@ class Service(Generic[RequestT, ResponseT]):
         del self._runs[run]
         self._owner = None
         self._update_room()
-        self.end_turn()
+        if self.line:
+            self.end_turn()
+        else:
+            self.is_busy = self.is_full
 
     def watch(self, deadline: asyncio.Timeout) -> None:
         """Remember the limit of a call whose handler waits in its caller's task: closing the server ends it at once."""

@@ -144,74 +144,21 @@ class Subscription(Generic[MessageT]):
             if self._is_abandoned:
                 self.mailbox.clear()
 
-    async def run(self, callback: Callback[MessageT], *, concurrent: bool) -> None:
+    async def run_in_turn(self, callback: Callback[MessageT]) -> None:
         """Call *callback* with every message until the subscription is closed; the node's task does this.
 
-        Without *concurrent* the next message waits until the callback is done. With it every message gets a task of
-        its own, at most ``depth`` at a time. A callback that fails costs its message.
+        The next message waits until the callback is done. A callback that fails costs its message.
         """
-        try:
-            if concurrent:
-                await _ConcurrentRun(self, callback, self._on_failure).run()
-            else:
-                await self._run_in_turn(callback)
-        finally:
-            self._is_abandoned = True
-            if self._closed:
-                self.mailbox.clear()
-
-    async def run_batches(self, take: Callable[[Iterator[MessageT]], None]) -> None:
-        """Call *take* with the messages that wait, until the subscription is closed; other tasks run in between.
-
-        It takes them one by one, at least one, so that what it leaves still waits, and is given to it again. Where it
-        fails, that costs the message that it took last.
-        """
-        mailbox, task = self.mailbox, asyncio.current_task()
+        mailbox = self.mailbox
+        take, waiting, senders = mailbox.queue.popleft, mailbox.waiting, mailbox.senders
+        task = asyncio.current_task()
         try:
             while True:
                 await mailbox.wait()
-                try:
-                    take(self._waiting())
-                except BaseException as exc:  # as of a callback
-                    if is_end_of(task, exc):
-                        raise
-                    self._on_failure(exc)
-                if mailbox.queue:
-                    await anyio.lowlevel.checkpoint()
-        except ClosedError:
-            return
-        finally:
-            self._is_abandoned = True
-            if self._closed:
-                mailbox.clear()
-
-    def _waiting(self) -> Iterator[MessageT]:
-        """Yield the messages that wait; each is taken when it is asked for."""
-        mailbox = self.mailbox
-        take, senders = mailbox.queue.popleft, mailbox.senders
-        while True:
-            try:
-                item = take()
-            except LookupError:  # as below
-                return
-            if senders:
-                mailbox.admit_senders()
-            if type(item) is not Expiring:
-                yield item
-            elif (message := self._unexpired(item)) is not None:
-                yield message
-
-    async def _run_in_turn(self, callback: Callback[MessageT]) -> None:
-        mailbox = self.mailbox
-        take, senders = mailbox.queue.popleft, mailbox.senders
-        task = asyncio.current_task()
-        while True:
-            while mailbox.queue:
                 for _ in range(TURN):
-                    try:
-                        item = take()
-                    except LookupError:  # it is empty; to ask first would be a call for each message
+                    if not waiting:
                         break
+                    item = take()
                     if senders:
                         mailbox.admit_senders()
                     if type(item) is Expiring:
@@ -230,10 +177,59 @@ class Subscription(Generic[MessageT]):
                         self._on_failure(exc)
                 else:
                     await anyio.lowlevel.checkpoint()
-            try:
+        except ClosedError:
+            return
+        finally:
+            self._abandon()
+
+    async def run_concurrently(self, callback: Callback[MessageT]) -> None:
+        """Call *callback* as :meth:`run_in_turn`, but each message in a task of its own, ``depth`` of them at most."""
+        try:
+            await _ConcurrentRun(self, callback, self._on_failure).run()
+        finally:
+            self._abandon()
+
+    async def run_batches(self, take: Callable[[Iterator[MessageT]], None]) -> None:
+        """Call *take* with the messages that wait, until the subscription is closed; other tasks run in between.
+
+        It takes them one by one, at least one, so that what it leaves still waits, and is given to it again. Where it
+        fails, that costs the message that it took last.
+        """
+        mailbox, task = self.mailbox, asyncio.current_task()
+        try:
+            while True:
                 await mailbox.wait()
-            except ClosedError:
-                return
+                try:
+                    take(self._waiting())
+                except BaseException as exc:  # as of a callback
+                    if is_end_of(task, exc):
+                        raise
+                    self._on_failure(exc)
+                if mailbox.waiting:
+                    await anyio.lowlevel.checkpoint()
+        except ClosedError:
+            return
+        finally:
+            self._abandon()
+
+    def _waiting(self) -> Iterator[MessageT]:
+        """Yield the messages that wait; each is taken when it is asked for."""
+        mailbox = self.mailbox
+        take, waiting, senders = mailbox.queue.popleft, mailbox.waiting, mailbox.senders
+        while waiting:
+            item = take()
+            if senders:
+                mailbox.admit_senders()
+            if type(item) is not Expiring:
+                yield item
+            elif (message := self._unexpired(item)) is not None:
+                yield message
+
+    def _abandon(self) -> None:
+        """Note that what called back has ended, so that nobody reads the rest."""
+        self._is_abandoned = True
+        if self._closed:
+            self.mailbox.clear()
 
     def _unexpired(self, item: Expiring[MessageT]) -> MessageT | None:
         if self._clock.monotonic() < item.expires_at:

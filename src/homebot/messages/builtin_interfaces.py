@@ -26,18 +26,23 @@ class Time(Message, ros_type="builtin_interfaces/msg/Time"):
     @staticmethod
     @lru_cache(maxsize=256)
     def from_seconds(seconds: float) -> Time:
-        """Return the point *seconds* after the Unix epoch, to the nearest nanosecond that a float can tell.
+        """Return the point *seconds* after the Unix epoch, to the nearest nanosecond.
+
+        :meth:`to_seconds` of a point later than 1970 is the same float again.
 
         What lies before 1901 or after January 2038, as a clock that was set wrongly may say, is the nearest that it can
         be: a wrong stamp is less of a fault than none. The last ones are remembered, as what is heard at once has one
         stamp.
         """
-        sec, nanosec = divmod(round(min(max(seconds, _FIRST), _LAST) * _NANOSECONDS), _NANOSECONDS)
-        return Time.of_checked(sec=sec, nanosec=nanosec)
+        sec, nanosec = _split(min(max(seconds, _FIRST), _LAST))
+        return _time_of(sec=sec, nanosec=nanosec)
 
     def to_seconds(self) -> float:
         """Return seconds since the Unix epoch."""
         return self.sec + self.nanosec / _NANOSECONDS
+
+
+_time_of = Time.of_checked  # looked up once, as `of_checked` says
 
 
 class Duration(Message, ros_type="builtin_interfaces/msg/Duration"):
@@ -54,9 +59,19 @@ class Duration(Message, ros_type="builtin_interfaces/msg/Duration"):
     @classmethod
     def from_seconds(cls, seconds: float) -> Duration:
         """Return the span of *seconds*."""
-        sec, nanosec = divmod(round(seconds * _NANOSECONDS), _NANOSECONDS)
+        sec, nanosec = _split(seconds)
         return cls(sec=sec, nanosec=nanosec)
 
     def to_seconds(self) -> float:
         """Return the span in seconds."""
         return self.sec + self.nanosec / _NANOSECONDS
+
+
+def _split(seconds: float) -> tuple[int, int]:
+    """Return the whole seconds below *seconds*, and the nanoseconds after them.
+
+    They are parted before the nanoseconds are counted: those since 1970 are too many for a float.
+    """
+    whole, part = divmod(seconds, 1.0)
+    sec, nanosec = int(whole), round(part * _NANOSECONDS)
+    return (sec, nanosec) if nanosec < _NANOSECONDS else (sec + 1, 0)

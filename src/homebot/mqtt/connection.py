@@ -8,12 +8,13 @@ command that fires minutes late is worse than one that fails.
 from __future__ import annotations
 
 import enum
-from collections.abc import AsyncIterator, Callable, Iterable, Mapping
+import math
+from collections.abc import AsyncIterator, Callable, Mapping
 from dataclasses import replace
 from operator import attrgetter
 from random import Random
 from types import TracebackType
-from typing import Final, NamedTuple, Self, final
+from typing import NamedTuple, Self, final
 
 import anyio
 from anyio.abc import TaskGroup
@@ -26,20 +27,18 @@ from homebot.logger import get_logger
 from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription, PublishResult, SessionGrant
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions, MqttWill
+from homebot.mqtt.status import OFFLINE, ONLINE, StatusPublisher
 from homebot.mqtt.subscriptions import SubscriptionSet
 from homebot.mqtt.topics import validate_filter
 
-__all__ = ["OFFLINE", "ONLINE", "ConnectionState", "LinkPhase", "MqttConnection"]
-
-ONLINE: Final = b"online"
-OFFLINE: Final = b"offline"
+__all__ = ["ConnectionState", "LinkPhase", "MqttConnection"]
 
 _STABLE = 5.0
 """A link that broke sooner than this many seconds counts as a failed try, so that a broker which throws us out right
 after the login is not asked in a hot loop."""
 
-_OFFLINE_WITHIN = 1.0
-"""Seconds for the last "offline" at a clean close; the broker publishes it otherwise, as the will."""
+_BACK_WITHIN = 10.0
+"""Seconds after a loss that others on the broker may need to come back."""
 
 _FILTER = attrgetter("filter")
 
@@ -93,6 +92,9 @@ class MqttConnection:
         is_paced: Whether the messages that the broker keeps are asked for bit by bit: one filter with a wildcard at a
             time, the next when they have come. Some brokers drop what a client does not take in time; the embedded
             one sends what it keeps as it is taken.
+
+    Attributes:
+        ack: Acknowledges messages to the broker; see `MqttClient.ack`.
     """
 
     def __init__(
@@ -111,9 +113,10 @@ class MqttConnection:
             status_topic = f"homebot/{options.client_id.replace('+', '_').replace('#', '_')}/status"
         if status_topic is not None and options.will is None:
             options = replace(options, will=MqttWill(status_topic, OFFLINE, qos=1, retain=True))
-        self._status_topic = status_topic
         self._url = options.url
         self._client = make_client(options)
+        self.ack = self._client.ack
+        self._status = StatusPublisher(self._client, status_topic, self._url)
         self._clock = LoopClock() if clock is None else clock
         self._random = Random() if random is None else random  # noqa: S311 - jitter is no secret
         self._link_backoff = link_backoff
@@ -124,6 +127,8 @@ class MqttConnection:
         self._tasks: TaskGroup | None = None
         self._failures = 0
         self._failing_since = 0.0
+        self._links = 0
+        self._made_again_at = -math.inf
 
     @property
     def url(self) -> str:
@@ -133,7 +138,7 @@ class MqttConnection:
     @property
     def status_topic(self) -> str | None:
         """Topic for "online" and "offline"."""
-        return self._status_topic
+        return self._status.topic
 
     @property
     def state(self) -> ConnectionState:
@@ -201,6 +206,26 @@ class MqttConnection:
             await checkpoint()  # or who tries again in a loop would keep the supervisor from its work
             raise
 
+    async def require_peer(self, heard_at: float, answers: Callable[[], bool]) -> None:
+        """Check that what a peer on the broker answers would be heard, and that the peer may be there.
+
+        Args:
+            heard_at: When the peer was last heard, on the monotonic clock.
+            answers: Returns whether its answer would show anyway that it is there.
+
+        Raises:
+            LinkError: The link is down, or its subscriptions are not made; or it was made again in the last 10 s, and
+                the peer was not heard since: it may not be back.
+        """
+        problem, since = "", self._made_again_at
+        if self._state.phase is not LinkPhase.CONNECTED:
+            problem = "not connected"
+        elif heard_at < since and self._clock.monotonic() - since < _BACK_WITHIN and not answers():
+            problem = "the broker has just come back, and the device was not heard since"
+        if problem:
+            await checkpoint()  # as in publish
+            raise LinkError(f"{self._url}: {problem}")
+
     async def subscribe(self, *subscriptions: MqttSubscription, every_link: bool = False) -> None:
         """Subscribe now and on every later link; a second subscription to the same filter replaces the first.
 
@@ -249,14 +274,10 @@ class MqttConnection:
                     raise ClosedError(f"the connection to {self._url} is closed") from None
                 await changed.wait()
 
-    def ack(self, messages: Iterable[MqttMessage]) -> None:
-        """Acknowledge these messages to the broker; see `MqttClient.ack`."""
-        self._client.ack(messages)
-
     async def announce_online(self) -> None:
         """Publish "online" again, as where another client of the same status topic left; nothing without a link."""
         try:
-            await self._announce(ONLINE)
+            await self._status.publish(ONLINE)
         except LinkError:
             return  # it is published on the next link
 
@@ -306,6 +327,8 @@ class MqttConnection:
                 try:
                     await self._prepare(session)
                     up_since = self._clock.monotonic()
+                    self._made_again_at = up_since if self._links else -math.inf
+                    self._links += 1
                     self._enter(LinkPhase.CONNECTED)
                     _log.debug(
                         "mqtt.connected",
@@ -316,7 +339,7 @@ class MqttConnection:
                     )
                     reason = await self._client.wait_lost()
                 except anyio.get_cancelled_exc_class():
-                    await self._publish_offline()
+                    await self._status.publish_offline()
                     raise
         except (LinkError, RefusedError, UsageError) as error:  # UsageError: a certificate file
             reason = error
@@ -330,27 +353,7 @@ class MqttConnection:
                 broker=self._url,
                 filters=list(refused),
             )
-        await self._announce(ONLINE)
-
-    async def _announce(self, payload: bytes) -> None:
-        if self._status_topic is None:
-            return
-        try:
-            await self._client.publish(self._status_topic, payload, qos=1, retain=True)
-        except RefusedError as error:  # being visible is a courtesy; all else still works
-            _log.warning(
-                "mqtt.status_refused",
-                message=f"{self._url}: cannot publish the status of homebot: {error}",
-                broker=self._url,
-                reason=error.reason,
-            )
-
-    async def _publish_offline(self) -> None:
-        with anyio.CancelScope(shield=True), anyio.move_on_after(_OFFLINE_WITHIN):
-            try:
-                await self._announce(OFFLINE)
-            except LinkError:
-                return  # the broker publishes it for us: the will
+        await self._status.publish(ONLINE)
 
     def _plan(self, reason: HomebotError, up_since: float | None) -> float:
         now = self._clock.monotonic()

@@ -245,7 +245,8 @@ class AnnouncedDevices:
             elif self.quarantine.must_wait(message, message.topic, message.payload):
                 return
             missed = await self._take_now(message, route)
-        await self._make_up_for(missed, message.topic)
+        if missed:
+            await self._make_up_for(missed, message.topic)
 
     def send_raw(self, command: RawCommand) -> Awaitable[object]:
         """Publish *command*, once awaited, and expect the same text as the answer of a device that it is for.

@@ -223,6 +223,7 @@ class AnnouncementHandler:
         for problem in change.refused:
             self._counters.topics_refused += 1
             self._quarantine.log_limited(NOT_READ, f"{stored.key} is only partly read: {problem}", source=message.topic)
+        stored.heard_at = stored.heard_at if message.retain else self._reporter.now
         is_live = (described.implies_alive or described.text is not None) and not message.retain
         if described.text is not None and message.retain and before is None:
             words = f"{stored.key} is known only from a retained message; it may be gone"

@@ -71,6 +71,8 @@ class LinkReport:
                 self._tried.set()
 
     def _connected(self) -> None:
+        if self._was_up:
+            self._gateway.publish_state("unavailable", "the connection was lost")  # and made again at once
         url, refused = self._connection.url, self._connection.refused
         observing = "" if self._gateway.acts else " (observing only)"
         hears = f"listening to {self._listening_to}{observing}"

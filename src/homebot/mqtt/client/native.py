@@ -48,13 +48,12 @@ from homebot.mqtt.packets import (
     encode,
 )
 from homebot.mqtt.packets.primitives import Cursor
-from homebot.mqtt.packets.properties import decode_properties, encode_properties
-from homebot.mqtt.packets.publish import encode_publish
+from homebot.mqtt.packets.properties import decode_properties
+from homebot.mqtt.packets.publish import encode_publish_parts
 from homebot.mqtt.packets.reason import PacketError
 
 __all__ = ["ClientProtocol", "NativeClient", "answer_in"]
 
-_PUBLISH: Final = PacketType.PUBLISH
 _PUBREC: Final = PacketType.PUBREC
 _PINGRESP: Final = PacketType.PINGRESP
 _ANSWERS: Final = frozenset({PacketType.PUBACK, _PUBREC, PacketType.PUBCOMP, PacketType.SUBACK, PacketType.UNSUBACK})
@@ -136,13 +135,11 @@ class ClientProtocol(ClientLink):
     ) -> int:
         """Publish; see `ClientLink.publish`."""
         self._check_alive()
-        extra, size = NOTHING, len(payload)
-        if properties is not NO_PROPERTIES and self._is_v5:
-            extra = publish_properties(properties)
-            size += len(encode_properties(extra, _PUBLISH))
-        self._check_granted(topic, size, qos, retain=retain)
+        extra = publish_properties(properties) if properties is not NO_PROPERTIES and self._is_v5 else NOTHING
+        head, tail = encode_publish_parts(topic, payload, qos, retain, extra, self._version)
+        self._check_granted(topic, len(tail), qos, retain=retain)
         if not qos:
-            self._put(encode_publish(Publish(topic, payload, 0, retain, properties=extra), self._version))
+            self._put(head + tail)
             await self._wait_until_taken()
             return 0
         window = self._window
@@ -150,11 +147,9 @@ class ClientProtocol(ClientLink):
         try:
             self._check_alive()
             packet_id = self._requests.new_id()
-            packet = Publish(topic, payload, qos, retain, packet_id=packet_id, properties=extra)
-            data = encode_publish(packet, self._version)
             if qos == 2:
-                self._requests.hold(packet)
-            (reason,) = await self._answer_to(data, packet_id, "publish")
+                self._requests.hold(Publish(topic, payload, qos, retain, packet_id=packet_id, properties=extra))
+            (reason,) = await self._answer_to(head + packet_id.to_bytes(2, "big") + tail, packet_id, "publish")
         finally:
             window.release()
         return reason

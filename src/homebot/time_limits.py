@@ -1,0 +1,72 @@
+"""Time limits of waits of which nearly all end before: one timer of the event loop for all of them."""
+
+from __future__ import annotations
+
+import asyncio
+import heapq
+import math
+from collections.abc import Callable
+from contextvars import Context
+from typing import Final, final
+
+__all__ = ["TimeLimits"]
+
+_SLACK: Final = 64
+"""Discarded limits that may lie in the heap, beside as many as there were valid ones, before it is built anew."""
+
+
+@final
+class TimeLimits:
+    """Calls back where a wait takes too long, in the event loop's time.
+
+    A timer of the loop for each wait would cost more than a short wait does: it is a heap entry that is compared in
+    Python, and stays there when it is cancelled. A :class:`homebot.timer_queue.TimerQueue` would keep what is discarded
+    in its heap for a while, here a command with all that it knows. Not for use from several event loops.
+    """
+
+    def __init__(self) -> None:
+        self._ends: dict[int, Callable[[], object]] = {}
+        self._heap: list[tuple[float, int]] = []  # with numbers that were discarded, but nothing that those hold
+        self._room = _SLACK
+        self._number = 0
+        self._rings_at = math.inf
+        self._timer: asyncio.TimerHandle | None = None
+
+    def set(self, seconds: float, end: Callable[[], object]) -> int:
+        """Call *end* in so many seconds; return the number by which that is discarded."""
+        self._number = number = self._number + 1
+        at = asyncio.get_running_loop().time() + seconds
+        self._ends[number] = end
+        heapq.heappush(self._heap, (at, number))
+        if len(self._heap) > self._room:
+            self._rebuild()
+        if at < self._rings_at:
+            self._ring_at(at)
+        return number
+
+    def discard(self, number: int) -> None:
+        """Call no more what has that number; twice, or after the call, is fine."""
+        self._ends.pop(number, None)
+
+    def _rebuild(self) -> None:
+        self._heap[:] = [one for one in self._heap if one[1] in self._ends]
+        heapq.heapify(self._heap)
+        self._room = 2 * len(self._heap) + _SLACK
+
+    def _ring_at(self, at: float) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+        self._rings_at = at
+        self._timer = asyncio.get_running_loop().call_at(at, self._ring, context=Context())
+
+    def _ring(self) -> None:
+        heap, ends, now = self._heap, self._ends, self._rings_at  # the loop may ring a little early
+        self._rings_at, self._timer = math.inf, None
+        try:
+            while heap and (heap[0][0] <= now or heap[0][1] not in ends):
+                end = ends.pop(heapq.heappop(heap)[1], None)
+                if end is not None:
+                    end()
+        finally:
+            if heap and heap[0][0] < self._rings_at:
+                self._ring_at(heap[0][0])
