@@ -29,6 +29,7 @@ the plug-in's model.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, TypeAlias, TypeVar, get_args, get_origin
@@ -282,6 +283,8 @@ def check_secret_file(path: Path, found: os.stat_result) -> None:
 
 _SECRET_KEYS = ("password", "passwd", "passphrase", "token", "url", "secret", "key", "credential", "pin")
 _COMPLETE_ERRORS = {"extra_forbidden", "missing", "value_error"}
+_TABLE_ERRORS = {"dict_type", "model_type"}
+_PATH_OF_TABLE = re.compile(r"[\w-]+(\.[\w-]+)*", re.ASCII)
 
 
 def _unreadable(error: OSError | ValueError) -> str:
@@ -298,7 +301,10 @@ def _shortened(value: object) -> str:
 def _config_error(model: type[BaseModel], error: ErrorDetails, source: str, key: str) -> ConfigError:
     """Return *error*, which is about a value in the table *key*, in words."""
     path = ".".join(part for part in (key, *(str(part) for part in error["loc"])) if part)
-    reason = _reason(_model_at(model, error["loc"][:-1]), error)
+    if error["type"] in _TABLE_ERRORS:
+        reason = _table_reason(path, is_element=isinstance(error["loc"][-1], int))
+    else:
+        reason = _reason(_model_at(model, error["loc"][:-1]), error)
     is_secret = any(word in path.lower() for word in _SECRET_KEYS)
     shown = "" if is_secret or error["type"] in _COMPLETE_ERRORS else f", got {_shortened(error.get('input'))}"
     return ConfigError(source, path, f"{reason}{shown}")
@@ -317,6 +323,12 @@ def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseM
         if isinstance(kind, type) and issubclass(kind, BaseModel):
             model = kind
     return model
+
+
+def _table_reason(path: str, *, is_element: bool) -> str:
+    """Return that the value at *path* must be a table, in TOML's way to write it where no key in it takes quotes."""
+    head = f"[[{path.rpartition('.')[0]}]]" if is_element else f"[{path}]"
+    return f"must be a table, as in {head}" if _PATH_OF_TABLE.fullmatch(path) else "must be a table"
 
 
 def _reason(model: type[BaseModel], error: ErrorDetails) -> str:

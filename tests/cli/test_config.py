@@ -131,6 +131,18 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
             "thing_directory.host: 0.0.0.0 can be reached by others, so it needs",
         ),
         ("[apps.thing_directory]\n", "apps.thing_directory: is the name of one of homebot's own nodes"),
+        (
+            "[control]\nrate_limit = 5\n",
+            "control.rate_limit: must be true, false or a table such as {changes = 30, seconds = 10}, got 5",
+        ),
+        (
+            '[control]\npresence_guard = ["hall"]\n',
+            "control.presence_guard: must be true, false or a table such as {absent_after = 300}, got ['hall']",
+        ),
+        ("[control]\nwitnesses = 5\n", "control.witnesses: must be a table, as in [control.witnesses], got 5"),
+        ("[control]\ninterlocks = [5]\n", "control.interlocks.0: must be a table, as in [[control.interlocks]], got 5"),
+        ("[places.devices]\n5 = 7\n", "places.devices.5: must be a table, as in [places.devices.5], got 7"),
+        ('[places.devices]\n"Hall lamp" = 7\n', "places.devices.Hall lamp: must be a table, got 7"),
         ("[door]\nport = -1\n", "door.port: input should be greater than or equal to 0, got -1"),
     ],
 )

@@ -84,3 +84,7 @@ def test_a_written_file_is_read_as_it_was() -> None:
 def test_half_a_surrogate_pair_is_written_as_a_question_mark() -> None:
     text = places_text("Home", (), [("lamp\ud800", (OwnerFact("tag", "x", "command", 0.0),), ())])
     assert '"lamp?"' in text
+
+
+def test_the_name_of_the_home_is_readable_in_the_file() -> None:
+    assert places_text("Ümläut 🏠", (), []).startswith("# Rooms and devices of Ümläut 🏠, for ")

@@ -38,7 +38,7 @@ class FollowMe(RoomApp):
     Settings = FollowMeSettings
 
     def __init__(self, node: Node, settings: FollowMeSettings) -> None:
-        super().__init__(node, settings)
+        super().__init__(node, settings, settings.rooms)
         self._settings = settings
         self._rooms = {fold(room) for room in settings.rooms}
         self.watch(self.devices.follow(OccupancySensor, occupied=True, fresh=True), self._take)

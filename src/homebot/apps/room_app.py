@@ -39,13 +39,25 @@ class RoomApp(App):
     """An app with at most one task for each room: a newer one cancels the older, and rooms do not wait for each other.
 
     Call :meth:`watch` in the constructor.
+
+    Args:
+        node: The node of the app.
+        settings: Its settings.
+        rooms: The rooms that its key ``rooms`` names; one that does not exist is logged and shown by `homebot doctor`.
     """
 
-    def __init__(self, node: Node, settings: BaseModel) -> None:
+    def __init__(self, node: Node, settings: BaseModel, rooms: Iterable[str] = ()) -> None:
         super().__init__(node, settings)
         self._watchers: list[Callable[[], Coroutine[object, object, None]]] = []
         self._tasks: TaskGroup | None = None
         self._scopes: dict[str, anyio.CancelScope] = {}
+        if named := [("rooms", room) for room in rooms]:
+            from homebot.devices.configured_names import ConfiguredNames  # noqa: PLC0415 - few apps name rooms
+            from homebot.devices.health import GetHealth  # noqa: PLC0415 - as above
+
+            names = ConfiguredNames(node, rooms=named)
+            node.create_service(GetHealth, "~/health", names.health)
+            self._watchers.append(names.run)
 
     def watch(self, changes: FollowHandles[HandleT], take: Callable[[HandleChange[HandleT]], None]) -> None:
         """Call *take* with each of *changes* once the app runs."""

@@ -18,8 +18,6 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import anyio
 
-from homebot.ble_backend import BleBackend
-from homebot.extras import check_extra
 from homebot.house.connected_device import ConnectedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS
@@ -160,6 +158,7 @@ class HouseNetwork:
         needed: tuple[object, ...] = ()
         async with AsyncExitStack() as stack:
             if "ble" in gateways:
+                from homebot.ble_backend import BleBackend  # noqa: PLC0415 - few houses have a radio
                 from homebot.house.virtual_radio import VirtualRadio  # noqa: PLC0415 - an extra
 
                 radio = VirtualRadio(random or Random())  # noqa: S311 - no secret
@@ -190,6 +189,8 @@ class HouseNetwork:
         """
         found: dict[str, dict[str, object]] = {}
         for name, family in self._families.items():
+            from homebot.extras import check_extra  # noqa: PLC0415 - few houses have such devices
+
             check_extra(f"a simulated device of {name!r}", family.extra, *family.libraries)
             found[family.gateway] = self._settings(family.gateway)
         return found

@@ -31,7 +31,7 @@ def places_text(
         for fact in facts:
             if fact.name == "area" and fold(fact.value) != OUTSIDE:
                 known.setdefault(fold(fact.value), HouseRoom(fact.value))
-    lines = [f"# Rooms and devices of {json.dumps(home)[1:-1]}, for `homebot places import` or a homebot.toml."]
+    lines = [f"# Rooms and devices of {_text(home)[1:-1]}, for `homebot places import` or a homebot.toml."]
     written: set[frozenset[str]] = set()
     for room in known.values():
         lines += _room(room, written)

@@ -18,7 +18,6 @@ from homebot.config import Config, FilePath, Table, parse_settings, read_secret
 from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
-from homebot.extras import check_extra
 from homebot.gateways import Gateway
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import load_plugin
@@ -284,6 +283,7 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
     if config.thing_directory is None:
         return None
     from homebot.bridges.thing_directory import DirectoryBridgeSettings  # noqa: PLC0415 - for those who serve it
+    from homebot.extras import check_extra  # noqa: PLC0415 - likewise
     from homebot.runtime.thing_directory_table import ThingDirectoryTable  # noqa: PLC0415 - likewise
 
     _scope(key, config.thing_directory, config)

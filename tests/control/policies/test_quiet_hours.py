@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import time
+from datetime import datetime, time
 from zoneinfo import ZoneInfo
 
 import pytest
@@ -59,3 +59,36 @@ def test_hours_go_over_midnight(now: str, *, is_quiet: bool) -> None:
 def test_an_unknown_time_zone_is_an_error() -> None:
     with pytest.raises(ConfigError, match="'Mars/Crater' is no time zone"):
         parse_settings(ControlSettings, {"time_zone": "Mars/Crater"}, "homebot.toml", "control")
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "key", "problem"),
+    [
+        ("22:00", "22:00", "end", "is 22:00 as start is, so that it would never be quiet"),
+        ("22:00Z", "07:00", "start", "must be a local time such as 22:00"),
+        ("22:00", "07:00+01:00", "end", "must be a local time such as 22:00"),
+    ],
+)
+def test_hours_that_would_forbid_nothing_are_an_error(start: str, end: str, key: str, problem: str) -> None:
+    hours = {"start": start, "end": end, "commands": ["start vacuum"]}
+    with pytest.raises(ConfigError) as refused:
+        policies({"quiet_hours": [hours]})
+    assert refused.value.key == f"control.quiet_hours.0.{key}"
+    assert problem in refused.value.reason
+
+
+@pytest.mark.parametrize(
+    ("now", "is_quiet"),
+    [
+        ("2026-10-24T19:59:00+00:00", False),  # 21:59 in Vienna, in summer
+        ("2026-10-25T00:30:00+00:00", True),  # 02:30, an hour before it is so again
+        ("2026-10-25T01:30:00+00:00", True),  # 02:30 again
+        ("2026-10-25T05:59:00+00:00", True),  # 06:59, in winter
+        ("2026-10-25T06:00:00+00:00", False),
+        ("2026-03-29T04:59:00+00:00", True),  # 06:59, in summer again
+        ("2026-03-29T05:00:00+00:00", False),
+    ],
+)
+def test_hours_are_those_of_the_clock_on_the_wall_when_it_is_changed(now: str, *, is_quiet: bool) -> None:
+    facts = make_facts(now=datetime.fromisoformat(now).timestamp(), zone=ZoneInfo("Europe/Vienna"))
+    assert policies().judge(make_command(VACUUM, {"vacuum": "cleaning"}), facts)[-1].allowed is not is_quiet

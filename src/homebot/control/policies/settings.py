@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import time
 from typing import Annotated, Literal, TypeAlias
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, field_validator
 
 from homebot.control.policies.command_pattern import CommandPattern, Patterns, pattern_of_type
 from homebot.devices.query import Query
@@ -21,6 +21,9 @@ __all__ = [
     "QuietHours",
     "RateLimitSettings",
 ]
+
+
+_LONGEST_REASON = 200
 
 
 def _annoying() -> tuple[CommandPattern, ...]:
@@ -62,6 +65,16 @@ class PresenceGuardSettings(BaseModel):
         return next((contacts for name, contacts in self.doors.items() if fold(name) == fold(room)), ())
 
 
+def _local(value: time) -> time:
+    """Return *value*, which is a time of day in the home."""
+    if value.tzinfo is not None:
+        raise ValueError("must be a local time such as 22:00; `[control] time_zone` says where")
+    return value
+
+
+_LocalTime: TypeAlias = Annotated[time, AfterValidator(_local)]
+
+
 class QuietHours(BaseModel):
     """A table ``[[control.quiet_hours]]``.
 
@@ -73,9 +86,16 @@ class QuietHours(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    start: time
-    end: time
+    start: _LocalTime
+    end: _LocalTime
     commands: Patterns
+
+    @field_validator("end")
+    @classmethod
+    def _is_another_time(cls, end: time, info: ValidationInfo) -> time:
+        if end == info.data.get("start"):
+            raise ValueError(f"is {end:%H:%M} as start is, so that it would never be quiet")
+        return end
 
 
 def _query_text(text: str) -> str:
@@ -144,13 +164,21 @@ def _zone(name: str) -> str:
     return name
 
 
-def _table(value: object) -> object:
-    """Return the table that ``true`` means, or that there is none for ``false``."""
-    return ({} if value else None) if isinstance(value, bool) else value
+def _table_or_bool(example: str) -> BeforeValidator:
+    """Return what reads the table that ``true`` means, none for ``false``; *example* is a table, for messages."""
+
+    def read(value: object) -> object:
+        if isinstance(value, bool):
+            return {} if value else None
+        if value is None or isinstance(value, (dict, BaseModel)):
+            return value
+        raise ValueError(f"must be true, false or a table such as {example}, got {value!r}"[:_LONGEST_REASON])
+
+    return BeforeValidator(read)
 
 
-_Guard: TypeAlias = Annotated[PresenceGuardSettings | None, BeforeValidator(_table)]
-_Rate: TypeAlias = Annotated[RateLimitSettings | None, BeforeValidator(_table)]
+_Guard: TypeAlias = Annotated[PresenceGuardSettings | None, _table_or_bool("{absent_after = 300}")]
+_Rate: TypeAlias = Annotated[RateLimitSettings | None, _table_or_bool("{changes = 30, seconds = 10}")]
 _Hours: TypeAlias = Annotated[tuple[QuietHours, ...], Field(max_length=100)]
 _Interlocks: TypeAlias = Annotated[tuple[Interlock, ...], Field(max_length=100)]
 

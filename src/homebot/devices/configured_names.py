@@ -1,0 +1,125 @@
+"""Names in a configuration that nothing in the house has, looked for once devices had time to be announced."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Sequence
+from typing import Final, final
+
+import anyio
+
+from homebot.devices.device import Device
+from homebot.devices.health import HealthRequest, HealthResponse
+from homebot.devices.names import FIND_DEVICES, GET_PLACES, QUERY_DEVICES
+from homebot.devices.places_messages import GetPlaces
+from homebot.devices.query.terms import AreaIs, NameIs, Query, query_terms
+from homebot.devices.services import FindDevices, QueryDevices
+from homebot.errors import ServiceError
+from homebot.folding import fold
+from homebot.graph import Node
+from homebot.similar import did_you_mean
+
+__all__ = ["ANNOUNCED_WITHIN", "ConfiguredNames"]
+
+ANNOUNCED_WITHIN: Final = 300.0
+"""Seconds from a start in which devices may be announced before a name that none has counts as misspelt.
+
+Bridges announce theirs within a minute, and what reports at intervals does so every few minutes.
+"""
+
+_AGAIN: Final = 60.0
+_MOST: Final = 20
+_MOST_COMPARED: Final = 2000
+
+UNKNOWN: Final = "config.unknown_name"
+
+
+@final
+class ConfiguredNames:
+    """Looks for rooms and devices that a configuration names; where there is none, it is logged once.
+
+    Args:
+        node: The node that asks the directory.
+        rooms: The key and name of each room.
+        devices: The key and the id or name of each device.
+        queries: The key, the text and the terms of each query.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        *,
+        rooms: Sequence[tuple[str, str]] = (),
+        devices: Sequence[tuple[str, str]] = (),
+        queries: Sequence[tuple[str, str, Query]] = (),
+    ) -> None:
+        self._log = node.log
+        self._rooms = rooms
+        self._devices = devices
+        self._queries = queries
+        self._is_due = False
+        self._find = node.create_client(FindDevices, FIND_DEVICES)
+        self._query = node.create_client(QueryDevices, QUERY_DEVICES)
+        self._places = node.create_client(GetPlaces, GET_PLACES)
+
+    async def run(self) -> None:
+        """Wait until devices were announced, and log what nothing is called then."""
+        await anyio.sleep(ANNOUNCED_WITHIN)
+        while True:
+            try:
+                problems = [one async for one in self._look()]
+            except ServiceError:  # the directory is being restarted
+                await anyio.sleep(_AGAIN)
+                continue
+            break
+        self._is_due = True
+        for problem in problems:
+            minutes = ANNOUNCED_WITHIN / 60
+            self._log.warning(UNKNOWN, message=f"{problem} (looked for {minutes:g} minutes after the start)")
+
+    async def problems(self) -> tuple[str, ...]:
+        """Return in words what nothing is called now; none before :meth:`run` has looked, or without an answer."""
+        if not self._is_due:
+            return ()
+        try:
+            return tuple([one async for one in self._look()])
+        except ServiceError:
+            return ()
+
+    async def health(self, _: HealthRequest) -> HealthResponse:
+        """Return the problems as the health of a node."""
+        return HealthResponse(counts=(), troubles=await self.problems())
+
+    async def _look(self) -> AsyncIterator[str]:
+        """Yield the first problems.
+
+        Raises:
+            ServiceError: The directory does not answer.
+        """
+        stated = [room.name for room in (await self._places.call(GetPlaces.Request())).rooms] if self._rooms else []
+        known_rooms = {fold(one) for one in stated}
+        for key, name in self._rooms[:_MOST]:
+            found = () if fold(name) in known_rooms else await self._fitting(AreaIs(fold(name)))
+            if fold(name) not in known_rooms and not any(fold(one.area) == fold(name) for one in found):
+                areas = {one.area for one in await self._fitting()} - {""}
+                yield f"{key}: there is no room {name!r}; {_hint(name, [*stated, *areas], 'no device is in it')}"
+        for key, name in self._devices[:_MOST]:
+            found = await self._fitting(NameIs(fold(name)))
+            if not any(fold(name) in map(fold, _names(one)) for one in found):
+                names = [called for one in await self._fitting() for called in _names(one)]
+                yield f"{key}: there is no device {name!r}; {_hint(name, names, '`homebot devices` lists all')}"
+        for key, text, query in self._queries[:_MOST]:
+            answer = await self._query.call(QueryDevices.Request(query=query_terms(query), limit=1))
+            if not answer.total:
+                yield f"{key}: no device fits {text!r}; {answer.message or '`homebot find` shows what does'}"
+
+    async def _fitting(self, query: Query | None = None) -> tuple[Device, ...]:
+        request = FindDevices.Request(query=() if query is None else query_terms(query))
+        return (await self._find.call(request)).devices
+
+
+def _names(device: Device) -> tuple[str, ...]:
+    return device.id, device.name, *device.names
+
+
+def _hint(name: str, known: Sequence[str], otherwise: str) -> str:
+    return did_you_mean(name, known[:_MOST_COMPARED], otherwise)
