@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import combinations
 from types import MappingProxyType
 from typing import Final
 
+from homebot.control.held_values import changes, related
 from homebot.devices import KeyValue
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
@@ -22,16 +24,25 @@ SET: Final = "set"
 """The command that sets values and nothing else."""
 
 _ALIASES: Final[Mapping[str, str]] = MappingProxyType(
-    {"kelvin": "color_temperature", "brightness": "level", "speed": "fan_speed", "mode": "thermostat_mode"}
+    {"kelvin": "color_temperature", "brightness": "level", "speed": "fan_speed"}
 )
+_MODES: Final = ("thermostat_mode", "fan_mode", "humidifier_mode", "water_heater_mode")
+"""What ``mode`` means; the first that the part takes."""
+
 _SAME_WORDS: Final[Mapping[str, str]] = MappingProxyType({"turn_on": "on", "turn_off": "off"})
+_ROBOTS: Final = frozenset({"vacuum", "mower"})
+_ROBOT_STATES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {"start": ("cleaning", "mowing"), "pause": ("paused",), "stop": ("idle",), "dock": ("returning", "docked")}
+)
+"""What vacuum cleaners and mowers do at a word, of which each takes one."""
+
 _FLAGS: Final[Mapping[str, bool]] = MappingProxyType(
     {"on": True, "true": True, "yes": True, "1": True, "off": False, "false": False, "no": False, "0": False}
 )
 _NUMBER: Final = re.compile(r"([+-]?[\d.]+)\s*(\S*)")
 
 
-def spoken_settings(command: str, values: Iterable[KeyValue], part: Part, target: str) -> dict[str, PlainValue]:
+def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target: str) -> dict[str, PlainValue]:
     """Return the values by capability that a command sets at *part*.
 
     Args:
@@ -42,13 +53,14 @@ def spoken_settings(command: str, values: Iterable[KeyValue], part: Part, target
 
     Raises:
         RefusedError: It takes no such word, capability or value, or there is none; the message names those that it
-            takes.
+            takes. Or they cannot be so together, such as ``off`` with a level of 50.
     """
     word = command.strip()
     word = _SAME_WORDS.get(word, word)
     found: dict[str, PlainValue] = {}
-    given = [(_ALIASES.get(one.key, one.key), one.value) for one in values]
-    if word != SET and not (word == "on" and given and part.service_type == "light"):  # a level turns a lamp on
+    given = [(_capability(one.key, part), one.value) for one in values]
+    is_light_on = word == "on" and bool(given) and part.service_type == "light"  # a level turns a lamp on
+    if word != SET and not is_light_on:
         capability, value = _decoded(word, part)
         found[capability] = value
     for name, text in given:
@@ -57,14 +69,39 @@ def spoken_settings(command: str, values: Iterable[KeyValue], part: Part, target
         check_setting(target, part, name, value)
     if not found:
         raise RefusedError(f"{SET} without values", "give one, such as level 40")
+    if given and not _agree({"on_off": True, **found} if is_light_on else found, part):
+        told = ", ".join(f"{one.key} {one.value}" for one in values)
+        raise RefusedError(f"{word} with {told}", "these cannot be so together; give one of them")
     return found
+
+
+def _agree(settings: Mapping[str, PlainValue], part: Part) -> bool:
+    """Return whether none of *settings* would undo another; to set a colour turns most lamps on."""
+    if part.service_type == "light" and settings.get("on_off") is False and len(settings) > 1:
+        return all(name == "level" and value == 0 for name, value in settings.items() if name != "on_off")
+    pairs = combinations(settings.items(), 2)
+    return not any(
+        other in related(one) and changes(one, value, other, second) for (one, value), (other, second) in pairs
+    )
+
+
+def _capability(word: str, part: Part) -> str:
+    """Return the capability that *word* means."""
+    if word != "mode":
+        return _ALIASES.get(word, word)
+    settable = [one.name for one in part.capabilities if one.settable]
+    return next((name for name in _MODES if name in settable), word)
 
 
 def _decoded(word: str, part: Part) -> tuple[str, PlainValue]:
     try:
         return decode_command(word, part)
     except RefusedError:
-        accepted = accepted_values(part, _ALIASES.get(word, word))
+        for state in _ROBOT_STATES.get(word, ()):
+            for one in part.capabilities:
+                if one.settable and state in one.options and one.name in _ROBOTS:
+                    return one.name, state
+        accepted = accepted_values(part, _capability(word, part))
         if not accepted:
             raise
         raise RefusedError(f"{word} without a value", f"it takes {accepted}") from None

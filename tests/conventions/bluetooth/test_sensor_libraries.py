@@ -7,15 +7,17 @@ Bluetooth-Devices/govee-ble and Bluetooth-Devices/inkbird-ble ``tests/test_parse
 
 from __future__ import annotations
 
+from importlib.util import find_spec
+
 import pytest
 
 from homebot.conventions.bluetooth import Advertisement, Broadcast
 from homebot.conventions.bluetooth.advertisement import full_uuid
+from homebot.conventions.bluetooth.sensor_libraries import SensorLibraryParser
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
-pytest.importorskip("xiaomi_ble")
-from homebot.conventions.bluetooth.sensor_libraries import SensorLibraryParser
+pytestmark = pytest.mark.skipif(not find_spec("xiaomi_ble"), reason="xiaomi_ble is not installed")
 
 XIAOMI, RUUVI, GOVEE = full_uuid("fe95"), 0x0499, 0xEC88
 ENCRYPTED = "5A:58:2D:34:12:5F"

@@ -43,3 +43,7 @@ def test_a_command_without_a_topic_is_refused() -> None:
 
 def test_it_names_where_it_listens() -> None:
     assert PART.part.writes == ("mower/start", "mower/dock")
+
+
+def test_it_names_the_words_that_it_takes() -> None:
+    assert [one.options for one in PART.part.capabilities] == [("mowing", "docked")]

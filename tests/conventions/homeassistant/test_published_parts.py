@@ -255,7 +255,6 @@ def test_withdrawing_clears_all_that_was_kept(part: Part) -> None:
 
 
 @pytest.mark.system
-@pytest.mark.timeout(300)
 @pytest.mark.skipif(not HOME_ASSISTANT.exists(), reason="no Home Assistant; `make bench` installs one")
 def test_home_assistants_own_schemas_take_every_config() -> None:
     lines: dict[str, None] = {}

@@ -5,6 +5,7 @@ import pytest
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.vacuum import build_vacuum
+from homebot.devices.text.commands import decode_command
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
@@ -89,3 +90,12 @@ def test_a_vacuum_that_names_no_features_has_the_usual_ones() -> None:
 def test_a_vacuum_that_says_it_has_no_features_has_none() -> None:
     part = vacuum({**BARE, "supported_features": []})
     assert [(one.name, one.settable) for one in part.part.capabilities] == [("vacuum", False)]
+
+
+@pytest.mark.parametrize(("fields", "words"), [(VALETUDO, ["cleaning", "idle", "returning"]), (BARE, ["spot"])])
+def test_it_names_the_words_that_it_takes(fields: Mapping[str, object], words: list[str]) -> None:
+    part = vacuum(fields).part
+    for word in words:
+        assert decode_command(word, part) == ("vacuum", word)
+    with pytest.raises(RefusedError, match="cleaning"):
+        decode_command("docked", part)

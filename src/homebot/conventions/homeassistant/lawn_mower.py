@@ -34,7 +34,8 @@ def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
     entity = Entity(config, "x_lawn_mower")
     source = config.source("activity_state_topic", "activity_value_template")
     writer = option_writer("mower", commands, publish) if commands else None
-    entity.add_capability("mower", readable=entity.read_text_from(source, read), writer=writer)
+    is_readable = entity.read_text_from(source, read)
+    entity.add_capability("mower", readable=is_readable, writer=writer, options=tuple(commands))
     entity.add_commands(*(command for command, _ in commands.values()))
     return entity.build()
 

@@ -166,8 +166,9 @@ class _LightWriters:
 
 
 def _publish(publish: Publish, command: LightCommand, transition: float) -> Publications:
-    seconds = require_transition(transition, _MOST_SECONDS)
-    return publish(replace(command, transition=seconds) if seconds else command)
+    if transition:
+        command = replace(command, transition=require_transition(transition, _MOST_SECONDS))
+    return publish(command)
 
 
 def read_white_range(config: DiscoveryConfig) -> WhiteRange:

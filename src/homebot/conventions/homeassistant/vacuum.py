@@ -33,7 +33,7 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     writer = None
     if command and payloads:
         writer = option_writer("vacuum", payloads, lambda state: command.publish(payloads[state]))
-    entity.add_capability("vacuum", readable=is_readable, writer=writer)
+    entity.add_capability("vacuum", readable=is_readable, writer=writer, options=tuple(payloads) if writer else ())
     if speeds:
         writer = option_writer("fan_mode", speeds, set_speed.publish) if set_speed else None
         entity.add_capability("fan_mode", readable=is_readable, writer=writer, options=speeds)

@@ -206,7 +206,7 @@ def build_vacuum(vacuum: _Vacuum) -> BytesPart:
         part.read_from(state.topic, lambda payload: _read(state, payload))
     part.add_command_topics(f"{command.topic}/set")
     writer = option_writer("vacuum", options, lambda state: (publication(command, options[state]),))
-    part.add_capability("vacuum", readable=state is not None, writer=writer)
+    part.add_capability("vacuum", readable=state is not None, writer=writer, options=tuple(options))
     if vacuum.power is not None:
         add_enum(part, "fan_mode", vacuum.power)
     return part
