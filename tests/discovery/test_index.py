@@ -250,7 +250,7 @@ def test_what_is_told_holds_all_that_its_types_ask_for(index: DeviceIndex) -> No
             "metadata": (KeyValue(key="model", value="bulb"),),
         }
     )
-    index.collects_states = True
+    index.collect(states=True)
     index.observe(described)
     index.report(
         Report(

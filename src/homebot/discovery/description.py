@@ -62,7 +62,8 @@ def describe_device(
     """
     ordered = sorted(sources, key=preference) if len(sources) > 1 else sources
     merged = merge_parts(ordered, topics, known_ids)
-    main = main_part(merged.believed)
+    parts = merged.believed
+    main = main_part(parts)
     first = ordered[0].sighting
     is_single = len(ordered) == 1
     believed = ordered if is_single else [source for source in ordered if not source.is_claimed] or ordered
@@ -73,7 +74,7 @@ def describe_device(
         name=first.name,
         names=(first.name,) if is_single else tuple(dict.fromkeys(source.sighting.name for source in believed)),
         service_type=first.service_type if main is None or first.is_plain_text else main.part.service_type,
-        service_types=_service_types(believed, merged.believed),
+        service_types=_service_types(believed, parts),
         area=area,
         outer_areas=outer_areas,
         identifiers=tuple(dict.fromkeys(first.identifiers)) if is_single else _identifiers(ordered),

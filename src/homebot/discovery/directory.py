@@ -141,7 +141,7 @@ class Directory:
         self._wakes_at = math.inf
         self._rejected = 0
         self._earlier_deadline = anyio.Event()
-        self._happened = asyncio.Event()  # cleared after each report, where anyio's would be made anew
+        self._happened = asyncio.Event()  # cleared again and again, where anyio's would be made anew
         self._settings_changed = anyio.Event()
         self._is_idle = True
         self._limit = LogLimit(clock)
@@ -191,7 +191,7 @@ class Directory:
             self._listen(Report, publisher, partial(self._report, gateway))
 
     def _listen(
-        self, kind: type[MessageT], publisher: EndpointInfo, take: Callable[[Iterator[MessageT], float], None]
+        self, kind: type[MessageT], publisher: EndpointInfo, take: Callable[[float, Iterator[MessageT]], None]
     ) -> None:
         topic = publisher.name
         try:
@@ -200,8 +200,8 @@ class Directory:
             self._node.log.warning(NOT_FOLLOWED, message=str(exc), topic=topic)
             return
         self._sources[topic] = source
-        take(iter(source.take, None), math.inf)
-        self._node.create_task(lambda: source.run_batches(lambda waiting: take(waiting, SLICE)))
+        take(math.inf, iter(source.take, None))
+        self._node.create_task(partial(source.run_batches, partial(take, SLICE)))
 
     def _reject_foreign(self, gateway: str, message: Sighting | Report) -> None:
         """Log that *gateway* published in the name of another, which is not believed."""
@@ -213,8 +213,8 @@ class Directory:
                 gateway=gateway,
             )
 
-    def _observe(self, gateway: str, sightings: Iterator[Sighting], slice_of: float) -> None:
-        """Take in *sightings* for so many seconds, or all."""
+    def _observe(self, gateway: str, slice_of: float, sightings: Iterator[Sighting]) -> None:
+        """Take in *sightings* for *slice_of* seconds, or all."""
         monotonic = self._clock.monotonic
         now = monotonic()
         until = now + slice_of
@@ -229,13 +229,13 @@ class Directory:
                 if (now := monotonic()) >= until:
                     break
         finally:
-            self._wake_workers()
+            self._publish_or_wake()
 
-    def _report(self, gateway: str, reports: Iterator[Report], slice_of: float) -> None:
-        """Take in *reports* for so many seconds, or all."""
+    def _report(self, gateway: str, slice_of: float, reports: Iterator[Report]) -> None:
+        """Take in *reports* for *slice_of* seconds, or all."""
         index, monotonic = self.index, self._clock.monotonic
-        index.collects_states = self._states.subscription_count > 0
-        index.collects_settings = collects_settings = self._settings.subscription_count > 0
+        collects_settings = self._settings.subscription_count > 0
+        index.collect(states=self._states.subscription_count > 0, settings=collects_settings)
         now = monotonic()
         until = now + slice_of
         try:
@@ -249,11 +249,13 @@ class Directory:
         finally:
             if collects_settings and index.settings and not self._settings_changed.is_set():
                 self._settings_changed.set()
-            self._wake_workers()
+            self._publish_or_wake()
 
-    def _wake_workers(self) -> None:
-        """Wake those who have something to do now."""
-        if self._is_idle:
+    def _publish_or_wake(self) -> None:
+        """Publish the states that a few reports brought, as nearly all do; wake those who have more to do now."""
+        if self.index.has_states and not self.index.has_changes:
+            self._publish_states(_FEW)
+        if self._is_idle and self.index.is_behind:
             self._is_idle = False
             self._happened.set()
         if self.index.is_due_before(self._wakes_at):
@@ -313,9 +315,12 @@ class Directory:
             return True
         if not self.index.has_states:
             return False
-        for state in self.index.take_states(at_most * _STATES_PER_CHANGE):
-            self._states.publish(state)
+        self._publish_states(at_most * _STATES_PER_CHANGE)
         return self.index.has_states
+
+    def _publish_states(self, at_most: int) -> None:
+        for state in self.index.take_states(at_most):
+            self._states.publish(state)
 
     def _log(self, change: DeviceChange) -> None:
         event, words = _WORDS[change.kind]

@@ -33,6 +33,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Entry"]
 
+# Looked up once, as `of_checked` says.
+_device_of, _endpoint_of, _state_of = Device.of_checked, Endpoint.of_checked, State.of_checked
+_stamp_of = Time.from_seconds
+
 
 @dataclass(slots=True, eq=False)
 class Entry:
@@ -138,7 +142,7 @@ class Entry:
             parts, reachable = described.merged.parts, self.reachability()
             if self.stale_gateways or self.is_denied:
                 parts = sorted_routes(parts, self.sources, self.stale_gateways)
-            self._device = Device.of_checked(
+            self._device = _device_of(
                 id=self.id,
                 name=described.name,
                 service_type=described.service_type,
@@ -146,7 +150,7 @@ class Entry:
                 metadata=described.metadata,
                 first_seen=self.first_seen,
                 last_seen=self.last_seen(),
-                expires=Time.from_seconds(self.expires),
+                expires=_stamp_of(self.expires),
                 freshness=self.freshness,
                 service_types=described.service_types,
                 area=described.area,
@@ -167,10 +171,10 @@ class Entry:
 
     def reachability(self) -> Reachability:
         """Return whether it can be reached, as its parts are together."""
-        sources = self._believed().values()
-        for source in sources:
+        sources = self._believed() if self.claimed else self.sources
+        for source in sources.values():
             if source.reach:
-                return reachability(sources)
+                return reachability(sources.values())
         return NOT_REPORTED
 
     def endpoint_reach(self) -> tuple[str, ...]:
@@ -211,7 +215,7 @@ class Entry:
         elif freshness == "fresh" and not source.confirmed:
             freshness = "unconfirmed"
         return (
-            Endpoint.of_checked(
+            _endpoint_of(
                 gateway=gateway,
                 key=key,
                 address=address,
@@ -266,7 +270,7 @@ class Entry:
 def _states(merged: MergedParts, newest: Mapping[tuple[int, str], StoredValue]) -> tuple[State, ...]:
     return tuple(
         [
-            State.of_checked(
+            _state_of(
                 part=merged.parts[place].id,
                 capability=capability,
                 value=stored.reported,

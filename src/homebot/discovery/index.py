@@ -104,23 +104,10 @@ class DeviceIndex:
         """Number of the last change that was taken."""
         return self._table.changes.sequence
 
-    @property
-    def collects_states(self) -> bool:
-        """True if changes of states are collected."""
-        return self._table.collects_states
-
-    @collects_states.setter
-    def collects_states(self, collects: bool) -> None:
-        self._table.collects_states = collects
-
-    @property
-    def collects_settings(self) -> bool:
-        """True if changed settings are collected."""
-        return self._table.collects_settings
-
-    @collects_settings.setter
-    def collects_settings(self, collects: bool) -> None:
-        self._table.collects_settings = collects
+    def collect(self, *, states: bool, settings: bool = False) -> None:
+        """Collect changes of states, and changed settings, from now on, or collect them no more."""
+        self._table.collects_states = states
+        self._table.collects_settings = settings
 
     def observe(self, sighting: Sighting, now: float | None = None) -> None:
         """Take *sighting* in.
@@ -200,6 +187,11 @@ class DeviceIndex:
     def is_sorted(self) -> bool:
         """True if all devices are findable as they are now."""
         return not self._table.outdated
+
+    @property
+    def has_changes(self) -> bool:
+        """True if changes of devices wait to be taken."""
+        return bool(self._table.changes.pending)
 
     @property
     def has_states(self) -> bool:

@@ -55,6 +55,8 @@ from homebot.graph import Node
 
 __all__ = ["DirectoryServices"]
 
+_found_of = FindDevicesResponse.of_checked  # looked up once, as `of_checked` says
+
 _FEW = 10
 """Changes published, and devices made findable, before others get their turn."""
 
@@ -127,7 +129,7 @@ class DirectoryServices:
             device = self._index.get(device_id)
             if device is not None:
                 devices.append(device)
-        return FindDevicesResponse.of_checked(devices=tuple(devices), sequence=self._index.sequence)
+        return _found_of(devices=tuple(devices), sequence=self._index.sequence)
 
     def _ids_of(self, request: FindDevicesRequest) -> Iterable[str]:
         """Return the ids of the devices that *request* is about, sorted; of those that it names some may be unknown."""

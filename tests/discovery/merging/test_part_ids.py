@@ -163,7 +163,7 @@ def part_routes(index: DeviceIndex) -> dict[str, frozenset[tuple[str, str]]]:
     }
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(st.lists(st.tuples(st.integers(0, 3), st.sampled_from(["says", "says", "is gone", "restart"])), max_size=12))
 def test_whatever_is_said_in_whatever_order_a_part_that_stays_one_keeps_its_id(
     announce: Announce, part: MakePart, steps: list[tuple[int, str]]
@@ -219,7 +219,7 @@ def test_a_value_is_told_of_the_part_by_its_id_in_the_device(
     index: DeviceIndex, foreign: Sighting, native: Sighting, tell: Tell, *, is_alone: bool
 ) -> None:
     """Whichever of two announcements it came through; also when the one that gave the id is gone."""
-    index.collects_states = True
+    index.collect(states=True)
     for one in (foreign, native, *([gone(foreign)] if is_alone else [])):
         index.observe(one)
         index.take_changes()

@@ -118,7 +118,7 @@ def test_nor_while_the_true_one_is_unreachable(index: DeviceIndex) -> None:
 
 def test_what_a_stranger_reports_does_not_count_beside_what_the_device_is(index: DeviceIndex) -> None:
     observe(index, sighting(TRUE, "door_lock"), sighting(STRANGER, "door_lock"))
-    index.collects_states = True
+    index.collect(states=True)
     index.report(report(TRUE, "unlocked", 1.0, "lock"), 1.0)
     index.take_changes()
     index.take_states()
