@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
-import time
-
 import anyio
 import anyio.lowlevel
+import pytest
 
 from homebot.bridges.turns import Turns
 
-BUSY = 0.006
-"""Seconds; more than the share."""
+
+class WorkClock:
+    """Goes on while somebody works, and only then."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def work(self) -> None:
+        self.now += 0.006  # more than the share
 
 
-def work() -> None:
-    until = time.perf_counter() + BUSY
-    while time.perf_counter() < until:
-        pass
+@pytest.fixture
+def clock() -> WorkClock:
+    return WorkClock()
 
 
-async def test_whoever_works_long_lets_everything_else_run_in_between() -> None:
-    turns = Turns()
+@pytest.fixture
+def turns(clock: WorkClock) -> Turns:
+    return Turns(lambda: clock.now)
+
+
+async def test_whoever_works_long_lets_everything_else_run_in_between(turns: Turns, clock: WorkClock) -> None:
     rounds = 0
 
     async def count_rounds() -> None:
@@ -32,7 +41,7 @@ async def test_whoever_works_long_lets_everything_else_run_in_between() -> None:
     async def flood() -> None:
         for _ in range(5):
             await turns.turn()
-            work()
+            clock.work()
 
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(count_rounds)
@@ -43,25 +52,23 @@ async def test_whoever_works_long_lets_everything_else_run_in_between() -> None:
         tasks.cancel_scope.cancel()
 
 
-async def test_turns_go_round_in_the_order_of_asking() -> None:
-    turns = Turns()
+async def test_turns_go_round_in_the_order_of_asking(turns: Turns, clock: WorkClock) -> None:
     got: list[str] = []
 
     async def worker(name: str) -> None:
         for _ in range(3):
             await turns.turn()
             got.append(name)
-            work()
+            clock.work()
 
     async with anyio.create_task_group() as tasks:
-        turns.defer(work)
+        turns.defer(clock.work)
         for name in "abc":
             tasks.start_soon(worker, name)
     assert "".join(got) == "abcabcabc"
 
 
-async def test_one_who_gives_up_costs_nobody_a_turn() -> None:
-    turns = Turns()
+async def test_one_who_gives_up_costs_nobody_a_turn(turns: Turns) -> None:
     got: list[str] = []
 
     async def worker(name: str) -> None:
@@ -78,7 +85,6 @@ async def test_one_who_gives_up_costs_nobody_a_turn() -> None:
     assert got == ["b"]
 
 
-async def test_little_work_waits_for_nothing() -> None:
-    turns = Turns()
+async def test_little_work_waits_for_nothing(turns: Turns) -> None:
     for _ in range(10):
         assert turns.has_time()

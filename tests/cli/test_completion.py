@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from tests.patience import PATIENCE
 
 pytestmark = pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
 
@@ -78,7 +79,7 @@ def test_the_tab_key_completes_a_command(script: Path) -> None:
 
 def _read_until(terminal: int, end: bytes) -> None:
     shown = b""
-    until = time.monotonic() + 20
+    until = time.monotonic() + PATIENCE
     while end not in shown:
         ready, _, _ = select.select([terminal], [], [], max(0.0, until - time.monotonic()))
         assert ready, f"only this was shown: {shown!r}"

@@ -46,3 +46,33 @@ def test_other_mistakes_are_shown_with_the_usage(capsys: Text) -> None:
     with pytest.raises(SystemExit):
         main(["show"])
     assert capsys.readouterr().err.endswith("homebot show: error: the following arguments are required: DEVICE\n")
+
+
+@pytest.mark.parametrize(
+    ("line", "problem"),
+    [
+        (
+            "--door 127.0.0.1:7 broker",
+            "--door is for commands that connect to a running homebot, `homebot broker` does not",
+        ),
+        (
+            "--door 127.0.0.1:7 config check",
+            "--door is for commands that connect to a running homebot, `homebot config check` does not",
+        ),
+        (
+            "--token-file token run",
+            "--token-file is for commands that connect to a running homebot, `homebot run` does not; "
+            "the configuration file has the tokens of its clients",
+        ),
+    ],
+)
+def test_an_option_that_the_command_does_not_use_is_refused(capsys: Text, line: str, problem: str) -> None:
+    assert main(line.split()) == 2
+    assert capsys.readouterr() == ("", f"homebot: {problem}\n")
+
+
+def test_a_wrong_address_in_the_environment_is_told_as_such(capsys: Text, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It was told as a wrong `--door`, which nobody had given."""
+    monkeypatch.setenv("HOMEBOT_DOOR", "nowhere")
+    assert main(["devices"]) == 1
+    assert capsys.readouterr().err.startswith("homebot: environment: HOMEBOT_DOOR: an address is HOST:PORT")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -252,6 +253,24 @@ def test_rooms_are_listed_with_their_devices(run: Run) -> None:
         ["Kitchen", "Downstairs", "Hall", "0"],
         ["Study", "1"],
     ]
+
+
+def test_rooms_are_listed_as_json(run: Run) -> None:
+    run("place", "ceiling", "Hall")
+    run("place", "Garden lamp", "Terrace")
+    code, printed = run("places", "list", "--json")
+    assert (code, json.loads(printed)) == (
+        0,
+        {
+            "home": "home425",
+            "rooms": [
+                {"name": "Hall", "floor": "Downstairs", "doors": ["Kitchen"], "devices": 1},
+                {"name": "Kitchen", "floor": "Downstairs", "doors": ["Hall"], "devices": 0},
+                {"name": "Study", "floor": "", "doors": [], "devices": 1},
+            ],
+            "absent": [{"device": "garden_lamp", "room": "Terrace"}],
+        },
+    )
 
 
 EXPORTED = """\

@@ -8,9 +8,6 @@ from pathlib import Path
 import pytest
 
 from homebot.cli import main
-from homebot.cli.replay_words import part_names
-from homebot.devices import Device, DevicePart
-from homebot.devices.part import Part
 from homebot.messages import Time
 from homebot.recording.lines import LostLines, RecordingEnd, RecordingHeader, RecordingLine, line_text
 
@@ -89,21 +86,3 @@ def test_a_recording_without_its_end_is_replayed_and_said_to_end_early(
     (folder / "cut").write_bytes(b"".join(WHOLE.splitlines(keepends=True)[:2]))
     assert main(["replay", "cut", "--diff"]) == 0
     assert capsys.readouterr().err == f"{ENDS_EARLY}homebot or the recorder stopped before it was over\n"
-
-
-def test_a_part_without_a_name_has_that_of_its_device() -> None:
-    """As the lamp of a device that is a signal meter too."""
-    parts = tuple(DevicePart(id=name, part=Part(id=name, service_type="light"), routes=()) for name in ("", "signal"))
-    lamp = Device(
-        id="lamp",
-        name="Lamp",
-        service_type="light",
-        endpoints=(),
-        metadata=(),
-        first_seen=HEADER.started_at,
-        last_seen=HEADER.started_at,
-        expires=HEADER.started_at,
-        freshness="fresh",
-        parts=parts,
-    )
-    assert part_names([lamp]) == {"lamp": "Lamp", "lamp#": "Lamp", "lamp#signal": "Lamp signal"}

@@ -12,6 +12,7 @@ from homebot.devices import KeyValue
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, CommandDevicesResponse
 from homebot.devices.names import COMMAND_DEVICES
 from homebot.devices.value import PlainValue
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 
 pytestmark = pytest.mark.virtual_time
 
@@ -94,6 +95,38 @@ async def test_words_and_values_are_settings(
 
 
 @pytest.mark.parametrize(
+    ("kind", "capability", "options", "word", "values", "expected"),
+    [
+        ("robotic_vacuum_cleaner", "vacuum", ("cleaning", "returning"), "start", {}, "cleaning"),
+        ("robotic_vacuum_cleaner", "vacuum", ("cleaning", "returning"), "dock", {}, "returning"),
+        ("robotic_vacuum_cleaner", "vacuum", ("cleaning", "returning"), "cleaning", {}, "cleaning"),
+        ("x_lawn_mower", "mower", ("mowing", "paused", "docked"), "start", {}, "mowing"),
+        ("x_lawn_mower", "mower", ("mowing", "paused", "docked"), "dock", {}, "docked"),
+        ("fan", "fan_mode", ("auto", "sleep"), "set", {"mode": "sleep"}, "sleep"),
+        ("x_humidifier", "humidifier_mode", ("eco",), "set", {"mode": "eco"}, "eco"),
+    ],
+)
+async def test_robots_take_words_and_mode_is_that_of_the_device(
+    open_home: OpenHome,
+    kind: str,
+    capability: str,
+    options: tuple[str, ...],
+    word: str,
+    values: dict[str, str],
+    expected: str,
+) -> None:
+    async with open_home() as home:
+        home.put("device", kind, capability)
+        part = simple_part(kind, settable=(capability,))
+        taken = tuple(one.model_copy(update={"options": options}) for one in part.capabilities)
+        part = part.model_copy(update={"capabilities": taken})
+        home.gateway.devices.put(GatewayDevice("device", "Device", (part,)), "its options")
+        answer = await command(home, "device", word, values)
+        assert answer.success, answer
+        assert sent(home) == [("device", capability, expected)]
+
+
+@pytest.mark.parametrize(
     ("word", "values", "problem"),
     [
         ("banana", {}, "this part takes on, off"),
@@ -106,13 +139,16 @@ async def test_words_and_values_are_settings(
         ("brightness", {}, "brightness without a value: it takes 0 to 100 %"),
         ("on_off", {}, "on_off without a value: it takes on or off"),
         ("set", {}, "set without values: give one, such as level 40"),
+        ("off", {"level": "50"}, "off with level 50: these cannot be so together; give one of them"),
+        ("on", {"level": "0"}, "on with level 0: these cannot be so together"),
+        ("off", {"color_temperature": "2700"}, "off with color_temperature 2700: these cannot be so together"),
     ],
 )
 async def test_what_makes_no_sense_is_refused_and_not_sent(
     open_home: OpenHome, word: str, values: dict[str, str], problem: str
 ) -> None:
     async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
+        home.put("lamp", "light", "on_off", "level", *(["color_temperature"] if "color_temperature" in values else []))
         answer = await command(home, "lamp", word, values)
         (one,) = answer.results
         assert (answer.success, answer.outcome, one.result.policy) == (False, "refused", "device")

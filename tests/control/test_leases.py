@@ -10,11 +10,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.control.conftest import Home, OpenHome, ignore, obey_after, report
+from tests.generated_examples import examples
 
 from homebot.control.leases import MOST_HOLDERS, Lease, LeaseHolder, Leases
-from homebot.devices.command_messages import Setting
+from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
-from homebot.devices.handles import Closure, DoorLock, Light
+from homebot.devices.handles import Closure, DoorLock, Light, Thermostat
 from homebot.devices.lease_messages import (
     EndLeases,
     GetLeases,
@@ -26,7 +27,7 @@ from homebot.devices.lease_messages import (
     ReleaseLease,
     RenewLease,
 )
-from homebot.devices.names import END_LEASES, GET_LEASES, HOLD_PART, RELEASE_LEASE, RENEW_LEASE
+from homebot.devices.names import END_LEASES, GET_LEASES, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE
 from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Refused
 from homebot.devices.value import Value
 from homebot.errors import RefusedError, UsageError
@@ -73,6 +74,16 @@ async def end(home: Home, door: Closure) -> tuple[HeldPart, ...]:
     return (await client.call(EndLeases.Request(device=door.device.id, issuer="client:owner"))).parts
 
 
+@pytest.mark.filterwarnings("default")
+async def test_a_hold_without_a_block_is_a_warning_as_a_forgotten_await_is(open_home: OpenHome) -> None:
+    """It held nothing, and nobody said so. The warning comes at once, so that it names the line."""
+    async with a_door(open_home) as (home, door):
+        with pytest.warns(RuntimeWarning, match=r"coroutine 'Handle\.hold\.__aenter__' was never awaited") as seen:
+            door.hold("open", by="robot")
+        assert [one.filename for one in seen] == [__file__]
+        assert await leases(home) == ()
+
+
 async def test_a_door_is_opened_and_a_close_of_another_is_refused_while_it_is_held(open_home: OpenHome) -> None:
     async with a_door(open_home) as (home, door):
         async with door.hold("open", by="robot", ttl=10) as held:
@@ -86,6 +97,16 @@ async def test_a_door_is_opened_and_a_close_of_another_is_refused_while_it_is_he
             assert [one.value.plain() for one in home.commands] == ["open"]
         assert not held.is_held
         assert (await door.close()).succeeded
+
+
+async def test_a_setpoint_that_is_held_is_not_changed_by_as_much_as_a_device_may_round(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("radiator", "thermostat", "heating_setpoint")
+        radiator = await home.handle(Thermostat)
+        async with radiator.hold("21", by="robot", ttl=10) as held:
+            assert held.succeeded
+            assert isinstance(await radiator.heat_to(21.5), Refused)
+            assert not isinstance(await radiator.heat_to(21.0), Refused)
 
 
 async def test_a_command_for_the_same_and_a_stop_pass(open_home: OpenHome) -> None:
@@ -260,6 +281,59 @@ async def test_a_dimmed_lamp_is_on_and_dark_is_off(open_home: OpenHome) -> None:
             refused = await lamp.turn_off()
             assert isinstance(refused, Refused)
             assert refused.reason.startswith("held on by cook for ")
+
+
+async def test_a_lamp_that_is_held_dark_takes_no_colour_and_one_that_is_held_on_does(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "color_temperature")
+        lamp = await home.handle(Light)
+        async with lamp.hold("off", by="cinema"):
+            assert isinstance(await lamp.turn_on(kelvin=2700), Refused)
+        async with lamp.hold("on", by="cook"):
+            assert isinstance(await lamp.turn_on(kelvin=2700), Confirmed)
+
+
+async def test_the_brightness_of_a_lamp_that_is_held_dark_is_no_hand(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+
+        async def be_off(home: Home, _command: Command) -> None:
+            await home.report("lamp", "on_off", False)
+            await home.report("lamp", "level", 100.0)
+
+        home.behaviours["lamp"] = be_off
+        dark = Setting(capability="level", value=Value.of(0.0))
+        wanted = HoldRequest(device="lamp", setting=dark, lease="1", by="cinema", ttl=10, issuer="/cinema")
+        assert (await hold(home, wanted)).held
+        await home.report("lamp", "level", 90.0)
+        (held,) = await leases(home)
+        assert (held.setting.capability, held.saw) == ("on_off", "")
+        await home.report("lamp", "on_off", True)
+        await anyio.sleep(1)  # of virtual time
+        (held,) = await leases(home)
+        assert held.saw == "on_off is on"
+
+
+@pytest.mark.parametrize(
+    ("device", "part", "problem"),
+    [
+        ("lampe", "", "there is no device lampe"),
+        ("lamp", "main", "lamp has no part main; it has one part without an id"),
+    ],
+)
+async def test_who_holds_or_commands_what_is_not_there_is_told_what_is(
+    open_home: OpenHome, device: str, part: str, problem: str
+) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        await anyio.sleep(0.1)
+        lit = Setting(capability="on_off", value=Value.of(True))
+        wanted = HoldRequest(device=device, part=part, setting=lit, lease="1", by="cook", ttl=10, issuer="client:cook")
+        answer = await hold(home, wanted)
+        assert (answer.held, answer.result.outcome, answer.result.text) == (False, "gone", problem)
+        command = CommandRequest(device=device, part=part, settings=(lit,), issuer="client:cook")
+        result = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(command)
+        assert (result.outcome, result.text) == ("gone", problem)
 
 
 @pytest.mark.parametrize(("word", "by", "ttl"), [("open", "", 10), ("open", "  ", 10), ("open", "robot", 0.5)])
@@ -513,7 +587,7 @@ class Doorway:
             home.later(self._delay, command.key, command.capability, command.value.plain())
 
 
-@settings(max_examples=250, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(250), suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(STEPS, st.floats(0.0, 3.0))
 async def test_the_door_never_closes_on_a_holder_and_is_free_after_the_last_ttl(
     open_home: OpenHome, steps: list[tuple[str, float]], delay: float

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import TypeAlias
 
 import anyio
 import pytest
 from tests.control.conftest import Behaviour, Home, OpenHome, ignore, obey, obey_after, report
 
 from homebot.devices.gateway_messages import Command
-from homebot.devices.handles import DoorLock, Light, Switch, WindowCovering
+from homebot.devices.handles import DoorLock, Handle, Light, Switch, Thermostat, WindowCovering
 from homebot.devices.outcomes import (
     AlreadySo,
     Confirmed,
@@ -21,6 +22,7 @@ from homebot.devices.outcomes import (
     Refused,
     Superseded,
 )
+from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
 pytestmark = pytest.mark.virtual_time
@@ -72,7 +74,7 @@ async def test_a_lamp_that_is_known_to_be_fast_is_told_again_sooner_and_waited_f
         home.behaviours["lamp"] = note
         outcome = await lamp.turn_on()
         assert outcome == NoAnswer(10.0, command_id=outcome.command_id)
-        assert [round(at - told_at[0], 2) for at in told_at] == [0.0, 0.83, 1.67]
+        assert [round(at - told_at[0], 2) for at in told_at] == [0.0, 2.0, 4.0]
 
 
 @pytest.mark.parametrize("beat", [0.7, 3.0, 100.0])
@@ -117,6 +119,144 @@ async def test_a_stuck_lamp_that_answers_with_the_old_state_is_contradicted(open
         assert outcome.saw == "on_off is off"
 
 
+async def test_a_lamp_that_is_off_and_keeps_its_brightness_obeyed_a_level_of_0(open_home: OpenHome) -> None:
+    """As Zigbee2MQTT and Home Assistant's JSON lamps report it: ``{"state": "OFF", "brightness": 254}``."""
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        await home.report("lamp", "on_off", True)
+
+        async def be_off(home: Home, command: Command) -> None:
+            await home.report("lamp", "on_off", False)
+            await home.report("lamp", "level", 100.0)
+
+        home.behaviours["lamp"] = be_off
+        lamp = await home.handle(Light)
+        assert isinstance(await lamp.command("level", 0.0), Confirmed)
+        assert isinstance(await lamp.command("level", 0.0), AlreadySo)
+        assert [(one.capability, one.value.plain()) for one in home.commands] == [("on_off", False)]
+
+
+@pytest.mark.parametrize(
+    ("capability", "value"), [("level", 40.0), ("color_temperature", 2700.0), ("color", (120.0, 80.0))]
+)
+@pytest.mark.parametrize("is_stuck", [False, True])
+async def test_a_lamp_that_is_off_at_the_wanted_level_or_colour_is_not_on_already(
+    open_home: OpenHome, capability: str, value: PlainValue, *, is_stuck: bool
+) -> None:
+    """Most lamps report while they are off what they will be when they are on."""
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", capability)
+        await home.report("lamp", "on_off", False)
+        await home.report("lamp", capability, value)
+
+        async def light_up(home: Home, command: Command) -> None:
+            await home.report("lamp", command.capability, command.value.plain())
+            await home.report("lamp", "on_off", not is_stuck)
+
+        home.behaviours["lamp"] = light_up
+        lamp = await home.handle(Light)
+        outcome = await lamp.command(capability, value)
+        assert isinstance(outcome, Contradicted if is_stuck else Confirmed)
+        assert [(one.capability, one.value.plain()) for one in home.commands][:1] == [(capability, value)]
+        if not is_stuck:
+            assert isinstance(await lamp.command(capability, value), AlreadySo)
+            home.behaviours["lamp"] = obey
+            await lamp.turn_off()
+            await anyio.sleep(20)
+            assert home.events == []  # it did not go back: it was turned off
+
+
+async def json_lamp(home: Home, command: Command) -> None:
+    """Obey in one message with all values, as most lamps do: whatever is set turns it on."""
+    is_on = command.value.plain() is not False
+    await anyio.sleep(0.05)
+    await home.gateway.devices.report("lamp", {"on_off": is_on, "level": 40.0, "color_temperature": 2700.0})
+
+
+@pytest.mark.parametrize(("capability", "value"), [("level", 40.0), ("color_temperature", 2700.0)])
+async def test_who_dims_a_lamp_soon_after_it_was_turned_off_made_it_no_liar(
+    open_home: OpenHome, capability: str, value: PlainValue
+) -> None:
+    async with open_home(rate_limit=False) as home:
+        home.put("lamp", "light", "on_off", "level", "color_temperature")
+        home.behaviours["lamp"] = json_lamp
+        lamp = await home.handle(Light)
+        for _ in range(6):
+            for outcome in (await lamp.turn_off(), await lamp.command(capability, value)):
+                assert isinstance(outcome, Confirmed)
+                assert (outcome.evidence, round(outcome.latency, 2)) == (Evidence.REPORTED, 0.05)
+        await anyio.sleep(20)
+        assert home.events == []
+
+
+async def test_a_blind_that_is_sent_half_up_soon_after_it_closed_did_not_go_back(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("blind", "window_covering", "movement", "position")
+
+        async def move(home: Home, command: Command) -> None:
+            is_closed = command.value.plain() == "closed"
+            movement, position = ("closed", 0.0) if is_closed else ("open", 50.0)
+            await home.gateway.devices.report("blind", {"movement": movement, "position": position})
+
+        home.behaviours["blind"] = move
+        blind = await home.handle(WindowCovering)
+        assert isinstance(await blind.close(), Confirmed)
+        assert isinstance(await blind.set_position(50), Confirmed)
+        await anyio.sleep(20)
+        assert home.events == []
+
+
+async def test_a_lamp_that_is_turned_off_is_told_no_older_colour_again(open_home: OpenHome) -> None:
+    """Nor the other way round: a colour turns it on."""
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "color_temperature")
+        home.behaviours["lamp"] = ignore
+        lamp = await home.handle(Light)
+        found: list[Outcome] = []
+
+        async def give(capability: str, value: PlainValue) -> None:
+            found.append(await lamp.command(capability, value))
+
+        for capability, value in (("color_temperature", 2700.0), ("on_off", False), ("color_temperature", 4000.0)):
+            home.tasks.start_soon(give, capability, value)
+            await anyio.sleep(1)
+        await anyio.sleep(20)
+        assert [type(one) for one in found] == [Superseded, Superseded, NoAnswer]
+        told = [(one.capability, one.value.plain()) for one in home.commands]
+        assert told == [("color_temperature", 2700.0), ("on_off", False), *[("color_temperature", 4000.0)] * 3]
+
+
+async def test_a_blind_that_is_not_known_to_move_is_stopped_all_the_same(open_home: OpenHome) -> None:
+    """It reports nothing on its way, and somebody may have started it at its switch."""
+    async with open_home() as home:
+        home.put("blind", "window_covering", "movement")
+        await home.report("blind", "movement", "open")
+        await (await home.handle(WindowCovering)).stop()
+        assert [one.value.plain() for one in home.commands][:1] == ["stopped"]
+
+
+async def test_the_latch_of_an_unlocked_door_is_opened(open_home: OpenHome) -> None:
+    async with open_home(always_ask=False) as home:
+        home.put("door", "door_lock", "lock")
+        await home.report("door", "lock", "unlocked")
+        door = await home.handle(DoorLock)
+        assert isinstance(await door.unlock(), AlreadySo)
+        assert isinstance(await door.open(), Confirmed)
+        assert [one.value.plain() for one in home.commands] == ["open"]
+
+
+async def test_a_dimmer_without_a_switch_is_told_a_level_of_0(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "level", readable=("on_off",))
+        await home.report("lamp", "on_off", True)
+        await home.report("lamp", "level", 100.0)
+        lamp = await home.handle(Light)
+        assert isinstance(await lamp.command("level", 0.0), Confirmed)
+        await home.report("lamp", "on_off", False)
+        assert isinstance(await lamp.command("level", 0.0), AlreadySo)
+        assert [(one.capability, one.value.plain()) for one in home.commands] == [("level", 0.0)]
+
+
 async def test_what_is_so_already_is_not_sent(open_home: OpenHome) -> None:
     async with open_home() as home:
         home.put("lamp", "light", "on_off", "level")
@@ -135,6 +275,23 @@ async def test_what_was_so_long_ago_is_sent_and_silence_does_not_contradict_it(o
         home.behaviours["lamp"] = ignore
         assert isinstance(await lamp.turn_on(), AlreadySo)
         assert home.commands
+
+
+@pytest.mark.parametrize(("reachable", "expected"), [(True, AlreadySo), (None, NoAnswer), (False, NoAnswer)])
+async def test_a_switch_that_is_online_and_reports_only_changes_is_as_the_broker_kept_it(
+    open_home: OpenHome, *, reachable: bool | None, expected: type[Outcome]
+) -> None:
+    """As ESPHome's and ESPurna's: told to be on where they are on, they report nothing."""
+    async with open_home() as home:
+        home.put("relay", "switch", "on_off")
+        home.behaviours["relay"] = ignore
+        relay = await home.handle(Switch)
+        await home.gateway.devices.report("relay", {"on_off": True}, retained=True)
+        home.gateway.devices.report_reachable("relay", reachable=reachable)
+        await anyio.sleep(1)
+        assert isinstance(await relay.turn_on(), expected)
+        assert len(home.commands) == 3
+        assert isinstance(await relay.turn_off(), NoAnswer)
 
 
 async def test_what_was_so_before_a_command_without_an_answer_is_not_known_any_more(open_home: OpenHome) -> None:
@@ -386,6 +543,163 @@ async def test_a_dimmer_may_round(open_home: OpenHome) -> None:
         assert (await (await home.handle(Light)).set_level(40)).succeeded
 
 
+async def test_a_fan_that_is_given_a_mode_soon_after_it_was_turned_off_made_it_no_liar(open_home: OpenHome) -> None:
+    async def run(home: Home, command: Command) -> None:
+        mode = command.value.plain() if command.capability == "fan_mode" else "off"
+        await home.gateway.devices.report("fan", {"on_off": mode != "off", "fan_mode": mode})
+
+    async with open_home() as home:
+        home.put("fan", "fan", "on_off", "fan_mode")
+        home.behaviours["fan"] = run
+        fan = await home.handle(Handle)
+        assert isinstance(await fan.command("fan_mode", "low"), Confirmed)
+        assert isinstance(await fan.command("on_off", False), Confirmed)
+        assert isinstance(await fan.command("fan_mode", "auto"), Confirmed)
+        await anyio.sleep(20)
+        assert home.events == []
+
+
+SMALL_STEPS = [
+    ("thermostat", "heating_setpoint", 21.0, 21.5),
+    ("light", "level", 40.16, 41.0),
+    ("x_setting", "number", 0.5, 0.9),
+]
+
+
+@pytest.mark.parametrize(("kind", "capability", "before", "wanted"), SMALL_STEPS)
+async def test_half_a_degree_more_is_commanded_although_a_device_may_round_by_as_much(
+    open_home: OpenHome, kind: str, capability: str, before: float, wanted: float
+) -> None:
+    async with open_home() as home:
+        home.put("device", kind, capability)
+        device = await home.handle(Handle)
+        await home.report("device", capability, before)
+        await anyio.sleep(1)
+        assert isinstance(await device.command(capability, wanted), Confirmed)
+        assert [one.value.plain() for one in home.commands] == [wanted]
+        assert isinstance(await device.command(capability, wanted), AlreadySo)
+
+
+@pytest.mark.parametrize(("kind", "capability", "before", "wanted"), SMALL_STEPS)
+async def test_who_reports_the_setpoint_from_before_did_not_take_half_a_degree_more(
+    open_home: OpenHome, kind: str, capability: str, before: float, wanted: float
+) -> None:
+    async with open_home() as home:
+        home.put("device", kind, capability)
+        home.behaviours["device"] = report((0.2, before))
+        device = await home.handle(Handle)
+        await home.report("device", capability, before)
+        await anyio.sleep(1)
+        assert isinstance(await device.command(capability, wanted), Contradicted)
+
+
+@pytest.mark.parametrize(("wanted", "reported"), [(21.3, 21.5), (21.4, 21.667)])
+async def test_a_thermostat_that_rounds_is_told_the_same_once(
+    open_home: OpenHome, wanted: float, reported: float
+) -> None:
+    """It takes half degrees, or whole ones of Fahrenheit."""
+    async with open_home() as home:
+        home.put("radiator", "thermostat", "heating_setpoint")
+        home.behaviours["radiator"] = report((0.2, reported))
+        radiator = await home.handle(Thermostat)
+        assert isinstance(await radiator.heat_to(wanted), Confirmed)
+        assert isinstance(await radiator.heat_to(wanted), AlreadySo)
+
+
+@pytest.mark.parametrize(
+    ("kind", "capability", "wanted", "reported"),
+    [
+        ("fan", "fan_speed", 50.0, 66.0),
+        ("fan", "fan_speed", 34.0, 66.67),
+        ("fan", "fan_speed", 20.0, 33.0),
+        ("fan", "fan_speed", 60.0, 75.0),
+        ("light", "color", (120.0, 100.0), (136.0, 100.0)),
+        ("light", "color", (180.0, 100.0), (180.0, 78.0)),
+        ("light", "color", (300.0, 100.0), (300.0, 96.0)),
+        ("thermostat", "cooling_setpoint", 21.5, 22.0),
+    ],
+)
+@pytest.mark.parametrize("is_told_first", [False, True])
+async def test_a_device_that_does_the_nearest_that_it_can_obeyed_each_time(
+    open_home: OpenHome, kind: str, capability: str, wanted: PlainValue, reported: PlainValue, *, is_told_first: bool
+) -> None:
+    """Fans of three and four speeds, lamps of Philips Hue that show no vivid green, and an air conditioner.
+
+    Zigbee2MQTT reports the commanded value first, and then what the device reads back.
+    """
+    async with open_home() as home:
+        home.put("device", kind, capability)
+        first = [(0.05, wanted)] if is_told_first else []
+        home.behaviours["device"] = report(*first, (0.2, reported))
+        device = await home.handle(Handle)
+        assert isinstance(await device.command(capability, wanted), Confirmed)
+        await anyio.sleep(20)
+        assert isinstance(await device.command(capability, wanted), AlreadySo)
+        await anyio.sleep(100)
+        assert isinstance(await device.command(capability, wanted), Confirmed)
+        await anyio.sleep(20)
+        assert home.events == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "capability", "wanted", "reported"),
+    [
+        ("fan", "fan_speed", 50.0, 33.0),
+        ("fan", "fan_speed", 30.0, 100.0),
+        ("fan", "fan_speed", 0.0, 33.0),
+        ("light", "color", (120.0, 100.0), (60.0, 100.0)),
+        ("light", "color", (120.0, 60.0), (140.0, 60.0)),
+        ("light", "color", (120.0, 100.0), (120.0, 20.0)),
+    ],
+)
+async def test_a_device_that_does_something_else_did_not_obey(
+    open_home: OpenHome, kind: str, capability: str, wanted: PlainValue, reported: PlainValue
+) -> None:
+    async with open_home() as home:
+        home.put("device", kind, capability)
+        home.behaviours["device"] = report((0.2, reported))
+        assert isinstance(await (await home.handle(Handle)).command(capability, wanted), Contradicted)
+
+
+async def test_what_a_hand_changed_by_half_a_degree_is_commanded_again(open_home: OpenHome) -> None:
+    """It is no rounding of the same command from before."""
+    async with open_home() as home:
+        home.put("radiator", "thermostat", "heating_setpoint")
+        radiator = await home.handle(Thermostat)
+        assert isinstance(await radiator.heat_to(21.5), Confirmed)
+        await anyio.sleep(100)
+        await home.report("radiator", "heating_setpoint", 21.0)
+        await anyio.sleep(1)
+        assert isinstance(await radiator.heat_to(21.5), Confirmed)
+        assert len(home.commands) == 2
+
+
+@pytest.mark.parametrize(
+    ("older", "newer"),
+    [
+        (("color", (120.0, 80.0)), ("color_temperature", 2700.0)),
+        (("color_temperature", 2700.0), ("color", (9.0, 80.0))),
+    ],
+)
+async def test_white_takes_the_place_of_a_colour_and_no_lamp_went_back(
+    open_home: OpenHome, older: tuple[str, PlainValue], newer: tuple[str, PlainValue]
+) -> None:
+    """A lamp that shows one of them reports that the other is unknown, or what it looks like."""
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "color_temperature", "color")
+
+        async def show(home: Home, command: Command) -> None:
+            other = "color" if command.capability == "color_temperature" else "color_temperature"
+            await home.gateway.devices.report("lamp", {command.capability: command.value.plain(), other: None})
+
+        home.behaviours["lamp"] = show
+        lamp = await home.handle(Light)
+        assert isinstance(await lamp.command(*older), Confirmed)
+        assert isinstance(await lamp.command(*newer), Confirmed)
+        await anyio.sleep(20)
+        assert home.events == []
+
+
 async def test_several_settings_are_one_command(open_home: OpenHome) -> None:
     async with open_home() as home:
         home.put("lamp", "light", "on_off", "level", "color_temperature")
@@ -495,6 +809,55 @@ async def test_a_dimmer_that_tells_where_it_will_be_and_then_each_step_does_not_
             if home.events and not reverted:
                 reverted.append(int(anyio.current_time() - began))
         assert reverted == ([] if reverted_after is None else [reverted_after])
+
+
+Fade: TypeAlias = list[tuple[float, dict[str, PlainValue]]]
+
+FADES_UP: Fade = [(0.1, {"on_off": True, "level": 100.0})]
+FADES_UP += [(float(step), {"level": 25.0 * step}) for step in range(1, 5)]
+"""A Philips Hue lamp in Zigbee2MQTT: what was commanded, and then each step."""
+
+FADES_DOWN: Fade = [(0.1, {"on_off": False})]
+FADES_DOWN += [(float(step), {"on_off": step < 4, "level": 100.0 - 20 * step}) for step in range(1, 5)]
+
+
+@pytest.mark.parametrize(
+    ("was_on", "setting", "transition", "steps", "reverted"),
+    [
+        (False, ("level", 100.0), 4.0, FADES_UP, 0),
+        (False, ("level", 100.0), 0.0, FADES_UP, 0),  # by a transition that is set in the bridge
+        (True, ("on_off", False), 4.0, FADES_DOWN, 0),
+        (True, ("on_off", False), 0.0, FADES_DOWN, 1),
+        (True, ("on_off", False), 4.0, FADES_DOWN[:-1], 1),
+    ],
+)
+async def test_a_lamp_that_reports_the_end_of_a_fade_first_and_then_its_steps_does_not_go_back(
+    open_home: OpenHome,
+    *,
+    was_on: bool,
+    setting: tuple[str, PlainValue],
+    transition: float,
+    steps: Fade,
+    reverted: int,
+) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        lamp = await home.handle(Light)
+        await home.gateway.devices.report("lamp", {"on_off": was_on, "level": 100.0})
+        await anyio.sleep(1)
+
+        async def tell(seconds: float, values: dict[str, PlainValue]) -> None:
+            await anyio.sleep(seconds)
+            await home.gateway.devices.report("lamp", values)
+
+        async def fade(home: Home, _: Command) -> None:
+            for step in steps:
+                home.tasks.start_soon(tell, *step)
+
+        home.behaviours["lamp"] = fade
+        assert isinstance(await lamp.command(*setting, transition=transition), Confirmed)
+        await anyio.sleep(30)
+        assert len(home.events) == reverted
 
 
 async def test_a_whole_floor_is_confirmed_at_once(open_home: OpenHome) -> None:

@@ -7,6 +7,7 @@ import pytest
 from tests.control.conftest import Home, OpenHome, obey_after, report
 from tests.control.test_journal import kinds, read
 
+from homebot.clock import LoopClock
 from homebot.devices import Device, GatewayNames, RawCommand
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import JournalEntry
@@ -122,6 +123,17 @@ async def test_a_raw_command_explains_what_undoes_another_command(open_home: Ope
         found = await read(home)
         assert kinds(found)[-3:] == ["published", "reverted", "reported"]
         assert found.entries[-1].command == found.entries[-3].command
+
+
+async def test_what_is_reported_in_the_moment_of_the_command_is_explained(open_home: OpenHome) -> None:
+    """At a time whose nanoseconds since 1970 are rounded down where they are counted as one float."""
+    async with open_home(clock=LoopClock(1795362342.6555853)) as home:
+        home.put("lamp", "light", "on_off")
+        await home.report("lamp", "on_off", False)
+        lamp = await home.handle(Light)
+        await anyio.sleep(1)
+        await lamp.turn_on()
+        assert await changes(home) == []
 
 
 async def test_a_raw_command_of_nobody_known_is_there_too(open_home: OpenHome) -> None:

@@ -33,6 +33,9 @@ REPORTING = {"state_topic": "switch/state"}
 ACCEPTS = b'{"status": "ok"}'
 REFUSES = b'{"status": "error", "error": "the fuse is out"}'
 
+SILENCE = 5.0
+"""Seconds without an answer: waited for in full, and enough for an answer on a machine that stands still for two."""
+
 AnyBroker = Broker | MosquittoBroker
 
 
@@ -68,16 +71,20 @@ class Home:
     node: Node
 
     async def count(self, name: str) -> int:
-        health = await self.node.create_client(GetHealth, "/gateway/mqtt/health").call(HealthRequest())
+        health = await self.node.create_client(GetHealth, "/gateway/mqtt/health").call(
+            HealthRequest(), timeout=PATIENCE
+        )
         return {one.name: one.count for one in health.counts}[name]
 
 
 @asynccontextmanager
-async def home_on(broker: AnyBroker, *, client: str = "native", reports: bool = False) -> AsyncIterator[Home]:
+async def home_on(
+    broker: AnyBroker, *, client: str = "native", reports: bool = False, timeout: float = PATIENCE
+) -> AsyncIterator[Home]:
     async with broker, anyio.create_task_group() as tasks:
         url = f"mqtt://anna:right@127.0.0.1:{broker.port}"
         gateway = {"url": url, "act": True, "responses": True, "client": client, "client_id": f"homebot {client}"}
-        tables = {"gateways": {"mqtt": gateway}, "discovery": {"persist": False}, "control": {"timeout": 2.0}}
+        tables = {"gateways": {"mqtt": gateway}, "discovery": {"persist": False}, "control": {"timeout": timeout}}
         options = MqttOptions.from_url(url, client_id="device", protocol="5")
         async with (
             MqttConnection(options, NativeClient, status_topic=None) as connection,
@@ -117,7 +124,7 @@ def broker(request: pytest.FixtureRequest) -> AnyBroker:
 
 @pytest.mark.parametrize("client", ["native", "aiomqtt"])
 async def test_a_device_that_accepts_and_reports_nothing_is_acknowledged(broker: AnyBroker, client: str) -> None:
-    async with home_on(broker, client=client, reports=True) as home:
+    async with home_on(broker, client=client, reports=True, timeout=SILENCE) as home:
         outcome = await home.switch.command("on_off", value=True)
         assert isinstance(outcome, Confirmed)
         assert outcome.evidence is Evidence.ACKNOWLEDGED
@@ -138,7 +145,7 @@ async def test_an_error_contradicts_at_once_with_its_text(broker: AnyBroker, cli
 
 
 async def test_a_switch_without_a_state_that_answered_once_has_to_answer(broker: AnyBroker) -> None:
-    async with home_on(broker) as home:
+    async with home_on(broker, timeout=SILENCE) as home:
         assert isinstance(await home.switch.command("on_off", value=True), Confirmed)
         with anyio.fail_after(PATIENCE):
             while not await home.count("responses"):  # noqa: ASYNC110 - it counts, and tells nobody
@@ -150,7 +157,7 @@ async def test_a_switch_without_a_state_that_answered_once_has_to_answer(broker:
 
 
 async def test_late_and_strange_responses_are_counted_and_change_nothing(broker: AnyBroker) -> None:
-    async with home_on(broker, reports=True) as home:
+    async with home_on(broker, reports=True, timeout=SILENCE) as home:
         home.responder.response = None
         assert isinstance(await home.switch.command("on_off", value=True), NoAnswer)
         first = home.responder.commands[0]

@@ -20,9 +20,14 @@ _SHARE = 0.005
 
 @final
 class Turns:
-    """Hands out turns; a piece of work is what is done between two of them."""
+    """Hands out turns; a piece of work is what is done between two of them.
 
-    def __init__(self) -> None:
+    Args:
+        now: Reads the clock that the share is measured with, in seconds.
+    """
+
+    def __init__(self, now: Callable[[], float] = time.perf_counter) -> None:
+        self._now = now
         self._began: float | None = None
         self._queue: deque[Callable[[], bool]] = deque()
         self._is_scheduled = False
@@ -32,10 +37,10 @@ class Turns:
         if self._queue:
             return False
         if self._began is None:
-            self._began = time.perf_counter()
+            self._began = self._now()
             self._schedule()
             return True
-        return time.perf_counter() - self._began < _SHARE
+        return self._now() - self._began < _SHARE
 
     async def turn(self) -> None:
         """Wait until work may begin."""
@@ -66,7 +71,7 @@ class Turns:
         self._is_scheduled = False
         self._began = None
         while self._queue:
-            self._began = time.perf_counter()
+            self._began = self._now()
             self._schedule()
             if self._queue.popleft()():
                 return

@@ -6,7 +6,7 @@ import argparse
 import math
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from ipaddress import ip_address
 from typing import Protocol, TypeAlias
 from urllib.parse import urlsplit
@@ -14,6 +14,7 @@ from urllib.parse import urlsplit
 from homebot.errors import ConfigError, WireError
 
 __all__ = [
+    "DEFAULT_DOOR",
     "Command",
     "Commands",
     "add_broker_option",
@@ -30,11 +31,12 @@ __all__ = [
     "set_client_command",
     "set_command",
     "type_or_message",
+    "unused_option",
     "whole",
 ]
 
 DEFAULT_BROKER = "mqtt://localhost:1883"
-DEFAULT_DOOR = "127.0.0.1:9090"
+DEFAULT_DOOR = ("127.0.0.1", 9090)
 
 Command: TypeAlias = "Callable[[argparse.Namespace], int]"
 
@@ -56,16 +58,18 @@ class Commands(Protocol):
         ...
 
 
-def set_command(parser: argparse.ArgumentParser, command: Command, examples: str) -> None:
-    """Make *parser* the one of *command*, which returns the exit code."""
+def set_command(
+    parser: argparse.ArgumentParser, command: Command, examples: str, global_options: Collection[str] = ()
+) -> None:
+    """Make *parser* the one of *command*, which returns the exit code and uses these of the *global_options*."""
     parser.epilog = f"examples:\n{examples}"
-    parser.set_defaults(command=command)
+    parser.set_defaults(command=command, command_name=parser.prog, used_options=frozenset(global_options))
 
 
 def set_client_command(parser: argparse.ArgumentParser, command: Command, examples: str) -> None:
     """Make *parser* the one of *command*, which connects to a running homebot."""
-    set_command(parser, command, examples)
-    _add_door_options(parser, argparse.SUPPRESS, argparse.SUPPRESS)
+    set_command(parser, command, examples, ("door", "token_file"))
+    _add_door_options(parser, argparse.SUPPRESS)
 
 
 def add_verbs(parser: argparse.ArgumentParser, examples: str) -> Commands:
@@ -87,7 +91,17 @@ def add_verb(verbs: Commands, name: str, summary: str) -> argparse.ArgumentParse
 
 def add_global_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that may stand before any command that connects to a running homebot, and after it as well."""
-    _add_door_options(parser, os.environ.get("HOMEBOT_DOOR") or DEFAULT_DOOR, None)
+    _add_door_options(parser, None)
+
+
+def unused_option(options: argparse.Namespace) -> str:
+    """Return what is wrong where *options* have a global option that the command does not use; empty if nothing is."""
+    for name in ("door", "token_file"):
+        if getattr(options, name, None) is not None and name not in options.used_options:
+            option, command = f"--{name.replace('_', '-')}", options.command_name
+            where = "; the configuration file has the tokens of its clients" if "door" in options.used_options else ""
+            return f"{option} is for commands that connect to a running homebot, `{command}` does not{where}"
+    return ""
 
 
 def add_broker_option(parser: argparse.ArgumentParser) -> None:
@@ -226,18 +240,18 @@ def _hidden(text: str) -> str:
     return f"…@{text.rpartition('@')[2]}" if "@" in text else text
 
 
-def _add_door_options(parser: argparse.ArgumentParser, address_default: str, file_default: str | None) -> None:
+def _add_door_options(parser: argparse.ArgumentParser, default: str | None) -> None:
     door = parser.add_argument_group("connection to a running homebot")
     door.add_argument(
         "--door",
         metavar="HOST:PORT",
         type=door_address,
-        default=address_default,
-        help=f"address of its rosbridge server (default: HOMEBOT_DOOR, else {DEFAULT_DOOR})",
+        default=default,
+        help=f"address of its rosbridge server (default: HOMEBOT_DOOR, else {DEFAULT_DOOR[0]}:{DEFAULT_DOOR[1]})",
     )
     door.add_argument(
         "--token-file",
         metavar="FILE",
-        default=file_default,
+        default=default,
         help="file with its access token (default: the token in HOMEBOT_DOOR_TOKEN, if set)",
     )

@@ -9,13 +9,24 @@ from typing import final
 from homebot.cli.command_records import SettingRecord
 from homebot.cli.journal_client import JournalClient
 from homebot.cli.journal_records import JournalEntryRecord, TriggerRecord
+from homebot.cli.journal_words import settings_text
 from homebot.cli.records import DeviceRecord, StateRecord, TimeRecord
 from homebot.cli.time_format import to_seconds
 from homebot.cli.values import PlainValue, plain_value
 
-__all__ = ["Chain", "DeviceHistory", "asks_for", "changed_at", "is_live"]
+__all__ = [
+    "COMMANDED_STATES",
+    "Chain",
+    "DeviceHistory",
+    "as_state",
+    "asks_for",
+    "changed_at",
+    "is_live",
+    "means",
+    "settable_states",
+]
 
-_STATES = {"close": "closed", "lock": "locked", "unlock": "unlocked"}
+COMMANDED_STATES = {"close": "closed", "lock": "locked", "unlock": "unlocked"}
 """The states that commands with other words lead to."""
 
 _DEEPEST = 5
@@ -142,13 +153,37 @@ def settable_states(device: DeviceRecord) -> Iterable[StateRecord]:
     return (one for one in device["states"] if (one["part"], one["capability"]) in settable)
 
 
+def as_state(text: str) -> str:
+    """Return *text* as a state, folded: ``closed`` also where somebody writes the command ``close``."""
+    folded = text.strip().casefold()
+    return COMMANDED_STATES.get(folded, folded)
+
+
 def asks_for(entry: JournalEntryRecord, state: str) -> bool:
     """Return whether a command asks for *state*, as people say it: a lamp at 40 % is on."""
-    wanted = state.casefold()
+    wanted = as_state(state)
     if entry["kind"] != "requested" and not entry["settings"]:  # a raw command, or one that the door refused
         word = entry["text"].strip().casefold()
-        return wanted in {word, _STATES.get(word)}
-    return any(_means(one, wanted) for one in entry["settings"])
+        return wanted in {word, COMMANDED_STATES.get(word)}
+    return any(means(one, wanted) for one in entry["settings"])
+
+
+def means(setting: SettingRecord, wanted: str) -> bool:
+    """Return whether a setting is *wanted*, as ``on``, ``40``, ``40 %`` or, as `homebot do` takes it, ``level 40``."""
+    name, told = _squeezed(setting["capability"]), _squeezed(settings_text([setting]))
+    value = plain_value(setting["value"])
+    match value:
+        case bool():
+            return wanted in (("on", "true", "yes") if value else ("off", "false", "no"))
+        case str():
+            return value.casefold() == wanted
+        case float() | int():
+            if setting["capability"] in {"level", "fan_speed"} and wanted in {"on", "off"}:
+                return (value > 0) is (wanted == "on")
+            if setting["capability"] == "position" and wanted in {"open", "closed"}:
+                return (value > 0) is (wanted == "open")
+            return _squeezed(wanted) in {f"{value:g}", f"{name}{value:g}", told, told.removeprefix(name)}
+    return False
 
 
 def _knows(entries: Iterable[JournalEntryRecord], states: Iterable[StateRecord], last: JournalEntryRecord) -> bool:
@@ -164,27 +199,16 @@ def _knows(entries: Iterable[JournalEntryRecord], states: Iterable[StateRecord],
     return bool(shared) and all(known[one] == told[one] for one in shared)
 
 
-def _means(setting: SettingRecord, wanted: str) -> bool:
-    value = plain_value(setting["value"])
-    match value:
-        case bool():
-            return wanted in (("on", "true", "yes") if value else ("off", "false", "no"))
-        case str():
-            return value.casefold() == wanted
-        case float() | int():
-            if setting["capability"] in {"level", "fan_speed"} and wanted in {"on", "off"}:
-                return (value > 0) is (wanted == "on")
-            if setting["capability"] == "position" and wanted in {"open", "closed"}:
-                return (value > 0) is (wanted == "open")
-            return wanted in {f"{value:g}", f"{value:g}%"}
-    return False
+def _squeezed(text: str) -> str:
+    """Return *text* without what may be spelt in two ways."""
+    return text.casefold().replace(" ", "").replace("_", "")
 
 
 def _tells_of(entry: JournalEntryRecord, trigger: TriggerRecord) -> bool:
     """Return whether an entry of a report has a value of *trigger*; those in a structured raw message are not known."""
     if trigger["kind"] == "message":
         text = trigger["text"].strip().casefold()
-        return text.startswith("{") or any(_means(one, text) for one in entry["settings"])
+        return text.startswith("{") or any(means(one, text) for one in entry["settings"])
     values = {one["capability"]: plain_value(one["value"]) for one in trigger["readings"]}
     return any(
         one["capability"] in values and values[one["capability"]] == plain_value(one["value"])

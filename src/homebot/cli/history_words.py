@@ -16,8 +16,12 @@ from homebot.cli.journal_words import (
     trigger_text,
 )
 from homebot.cli.table import printable
+from homebot.cli.time_format import to_seconds
 
 __all__ = ["UNEXPLAINED", "chain_lines", "reason_text", "result_text"]
+
+_LONGEST = 900.0
+"""Seconds after which a command has its outcome, unless it was given with a very long transition."""
 
 UNEXPLAINED = "no command explains it: somebody did it by hand, or it did so by itself"
 
@@ -48,8 +52,8 @@ def chain_lines(chain: Chain, names: Mapping[str, str], now: float) -> Iterator[
         yield clock_text(entry["at"], now), entry_text(entry, names)
 
 
-def result_text(chain: Chain) -> str:
-    """Return what became of a command."""
+def result_text(chain: Chain, now: float) -> str:
+    """Return what became of a command, as it is known at *now*, in seconds since 1970."""
     decided = [one for one in chain.entries if one["kind"] in {"outcome", "reverted"}]
     if decided:
         return entry_text(decided[-1], {})
@@ -60,6 +64,8 @@ def result_text(chain: Chain) -> str:
     if any(one["kind"] == "published" for one in chain.entries):
         reports = [one for one in chain.entries if one["kind"] == "reported"]
         return f"it reported {settings_text(reports[-1]['settings'])}" if reports else "it reported nothing new"
+    if now - to_seconds(chain.first["at"]) > _LONGEST:
+        return "its outcome is not known: homebot stopped before it was"
     return "its outcome is not known yet"
 
 

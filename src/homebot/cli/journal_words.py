@@ -36,7 +36,7 @@ _REQUESTS: Mapping[str, str] = {
 
 def entry_text(entry: JournalEntryRecord, names: Mapping[str, str]) -> str:
     """Return one entry as a clause, with the name of the device where it says something of it."""
-    name = name_text(entry["device"], names)
+    name = name_text(entry["device"], names, entry["part"])
     match entry["kind"]:
         case "requested":
             return f"{issuer_text(entry['issuer'])} asked {name} for {settings_text(entry['settings'])}"
@@ -82,7 +82,7 @@ def denial_text(entry: JournalEntryRecord) -> str:
 
 def trigger_text(trigger: TriggerRecord, names: Mapping[str, str]) -> str:
     """Return what led to a command as a clause; empty where that is not known."""
-    name = name_text(trigger["device"], names)
+    name = name_text(trigger["device"], names, next((one["part"] for one in trigger["readings"]), ""))
     match trigger["kind"]:
         case "lease":
             return f"{printable(trigger['text'], 60)} holds it"
@@ -114,9 +114,9 @@ def issuer_text(issuer: str) -> str:
     return printable(issuer.removeprefix("/"), 60) or "somebody"
 
 
-def name_text(device: str, names: Mapping[str, str]) -> str:
-    """Return the name of a device, its id where it has none."""
-    return printable(names.get(device) or device, 60)
+def name_text(device: str, names: Mapping[str, str], part: str = "") -> str:
+    """Return the name of a device, or of its *part* where that is in *names* by ``ID#PART``; its id for no name."""
+    return printable(names.get(f"{device}#{part}") or names.get(device) or device, 60)
 
 
 def ago_text(seconds: float, now: float) -> str:

@@ -17,7 +17,7 @@ from io import TextIOWrapper
 from typing import Final
 
 import homebot
-from homebot.cli.arguments import add_global_options
+from homebot.cli.arguments import add_global_options, unused_option
 from homebot.cli.completion import SHELLS, PrintCompletion
 from homebot.cli.parser import CommandParser
 from homebot.errors import HomebotError
@@ -56,6 +56,8 @@ COMMANDS: Final = {
     "broker": "run an MQTT broker and nothing else",
 }
 """What each does in a line. It is in the module of its name; ``import`` is in ``import_thing``."""
+
+_WRONG_COMMAND_LINE: Final = 2
 
 _EPILOG = """\
 examples:
@@ -129,6 +131,9 @@ def _needed_commands(argv: Sequence[str] | None) -> Sequence[str]:
 def _run(argv: Sequence[str]) -> int:
     try:
         options = make_parser(argv).parse_args(argv)
+        if problem := unused_option(options):
+            print(f"homebot: {problem}", file=sys.stderr)
+            return _WRONG_COMMAND_LINE
         command: Callable[[argparse.Namespace], int] = options.command
         return command(options)
     except HomebotError as exc:

@@ -14,6 +14,7 @@ __all__ = [
     "PlacesExportRecord",
     "PlacesImportRecord",
     "PlacesRecord",
+    "RoomRecord",
     "TagResponseRecord",
     "TeachPlaceRecord",
     "UnapprovedRecord",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import cast
@@ -11,12 +11,11 @@ from homebot.cli.command_records import SettingRecord
 from homebot.cli.journal_records import TriggerRecord
 from homebot.cli.journal_words import issuer_text, name_text, settings_text, trigger_text
 from homebot.cli.table import printable
-from homebot.devices import Device
 from homebot.messages.json import message_to_json
 from homebot.recording.recording import TimedCommand
 from homebot.replay.command_diff import CommandDiff, DifferentCommand
 
-__all__ = ["command_json", "command_text", "difference_json", "difference_text", "part_names", "summary_text"]
+__all__ = ["command_json", "command_text", "difference_json", "difference_text", "summary_text"]
 
 _SIGNS = {"added": "+", "gone": "-"}
 
@@ -27,7 +26,7 @@ def command_text(given: TimedCommand, start: float, names: Mapping[str, str]) ->
     Args:
         given: The command.
         start: When the recording began, in seconds since the Unix epoch.
-        names: As :func:`part_names` gives them.
+        names: As :func:`homebot.devices.part_names.part_names` gives them.
     """
     command = given.command
     local = datetime.fromtimestamp(start + given.at, UTC).astimezone()
@@ -73,21 +72,8 @@ def difference_json(one: DifferentCommand, start: float, names: Mapping[str, str
     return {"difference": one.kind, "refused": one.refused, **command_json(one.given, start, names)}
 
 
-def part_names(devices: Iterable[Device]) -> dict[str, str]:
-    """Return the names of *devices* by their ids, and of the parts of those that have several, by ``ID#PART``."""
-    names: dict[str, str] = {}
-    for device in devices:
-        names[device.id] = device.name
-        if len(device.parts) > 1:
-            names |= {
-                f"{device.id}#{one.id}": f"{device.name} {one.part.name or one.id}".rstrip() for one in device.parts
-            }
-    return names
-
-
 def _name(given: TimedCommand, names: Mapping[str, str]) -> str:
-    device, part = given.command.device, given.command.part
-    return name_text(f"{device}#{part}" if f"{device}#{part}" in names else device, names)
+    return name_text(given.command.device, names, given.command.part)
 
 
 def _settings(given: TimedCommand) -> list[SettingRecord]:

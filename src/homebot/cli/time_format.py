@@ -37,8 +37,9 @@ def ago(time: TimeRecord, now: float) -> str:
 
 
 def iso(time: TimeRecord) -> str:
-    """Return *time* in ISO 8601, UTC, to the millisecond."""
-    return f"{_to_the_second(time['sec'])}.{time['nanosec'] // 1_000_000:03}Z"
+    """Return *time* in ISO 8601, UTC, to the nearest millisecond: a float of seconds is a little off a whole one."""
+    more, milliseconds = divmod(round(time["nanosec"] / 1_000_000), 1000)
+    return f"{_to_the_second(time['sec'] + more)}.{milliseconds:03}Z"
 
 
 @lru_cache(maxsize=4096)

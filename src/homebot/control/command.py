@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, TypeAlias
 
-from homebot.control.held_values import END_POSITIONS
+from homebot.control.held_values import COLORS, END_POSITIONS, POWERS, STOPPED, is_on
 from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.client_rights import is_client
@@ -16,7 +16,19 @@ from homebot.devices.value import PlainValue
 if TYPE_CHECKING:
     from homebot.devices.client_rights import ClientRights
 
-__all__ = ["IssuedCommand"]
+__all__ = ["POWER", "IssuedCommand"]
+
+_ALWAYS_SENT: Final = frozenset({("movement", STOPPED), ("valve", STOPPED), ("lock", "open"), ("vacuum", "spot")})
+_LIT: Final = POWERS | COLORS
+"""What turns a lamp on."""
+
+_MOTIONS: Final = frozenset({"movement", "position", "tilt"})
+"""What sends something with a motor on its way."""
+
+POWER: Final = "power_state"
+"""Stands for whether a part is on, in the place of a capability."""
+
+_Place: TypeAlias = tuple[str, str, str]
 
 
 @dataclass(slots=True, eq=False)
@@ -37,7 +49,10 @@ class IssuedCommand:
         code: The code of an alarm or a lock.
         place: The ids of the device and of the part.
         places: The same with each capability that it sets.
+        effects: These, each with the value, and :data:`POWER` with whether that is on, by whichever capability: level 0
+            is off.
         target: The id of the device, with ``#`` and the id of the part where it has one.
+        moves: Whether it sends something with a motor on its way.
     """
 
     id: str
@@ -52,13 +67,23 @@ class IssuedCommand:
     transition: float = 0.0
     code: str = field(default="", repr=False)
     place: tuple[str, str] = field(init=False)
-    places: list[tuple[str, str, str]] = field(init=False)
+    places: list[_Place] = field(init=False)
+    effects: list[tuple[_Place, PlainValue]] = field(init=False)
     target: str = field(init=False)
+    moves: bool = field(init=False)
 
     def __post_init__(self) -> None:
         """Work out what it is about: everybody on its way asks for that."""
         device, part = self.place = self.device.id, self.part.id
-        self.places = [(device, part, one) for one in self.settings]
+        self.places, self.effects, self.moves = [], [], False
+        for capability, value in self.settings.items():
+            place = device, part, capability
+            self.places.append(place)
+            self.effects.append((place, value))
+            if capability in _MOTIONS and value != STOPPED:
+                self.moves = True
+            if capability in POWERS:
+                self.effects.append(((device, part, POWER), is_on(value)))
         self.target = f"{device}#{part}" if part else device
 
     @property
@@ -78,14 +103,32 @@ class IssuedCommand:
         return not MOMENTARY.isdisjoint(self.settings)
 
     @property
+    def is_always_sent(self) -> bool:
+        """True if no report shows that it was done before: a stop, the latch of an unlocked door, a press."""
+        return self.is_momentary or not _ALWAYS_SENT.isdisjoint(self.settings.items())
+
+    @property
+    def turns_on(self) -> bool:
+        """True if the part reports that it is off, and a level, a speed or, for a lamp, a colour turns it on."""
+        settings, part = self.settings, self.part.part
+        if "on_off" in settings or settings.keys().isdisjoint(_LIT if part.service_type == "light" else POWERS):
+            return False
+        if settings.get("level") == 0 or settings.get("fan_speed") == 0:
+            return False
+        for one in self.device.states:
+            if one.capability == "on_off" and one.part == self.place[1]:
+                return one.live and one.value.plain() is False
+        return False
+
+    @property
     def expected(self) -> dict[str, PlainValue]:
         """The values that the part is to report, of those that it reports as lasting ones.
 
         One that is told to open or to close, and does not report whether it is open, is to report the position.
         """
         capabilities = self.part.part.capabilities
-        told = frozenset([one.name for one in capabilities if one.readable and one.name not in MOMENTARY])
-        found = {name: value for name, value in self.settings.items() if name in told}
+        told = [one.name for one in capabilities if one.readable]
+        found = {name: value for name, value in self.settings.items() if name in told and name not in MOMENTARY}
         movement = self.settings.get("movement")
         if movement in END_POSITIONS and "position" in told and found.keys().isdisjoint({"movement", "position"}):
             found["position"] = END_POSITIONS[movement]

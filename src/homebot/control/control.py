@@ -59,6 +59,7 @@ if TYPE_CHECKING:
         CommandRequest,
         CommandResult,
     )
+    from homebot.devices.configured_names import ConfiguredNames
     from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
     from homebot.devices.lease_messages import (
         EndLeasesRequest,
@@ -136,6 +137,8 @@ class Control:
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._run_journal)
             tasks.start_soon(self._house_watch.run)
+            if self._names is not None:
+                tasks.start_soon(self._names.run)
             task_status.started()
             if self._journal_file is not None and await anyio.Path(self._journal_file).exists():
                 self._execution()  # what was learnt names sensors, which have to be followed before the first command
@@ -227,7 +230,9 @@ class Control:
             notes += self._executor.witnesses.notes()
         if self._settings.presence_guard is not None:
             notes += self._judge.notes()
-        return self._journal.health().with_checked(notes=notes)
+        health = self._journal.health().with_checked(notes=notes)
+        problems = () if self._names is None else await self._names.problems()
+        return health.with_checked(troubles=health.troubles + problems) if problems else health
 
     async def read_journal(self, request: ReadJournalRequest) -> ReadJournalResponse:
         """Return entries of the journal."""
@@ -246,6 +251,16 @@ class Control:
 
         settings = self._given_settings or ControlSettings()
         return settings.model_copy(update={"approvals": False}) if self._approves_all else settings
+
+    @cached_property
+    def _names(self) -> ConfiguredNames | None:
+        """The rooms and devices that the settings name; None where they name none."""
+        settings = self._given_settings
+        if settings is None or not settings.names_devices:
+            return None
+        from homebot.control.named_devices import named_devices  # noqa: PLC0415 - few homes name any
+
+        return named_devices(self._node, settings)
 
     @cached_property
     def _journal(self) -> CommandJournal:

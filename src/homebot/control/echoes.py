@@ -115,16 +115,14 @@ class EchoHistory:
 
     Args:
         keep: Keeps what is learnt over a restart.
+
+    Attributes:
+        known: What was learnt, by target and capability; for reading.
     """
 
     def __init__(self, keep: KeepLearnt) -> None:
         self._keep = keep
-        self._known: OrderedDict[_Target, _EchoRecord] = OrderedDict()
-
-    @property
-    def is_empty(self) -> bool:
-        """True if nothing was learnt yet."""
-        return not self._known
+        self.known: OrderedDict[_Target, _EchoRecord] = OrderedDict()
 
     def expected(self, target: str, settings: Iterable[str], declared: frozenset[str], limit: float) -> ExpectedEchoes:
         """Return the echoes that a command to *target* may cause.
@@ -156,7 +154,7 @@ class EchoHistory:
                 had obeyed meanwhile.
             is_repeated: Whether it was reported again before.
         """
-        if taken_back_after is not None or (target, capability) in self._known:
+        if taken_back_after is not None or (target, capability) in self.known:
             known = self._record(target, capability)
             known.fast.append(taken_back_after)
             if is_repeated:
@@ -185,7 +183,7 @@ class EchoHistory:
         known.answered.extendleft(reversed(row.answered))
 
     def _save(self, target: str, capability: str, command: str) -> None:
-        known = self._known[target, capability]
+        known = self.known[target, capability]
         row = _KeptEchoes(
             target=target,
             capability=capability,
@@ -200,7 +198,7 @@ class EchoHistory:
 
     def _of(self, target: str, capability: str) -> _EchoRecord:
         """Return what is known of a capability; nothing of it is kept."""
-        return self._known.get((target, capability)) or _EchoRecord()
+        return self.known.get((target, capability)) or _EchoRecord()
 
     def _patience(self, target: str, capability: str, limit: float) -> float:
         """Return how long to wait after an echo: not at all where nothing ever follows."""
@@ -210,10 +208,10 @@ class EchoHistory:
         return min(_FIRST_WAIT, limit) if len(record.answered) < _FIRST_TRIES else 0.0
 
     def _record(self, target: str, capability: str) -> _EchoRecord:
-        record = self._known.setdefault((target, capability), _EchoRecord())
-        self._known.move_to_end((target, capability))
-        if len(self._known) > _MOST:
-            forgotten, _ = self._known.popitem(last=False)
+        record = self.known.setdefault((target, capability), _EchoRecord())
+        self.known.move_to_end((target, capability))
+        if len(self.known) > _MOST:
+            forgotten, _ = self.known.popitem(last=False)
             self._keep(_name(*forgotten), "", "")
         return record
 

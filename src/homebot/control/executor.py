@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import math
 from collections import OrderedDict
 from collections.abc import Iterable
 from functools import partial
@@ -11,34 +10,38 @@ from typing import Final, TypeAlias, final
 
 import anyio
 
-from homebot.control.answer_watch import AnswerWatch
 from homebot.control.client_commands import POLICY, client_refusal
 from homebot.control.command import IssuedCommand
 from homebot.control.echoes import NO_ECHOES, EchoHistory, ExpectedEchoes
+from homebot.control.gateway_watch import GatewayWatch
 from homebot.control.held_values import related
 from homebot.control.journal import CommandJournal
 from homebot.control.judge import Judge
 from homebot.control.learnt_persistence import LearntPersistence
-from homebot.control.leases import LEASE_POLICY, Leases
-from homebot.control.pending import PendingCommand, PendingCommands, Signal
+from homebot.control.leases import Leases
+from homebot.control.missing_part import missing_part
+from homebot.control.pending import PendingCommand, PendingCommands
 from homebot.control.rehearsal import Rehearsal, rehearsed_result
 from homebot.control.report_watch import ReportWatch
-from homebot.control.response_times import ResponseTimes
 from homebot.control.settings import ControlSettings
 from homebot.control.settling import Settling
+from homebot.control.transmission import Signal, Transmission
 from homebot.control.value_text import value_text
 from homebot.control.witnesses import WitnessVerification
+from homebot.control.zero_level import zero_as_off
 from homebot.devices import FIND_DEVICES, Device, DevicePart, FindDevices
 from homebot.devices.command_messages import CommandRequest, CommandResult
 from homebot.devices.command_results import result_of
-from homebot.devices.command_sender import CommandSender
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.services import FindDevicesRequest
 from homebot.devices.value import PlainValue
-from homebot.errors import LinkError, RefusedError, ServiceError
+from homebot.errors import ServiceError
 from homebot.graph import Node
+from homebot.time_limits import TimeLimits
 
 __all__ = ["CommandExecutor"]
+
+_request_of = FindDevicesRequest.of_checked  # looked up once, as `of_checked` says
 
 WOULD_SEND = "control.would_send"
 
@@ -50,9 +53,6 @@ _RECENT: Final = 60.0
 
 _REHEARSED: Final = 0.1
 """Seconds that a device is taken to need in a rehearsal: what is asked again at once is not asked without end."""
-
-_AT_ONCE: Final = 0.01
-"""Seconds within which a gateway has sent a command whose network is there."""
 
 _MOST_UNSURE: Final = 10_000
 
@@ -93,15 +93,15 @@ class CommandExecutor:
         self._journal = journal
         self.leases = leases
         self._rehearsal = rehearsal
-        self._sender = CommandSender(node)
         self._watch = ReportWatch(node)
-        self._answers = AnswerWatch(node)
-        self._times = ResponseTimes(self._settings.timeout)
+        self._gateways = GatewayWatch(node)
+        self._transmission = Transmission(node, settings, judge, journal, leases, self._gateways)
         self._learnt = LearntPersistence(node, journal.store)
         self._echoes = EchoHistory(self._learnt.keeper("echo"))
         self._learnt.add("echo", self._echoes)
         self._unsure_since: OrderedDict[_Place, float] = OrderedDict()
         self._pending = PendingCommands()
+        self._limits = TimeLimits()
         self._settling = Settling(node, self._settings.settle, journal, self._echoes)
         self.witnesses = WitnessVerification(node, settings, self._learnt)
         for name, read in self.witnesses.counters.items():
@@ -128,20 +128,20 @@ class CommandExecutor:
         Raises:
             ServiceError: The directory does not answer.
         """
-        found = (
-            await self._find.call(FindDevicesRequest.of_checked(ids=(device_id,), service_type="", query=()))
-        ).devices
+        found = (await self._find.call(_request_of(ids=(device_id,), service_type="", query=()))).devices
         return found[0] if found else None
 
     def refusal(self, command: IssuedCommand) -> Refused | None:
         """Return the refusal of *command* by a lease or a policy; None if it may be sent now."""
-        return self._held(command) or self._judge.refusal(command)
+        is_leased = command.place in self.leases.parts  # as hardly ever
+        held = self.leases.refuse(command, self._clock.monotonic()) if is_leased else None
+        return held or self._judge.refusal(command)
 
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
         """Return the refusal that *request* would get now for want of a right or by a policy; nothing is noted."""
         if problem := client_refusal(request, device, part):
             return Refused(POLICY, problem)
-        settings = {one.capability: one.value.plain() for one in request.settings}
+        settings = zero_as_off({one.capability: one.value.plain() for one in request.settings}, part.part)
         rights = self._judge.rights(request.issuer)
         command = IssuedCommand("", device, part, settings, request.issuer, rights, trigger=request.trigger)
         return self._judge.refusal(command, is_noted=False)
@@ -153,7 +153,7 @@ class CommandExecutor:
         if self.witnesses.doubted:
             self.witnesses.note_text(command)
         self._pending.supersede(command)
-        self._settling.supersede(command.places)
+        self._settling.supersede(command)
 
     async def _perform(self, name: str, request: CommandRequest) -> CommandResult:
         try:
@@ -162,16 +162,16 @@ class CommandExecutor:
             return result_of(NoAnswer(0.0, str(exc), command_id=name))
         part = None if device is None else next((one for one in device.parts if one.id == request.part), None)
         if device is None or part is None:
-            return result_of(Gone(command_id=name))
+            return missing_part(request.device, request.part, device, name)
         if problem := client_refusal(request, device, part):
             return result_of(Refused(POLICY, problem, command_id=name))
         command = IssuedCommand(
-            id=name,
-            device=device,
-            part=part,
-            settings={one.capability: one.value.plain() for one in request.settings},
-            issuer=request.issuer,
-            rights=self._judge.rights(request.issuer),
+            name,
+            device,
+            part,
+            zero_as_off({one.capability: one.value.plain() for one in request.settings}, part.part),
+            request.issuer,
+            self._judge.rights(request.issuer),
             cause=request.cause,
             trigger=request.trigger,
             issued_at=self._clock.now(),
@@ -194,14 +194,16 @@ class CommandExecutor:
         is_at_rest = not self._pending.has_any(places)  # else the device may be about to change
         expected = command.expected
         known, recent = self._known(command, expected, echoes)
-        changed = Signal()
-        pending = PendingCommand(command, known, expected, self._clock.monotonic(), changed.set, echoes)
+        changed = Signal(self._limits)
+        pending = PendingCommand(
+            command, known, expected, self._clock.monotonic(), changed.set, echoes, self._judge.was_answered
+        )
         watch = self._watch.watch(command.part.routes, partial(self._take, pending))
-        self._answers.expect(pending)
+        self._gateways.expect(pending)
         self._pending.put(pending)
-        self._settling.supersede(places)
+        self._settling.supersede(command)
         try:
-            if recent and is_at_rest and pending.was_so and not command.is_momentary:
+            if recent and is_at_rest and pending.was_so and not command.is_always_sent:
                 return result_of(AlreadySo(command_id=command.id))
             if (assumed := self.rehearsed(command)) is not None:
                 await asyncio.sleep(_REHEARSED)
@@ -212,16 +214,16 @@ class CommandExecutor:
                 return result_of(Gone(command_id=command.id))
             if echoes is not NO_ECHOES:
                 self._note_echoes(pending, outcome)
-            if isinstance(outcome, NoAnswer | Contradicted):
-                self._note_unsure(command)
             if isinstance(outcome, Confirmed):
                 self._note_confirmed(pending, outcome)
                 is_settling = self._settling.add(pending, watch)
+            elif isinstance(outcome, NoAnswer | Contradicted):
+                self._note_unsure(command)
         finally:
             self._pending.remove(pending)
             if not is_settling:
                 watch.stop()
-            self._answers.forget(pending)
+            self._gateways.forget(pending)
         return result_of(outcome, pending.reported)
 
     async def _is_gone(self, command: IssuedCommand) -> bool:
@@ -251,7 +253,7 @@ class CommandExecutor:
         """Send the command and wait for its outcome, by what the device reports and by what sensors see."""
         watch = self.witnesses.begin(pending.command, changed.set)
         try:
-            outcome = await self._send_and_wait(pending, changed)
+            outcome = await self._transmission.run(pending, changed)
             if watch is None and not self.witnesses.disproves(pending.command):
                 return outcome
             return await self.witnesses.verify(watch, pending, outcome, changed.wait)
@@ -264,75 +266,7 @@ class CommandExecutor:
         for place in pending.command.places if self._unsure_since else ():
             self._unsure_since.pop(place, None)
         for capability, seconds in pending.response_times():
-            self._times.note(pending.command.target, capability, seconds, sendings=pending.sendings)
-
-    async def _send_and_wait(self, pending: PendingCommand, changed: Signal) -> Outcome:
-        """Send the command, again where no answer comes, and wait until its outcome is known."""
-        command, clock = pending.command, self._clock
-        began = clock.monotonic()
-        limit = self._limit(command)
-        tries = 1 if command.is_momentary else 1 + self._settings.retries
-        for number in range(tries):
-            is_refused = number > 0 and self._judge.refusal(command) is not None  # by what changed meanwhile
-            if not is_refused:
-                self._journal.sent(command, number)
-                pending.note_sent(clock.monotonic())
-                problem = await self._send(command, began + limit - clock.monotonic())
-                if problem is None or pending.is_reported:
-                    self._journal.acknowledged(command)
-                elif number == 0:
-                    return problem
-                if number == 0:
-                    began = clock.monotonic()  # a gateway may have had to connect before it was sent
-            until = began + limit * (number + 1) / tries
-            while not pending.is_over and (left := pending.waits_until(until, began) - clock.monotonic()) > 0:
-                await changed.wait(left)
-            if pending.is_over or pending.moved_at is not None or pending.gives_up(clock.monotonic()):
-                break
-        return await self._outcome(pending, changed, began + self._settings.timeout + command.transition)
-
-    async def _outcome(self, pending: PendingCommand, changed: Signal, until: float) -> Outcome:
-        """Return the outcome; a device that usually answers sooner may be slow for once, and fails at *until* only."""
-        while True:
-            now = self._clock.monotonic()
-            outcome = pending.outcome(now)
-            if isinstance(outcome, Confirmed | AlreadySo) or pending.is_over or now >= until:
-                return outcome
-            await changed.wait(until - now)
-
-    async def _send(self, command: IssuedCommand, seconds: float) -> Outcome | None:
-        """Send the settings in their order, to be done in so many *seconds*; return the outcome where that fails."""
-        began = self._clock.monotonic()
-        self.leases.note_stop(command.place, command.settings, began)
-        self._judge.note_sent(command)  # before it waits: what is judged meanwhile must know of it
-        try:
-            for capability, value in command.settings.items():
-                if (refused := self._held(command)) is not None:
-                    return refused  # since it was judged, or the setting before was sent
-                await self._sender.send(
-                    command.device,
-                    command.part,
-                    capability,
-                    value,
-                    command.transition,
-                    command.code,
-                    seconds,
-                    command.id,
-                )
-        except LinkError as exc:
-            return NoAnswer(self._clock.monotonic() - began, str(exc), command_id=command.id)
-        except RefusedError as exc:
-            return Refused("gateway", exc.reason, command_id=command.id)
-        if self._clock.monotonic() - began > _AT_ONCE:
-            self._judge.note_sent(command)  # it may not have reached the device before
-        return None
-
-    def _held(self, command: IssuedCommand) -> Refused | None:
-        """Return the refusal of a command that would change what somebody holds."""
-        if command.place not in self.leases.parts:  # as nearly always
-            return None
-        reason = self.leases.refusal(command.place, command.settings, self._clock.monotonic())
-        return Refused(LEASE_POLICY, reason, command_id=command.id) if reason else None
+            self._transmission.times.note(pending.command.target, capability, seconds, sendings=pending.sendings)
 
     def _take(self, pending: PendingCommand, capability: str, value: PlainValue) -> None:
         if pending.take(capability, value, self._clock.monotonic()):
@@ -347,18 +281,13 @@ class CommandExecutor:
         while len(self._unsure_since) > _MOST_UNSURE:
             self._unsure_since.popitem(last=False)
 
-    def _limit(self, command: IssuedCommand) -> float:
-        """Return for how many seconds to wait for the answer."""
-        return max([self._times.limit(command.target, one) for one in command.settings]) + command.transition
-
     def _expected_echoes(self, command: IssuedCommand) -> ExpectedEchoes:
         settings = command.settings
-        declared = frozenset(
-            [one.name for one in command.part.part.capabilities if one.echoed and one.name in settings]
-        )
-        if not declared and self._echoes.is_empty:
+        declared = [one.name for one in command.part.part.capabilities if one.echoed and one.name in settings]
+        if not declared and not self._echoes.known:
             return NO_ECHOES
-        return self._echoes.expected(command.target, settings, declared, self._limit(command))
+        limit, _ = self._transmission.times.expected(command.target, settings)
+        return self._echoes.expected(command.target, settings, frozenset(declared), limit + command.transition)
 
     def _note_echoes(self, pending: PendingCommand, outcome: Outcome) -> None:
         target = pending.command.target
@@ -373,24 +302,29 @@ class CommandExecutor:
     def _known(
         self, command: IssuedCommand, expected: Iterable[str], echoes: ExpectedEchoes
     ) -> tuple[dict[str, PlainValue], bool]:
-        """Return the values that the part reported live, and whether all that are wanted were reported lately.
+        """Return the values that the part reported, and whether all that are wanted were reported live and lately.
 
-        What was reported before a command failed, or before one for something else that still waits, is not known, and
-        what may be an echo, or was reported since a command failed, not lately: the next one is sent in any case.
+        What a broker has kept is known of a device that is online, by its last will: many report only changes. What was
+        reported before a command failed, or before one for something else that still waits, is not known, and what
+        may be an echo, or was reported since a command failed, not lately: the next one is sent in any case.
         """
-        now, known, ages = self._clock.now(), {}, [0.0]
+        now, known, is_recent = self._clock.now(), {}, echoes is NO_ECHOES
         asked = {*command.settings, *expected}
         is_doubted = self._pending.wants_otherwise(command) or self.witnesses.disproves(command)
-        if is_doubted or command.device.freshness != "fresh":
+        is_online = command.device.reachable.state == "yes"
+        if is_doubted or not (is_online or command.device.freshness == "fresh"):
             return {}, False
+        device, part = command.place
         for state in command.device.states:
-            if state.part == command.part.id and state.live and state.capability in asked:
+            capability = state.capability
+            if capability in asked and state.part == part and (state.live or is_online):
                 told_at = state.told_at.to_seconds()
-                unsure_since = self._unsure_since.get((*command.place, state.capability))
-                ages.append(math.inf if unsure_since is not None else abs(now - told_at))
+                unsure_since = self._unsure_since.get((device, part, capability))
+                is_sure = state.live and unsure_since is None
+                is_recent = is_recent and is_sure and abs(now - told_at) <= _RECENT
                 if unsure_since is None or told_at > unsure_since:
-                    known[state.capability] = state.value.plain()
-        return known, max(ages) <= _RECENT and echoes is NO_ECHOES
+                    known[capability] = state.value.plain()
+        return known, is_recent
 
 
 def _settings_text(command: IssuedCommand) -> str:

@@ -3,17 +3,10 @@
 from __future__ import annotations
 
 from homebot.control.leases import Lease
-from homebot.devices.command_messages import Setting
 from homebot.devices.lease_messages import HeldPart, HolderOfPart
-from homebot.devices.value import Value
 from homebot.messages import Time
 
-__all__ = ["held_part", "held_setting"]
-
-
-def held_setting(lease: Lease) -> Setting:
-    """Return what *lease* holds, and at which value."""
-    return Setting(capability=lease.capability, value=Value.of(lease.value))
+__all__ = ["held_part"]
 
 
 def held_part(lease: Lease, monotonic: float, now: float) -> HeldPart:
@@ -27,7 +20,7 @@ def held_part(lease: Lease, monotonic: float, now: float) -> HeldPart:
     return HeldPart(
         device=device,
         part=part,
-        setting=held_setting(lease),
+        setting=lease.setting,
         holders=tuple(
             HolderOfPart(by=holder.by, issuer=issuer, until=time(holder.deadline))
             for (issuer, _, _), holder in lease.holders.items()

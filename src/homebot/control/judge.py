@@ -28,6 +28,12 @@ from homebot.graph import Node
 
 __all__ = ["Judge"]
 
+_EFFECT: Final = 60.0
+"""Seconds after a command in which a new report of what it set is the answer to it."""
+
+_ROUNDING: Final = 0.1
+"""Seconds by which stamps and the monotonic clock may differ."""
+
 _MOST_NAMED: Final = 5
 _SET: Final = 5.0
 """Seconds by which the clock of the computer and the monotonic one come apart where it was set, or has slept."""
@@ -121,6 +127,20 @@ class Judge:
         if scope := self._grants.get(issuer):
             return _rights_of(tuple(scope))
         return ALL_RIGHTS if self._trusts_apps or not self._settings.always_ask else LOCAL_RIGHTS
+
+    def was_answered(self, command: IssuedCommand, capability: str) -> bool:
+        """Return whether what is known of *capability* is how the device answered the same command before.
+
+        It is where the last command set the same, and the value was first reported within a minute after that.
+        """
+        sent = self._recent.last(command, capability)
+        if sent is None or sent[0] != command.settings.get(capability):
+            return False
+        now, sent_ago = self._clock.now(), self._clock.monotonic() - sent[1]
+        for one in command.device.states:
+            if one.capability == capability and one.part == command.part.id:
+                return -_ROUNDING <= sent_ago - (now - one.since.to_seconds()) <= _EFFECT
+        return False
 
     def note_sent(self, command: IssuedCommand) -> None:
         """Note that *command* was sent."""

@@ -12,13 +12,15 @@ import anyio
 from anyio.abc import TaskGroup
 
 from homebot.control.executor import CommandExecutor
-from homebot.control.held_parts import held_part, held_setting
+from homebot.control.held_parts import held_part
 from homebot.control.held_values import STOPPED
 from homebot.control.journal import CommandJournal
 from homebot.control.journal.journal import LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, held_text
+from homebot.control.missing_part import missing_part
 from homebot.control.report_watch import ReportWatch
 from homebot.control.value_text import value_text
+from homebot.control.zero_level import held_zero_as_off
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.command_messages import CommandRequest, CommandResult
 from homebot.devices.command_results import outcome_of, result_of
@@ -30,7 +32,7 @@ from homebot.devices.lease_messages import (
     LeaseResponse,
     LeasesResponse,
 )
-from homebot.devices.outcomes import Contradicted, Gone, NoAnswer, Outcome, Refused
+from homebot.devices.outcomes import Contradicted, NoAnswer, Outcome, Refused
 from homebot.devices.trigger import Trigger
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
@@ -94,7 +96,8 @@ class LeaseKeeper:
             return LeaseResponse(held=False, result=result_of(NoAnswer(0.0, str(exc))))
         part = None if device is None else next((one for one in device.parts if one.id == request.part), None)
         if device is None or part is None:
-            return LeaseResponse(held=False, result=result_of(Gone()))
+            return LeaseResponse(held=False, result=missing_part(request.device, request.part, device))
+        request = request.with_checked(setting=held_zero_as_off(request.setting, part.part))
         refused = self._executor.preview(_command_of(request), device, part)
         if refused is not None:  # before it holds: it would block others meanwhile
             return self._refused(request, refused.reason, refused.policy)
@@ -176,7 +179,7 @@ class LeaseKeeper:
                 CommandRequest(
                     device=device,
                     part=part,
-                    settings=(held_setting(lease),),
+                    settings=(lease.setting,),
                     issuer=issuer,
                     trigger=Trigger(kind="lease", text=by),
                     scope=scope,
@@ -276,7 +279,7 @@ class LeaseKeeper:
             self._note_step("handed_back", lease)
 
     def _note_step(self, step: LeaseStep, lease: Lease, issuer: str = "", text: str = "") -> None:
-        self._journal.lease(step, lease.part, held_setting(lease), issuer, text)
+        self._journal.lease(step, lease.part, lease.setting, issuer, text)
 
     def _log(self, event: str, lease: Lease, text: str) -> None:
         device, part = lease.part

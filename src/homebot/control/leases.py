@@ -7,10 +7,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
+from homebot.control.command import IssuedCommand
 from homebot.control.held_values import STOPPED, changes, departs
 from homebot.control.tolerance import fits
 from homebot.control.value_text import value_text
-from homebot.devices.value import PlainValue
+from homebot.devices.command_messages import Setting
+from homebot.devices.outcomes import Refused
+from homebot.devices.value import PlainValue, Value
 
 __all__ = ["LEASE_POLICY", "MOST_HOLDERS", "HolderKey", "Lease", "LeaseHolder", "Leases", "held_text"]
 
@@ -68,6 +71,11 @@ class Lease:
     again_at: float = math.inf
     hand_until: float = -math.inf
     saw: str = ""
+
+    @property
+    def setting(self) -> Setting:
+        """The capability that is held, and its value."""
+        return Setting(capability=self.capability, value=Value.of(self.value))
 
     def text(self, now: float) -> str:
         """Return what is held, by whom and for how long, for people."""
@@ -201,6 +209,11 @@ class Leases:
                 if value != STOPPED and changes(lease.capability, lease.value, capability, value):
                     return lease.text(now)
         return ""
+
+    def refuse(self, command: IssuedCommand, now: float) -> Refused | None:
+        """Return the refusal of a command at *now*; None where no lease forbids it."""
+        reason = self.refusal(command.place, command.settings, now)
+        return Refused(LEASE_POLICY, reason, command_id=command.id) if reason else None
 
     def note_stop(self, part: _Part, settings: Mapping[str, PlainValue], now: float) -> None:
         """Let a stop command outrank the leases of its part, as a hand does."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import Final, TypeAlias, final
@@ -10,7 +9,8 @@ from typing import Final, TypeAlias, final
 from homebot.control.command import IssuedCommand
 from homebot.control.echoes import FAST, NO_ECHOES, ExpectedEchoes
 from homebot.control.held_values import changes, departs, related
-from homebot.control.tolerance import fits, is_intermediate
+from homebot.control.motion_watch import MotionWatch
+from homebot.control.tolerance import fits, is_intermediate, is_same
 from homebot.control.value_text import value_text
 from homebot.devices.command_messages import Setting
 from homebot.devices.outcomes import (
@@ -22,9 +22,9 @@ from homebot.devices.outcomes import (
     Outcome,
     Superseded,
 )
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue
 
-__all__ = ["PendingCommand", "PendingCommands", "Signal"]
+__all__ = ["PendingCommand", "PendingCommands"]
 
 _Place: TypeAlias = tuple[str, str, str]
 
@@ -36,6 +36,7 @@ _SAME: Final = 0.01
 
 _NOTHING: Final = object()
 
+_setting_of = Setting.of  # looked up once, as `of_checked` says
 
 _MOVES_FOR: Final = 60.0
 """Seconds that a device gets from its last sign of moving on."""
@@ -55,6 +56,7 @@ class PendingCommand:
         began: Seconds of the monotonic clock.
         wake: Called when something changed.
         echoes: The echoes that it may cause.
+        was_answered: Returns whether *before* is how the device answered the same command, with its rounding.
 
     Attributes:
         command: The command.
@@ -65,6 +67,8 @@ class PendingCommand:
         is_witnessed: Whether a witness saw that the device obeyed.
         moved_at: When the device was last seen on its way; None where it was not.
         must_answer: Whether the device answers commands, so that one of which it reports nothing waits for the answer.
+        first_sent_at: When it was first sent.
+        told_otherwise_at: When the device last reported something else, and not that it moves; -inf where it did not.
         superseded_by: The id of the newer command that took its place; empty where there is none.
         sendings: How often it was sent.
     """
@@ -77,6 +81,7 @@ class PendingCommand:
         began: float,
         wake: Callable[[], None],
         echoes: ExpectedEchoes = NO_ECHOES,
+        was_answered: Callable[[IssuedCommand, str], bool] | None = None,
     ) -> None:
         self.command = command
         self.echoes = echoes
@@ -88,11 +93,13 @@ class PendingCommand:
         self.must_answer = False
         self.superseded_by = ""
         self.sendings = 0
+        self.told_otherwise_at = -math.inf
         self._answers: dict[str, float] = {}
         self._refusal = ""
         self._before = before
+        self._was_answered = was_answered
         self._wanted = dict(expected)
-        self._began = self._sent_at = began
+        self._began = self._sent_at = self.first_sent_at = began
         self._wake = wake
         self._echoed_since_sent: dict[str, float] = {}
         self._answered: set[str] = set()
@@ -101,7 +108,11 @@ class PendingCommand:
         self._seen_before: set[str] = set()
         self._fitting: dict[str, float] = {}
         self._moving: set[str] = set()
+        self._motion = MotionWatch(command) if command.moves else None
         self._noted = 0
+        self._turns_on = command.turns_on
+        if self._turns_on and self._was_about_so:  # that it is off at what is wanted does not show that it obeyed
+            self._wanted["on_off"] = True
 
     @property
     def is_over(self) -> bool:
@@ -116,11 +127,6 @@ class PendingCommand:
         return len(self._fitting) == len(self._wanted)
 
     @property
-    def is_reported(self) -> bool:
-        """True if the device reported all that was commanded, and it was something that it reports."""
-        return self.is_verified and self.is_met
-
-    @property
     def is_verified(self) -> bool:
         """True if the device reports any of what was commanded, so that it shows whether it obeyed."""
         return bool(self._wanted)
@@ -130,9 +136,20 @@ class PendingCommand:
         """True if the device had reported before that all of it is so."""
         before = self._before
         for name, value in (self._wanted or self.command.settings).items():
-            if name not in before or not fits(name, value, before[name]):
+            if name not in before or not (is_same(name, value, before[name]) or self._is_rounded(name, before[name])):
                 return False
         return True
+
+    @property
+    def _was_about_so(self) -> bool:
+        before, wanted = self._before, self._wanted or self.command.settings
+        return all(name in before and fits(name, value, before[name]) for name, value in wanted.items())
+
+    def _is_rounded(self, capability: str, value: PlainValue) -> bool:
+        """Return whether *value*, which was reported before, is what the device makes of the wanted one."""
+        if self._was_answered is None or not fits(capability, self.command.settings.get(capability), value):
+            return False
+        return self._was_answered(self.command, capability)
 
     def waits_until(self, until: float, began: float) -> float:
         """Return when waiting ends, by the rule at *until*: later on its way, sooner where only echoes come."""
@@ -147,6 +164,7 @@ class PendingCommand:
     def note_sent(self, now: float) -> None:
         """Note that it is sent now, which may cause an echo."""
         self._sent_at = now
+        self.first_sent_at = now if self.sendings == 0 else self.first_sent_at
         self.sendings += 1
         self._seen_before.update(self._seen)
         self._echoed_since_sent.clear()
@@ -154,9 +172,14 @@ class PendingCommand:
     def take(self, capability: str, value: PlainValue, now: float) -> bool:
         """Take in a live report of the part at *now*; return whether it is worth a note."""
         if capability not in self._wanted:
+            if self._motion is not None and self._motion.shows_motion(capability, value):
+                self.moved_at = now
+                self._wake()
             return False
         wanted = self._wanted[capability]
         is_met = fits(capability, wanted, value)
+        if is_met and self._before.get(capability, _NOTHING) == value:
+            is_met = is_same(capability, wanted, value) or self._is_rounded(capability, value)  # else it did nothing
         is_moving = not is_met and is_intermediate(capability, wanted, value)
         is_news = self._is_news(capability, value, is_moving=is_moving)
         if is_met:
@@ -180,6 +203,8 @@ class PendingCommand:
                 self._back_after.setdefault(capability, now - self.fast[capability])
             if is_moving:
                 self.moved_at = now
+            else:
+                self.told_otherwise_at = now
         self._wake()
         return is_news
 
@@ -233,10 +258,6 @@ class PendingCommand:
             latest = max(latest, math.inf if at is None else at)
         return latest
 
-    def _is_on_its_way(self, capability: str, seen: PlainValue) -> bool:
-        """Return whether a report says in words that the device moves; a position may be where it is stuck."""
-        return isinstance(seen, str) and is_intermediate(capability, self._wanted[capability], seen)
-
     def supersede(self, by: str) -> None:
         """Note that the command *by* took its place."""
         self.superseded_by = self.superseded_by or by
@@ -244,6 +265,8 @@ class PendingCommand:
 
     def departs(self, capability: str, value: PlainValue) -> bool:
         """Return whether a later report of *value* shows that the device went back."""
+        if capability == "on_off" and capability not in self.command.settings:
+            return False  # a newer command may have turned it off
         return capability in self._wanted and departs(capability, self._wanted[capability], value)
 
     def may_move_on(self, capability: str, value: PlainValue) -> bool:
@@ -252,17 +275,19 @@ class PendingCommand:
         if not (isinstance(wanted, float) and isinstance(value, float)):
             return False
         is_motor = is_intermediate(capability, wanted, value)
+        if capability == "level" and self._turns_on and value < wanted:
+            return True  # it fades up from nothing, whatever it kept as its level
         return is_motor or not isinstance(before, float) or min(before, wanted) < value < max(before, wanted)
 
     @property
     def reported(self) -> tuple[Setting, ...]:
         """The values that the device reported and that fit."""
-        return tuple([Setting.of_checked(capability=one, value=Value.of(self._seen[one])) for one in self._fitting])
+        return tuple([_setting_of(one, self._seen[one]) for one in self._fitting])
 
     @property
     def wanted(self) -> tuple[Setting, ...]:
         """The values that the device is to report."""
-        return tuple(Setting(capability=name, value=Value.of(value)) for name, value in self._wanted.items())
+        return tuple([_setting_of(name, value) for name, value in self._wanted.items()])
 
     def response_times(self) -> Iterable[tuple[str, float]]:
         """Yield the capabilities that were reported as wanted, each with the seconds that it took."""
@@ -303,7 +328,9 @@ class PendingCommand:
                 return Confirmed(now - self._began, Evidence.ACKNOWLEDGED, command_id=name)
             return Confirmed(max(self._fitting.values()) - self._began, Evidence.REPORTED, command_id=name)
         others = [(one, seen) for one, seen in self._seen.items() if one not in self._fitting]
-        if others and all(one in self._seen_before or self._is_on_its_way(one, seen) for one, seen in others):
+        words = [one for one, seen in others if isinstance(seen, str)]  # a position may be where it is stuck
+        moving = [one for one in words if is_intermediate(one, self._wanted[one], self._seen[one])]
+        if others and all(one in self._seen_before or one in moving for one, _ in others):
             return NoAnswer(now - self._began, command_id=name)  # since it was sent, or since it began to move
         if others:
             saw = ", ".join(f"{capability} is {value_text(value)}" for capability, value in others)
@@ -338,7 +365,7 @@ class PendingCommands:
         """Return whether a command that waits would change what *command* sets."""
         for capability, value in command.settings.items() if self._newest else ():
             older = self._newest.get((*command.place, capability))
-            if older is not None and not fits(capability, value, older.command.settings[capability]):
+            if older is not None and changes(capability, older.command.settings[capability], capability, value):
                 return True
         return False
 
@@ -370,29 +397,3 @@ class PendingCommands:
                     continue
                 if other == capability or changes(other, older.command.settings[other], capability, value):
                     older.supersede(command.id)
-
-
-@final
-class Signal:
-    """Wakes the one task that waits for news of a command; one that looks before it waits misses nothing.
-
-    A future and a timer of the event loop: an event within a time limit would cost three times as much.
-    """
-
-    def __init__(self) -> None:
-        self._waiter: asyncio.Future[None] | None = None
-
-    def set(self) -> None:
-        """Wake the task, if it waits."""
-        if self._waiter is not None and not self._waiter.done():
-            self._waiter.set_result(None)
-
-    async def wait(self, seconds: float) -> None:
-        """Wait until it is set, for so many seconds at most."""
-        loop = asyncio.get_running_loop()
-        self._waiter = loop.create_future()
-        timer = loop.call_later(seconds, self.set)
-        try:
-            await self._waiter
-        finally:
-            timer.cancel()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict, deque
+from collections.abc import Iterable
 from typing import Final, final
 
 __all__ = ["ResponseTimes"]
@@ -13,6 +14,7 @@ _FACTOR: Final = 3.0
 _SPARE: Final = 1.0  # seconds
 _SHORTEST: Final = 2.0
 _LONGEST: Final = 120.0
+_UNKNOWN: Final = 1.0  # seconds
 _MOST: Final = 10_000
 
 
@@ -45,11 +47,18 @@ class ResponseTimes:
                 self._known.popitem(last=False)
         times.append(seconds)
 
-    def limit(self, target: str, capability: str) -> float:
-        """Return for how many seconds to wait: three times the longest known and one more, 2 s to 120 s."""
-        times = self._known.get((target, capability), ())
-        longest = max(times, default=0.0)
-        usual = _FACTOR * longest + _SPARE
-        if len(times) < _ENOUGH:
-            usual = max(usual, self._first)
-        return min(max(usual, _SHORTEST), _LONGEST)
+    def expected(self, target: str, capabilities: Iterable[str]) -> tuple[float, float]:
+        """Return for how many seconds to wait for the answer of *target*, and the longest that is known.
+
+        The wait is three times the longest and one second more, 2 s to 120 s. The longest counts as a second at least
+        where too few are known.
+        """
+        longest, is_known = 0.0, True
+        for capability in capabilities:
+            times = self._known.get((target, capability), ())
+            longest = max((longest, *times))
+            is_known = is_known and len(times) >= _ENOUGH
+        limit = _FACTOR * longest + _SPARE
+        if not is_known:
+            limit, longest = max(limit, self._first), max(longest, _UNKNOWN)
+        return min(max(limit, _SHORTEST), _LONGEST), longest

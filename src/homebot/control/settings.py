@@ -38,6 +38,11 @@ class ControlSettings(PolicySettings):
     journal_megabytes: float = Field(default=50.0, ge=1, le=10_000)
 
     @property
+    def names_devices(self) -> bool:
+        """True if it names sensors or contacts, which may be misspelt."""
+        return bool(self.witnesses) or (self.presence_guard is not None and bool(self.presence_guard.doors))
+
+    @property
     def named_witnesses(self) -> tuple[tuple[Query, str], ...]:
         """The named sensors, folded, each with its query."""
         if not self.witnesses:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import Final, TypeAlias, final
 
 import anyio
 
+from homebot.control.command import IssuedCommand
 from homebot.control.echoes import EchoHistory
+from homebot.control.held_values import changes, related
 from homebot.control.journal import CommandJournal
 from homebot.control.pending import PendingCommand
 from homebot.control.report_watch import PartWatch
@@ -26,6 +27,9 @@ __all__ = ["Settling"]
 _Place: TypeAlias = tuple[str, str, str]
 
 REVERTED = "control.reverted"
+
+_LATE: Final = 2.0
+"""Seconds after a transition in which its last steps may be reported."""
 
 _LONGEST: Final = 300.0
 """Seconds from its confirmation for which a device is watched that moves on and on."""
@@ -76,10 +80,20 @@ class Settling:
         self._added.set()
         return True
 
-    def supersede(self, places: Iterable[_Place]) -> None:
-        """Watch no more what a newer command is about."""
-        for place in places:
-            self._end(place)
+    def supersede(self, command: IssuedCommand) -> None:
+        """Watch no more what a newer *command* is about, and what it changes: no device went back then."""
+        watched = self._watched
+        if not watched:
+            return
+        device, part = command.place
+        for capability, value in command.settings.items():
+            for other in related(capability):
+                place = device, part, other
+                if place not in watched:
+                    continue
+                older = watched[place].pending.command.settings[other]
+                if other == capability or changes(other, older, capability, value):
+                    self._end(place)
 
     async def run(self) -> None:
         """End each watch in its time, until cancelled."""
@@ -96,14 +110,22 @@ class Settling:
     def _take(self, settled: _Settled, capability: str, value: PlainValue) -> None:
         pending = settled.pending
         if not pending.departs(capability, value):
-            settled.step = None
+            if settled.step is not None and settled.step[0] == capability:
+                settled.step = None
             pending.note_again(capability, value, self._clock.monotonic())
             return
-        if not pending.may_move_on(capability, value):
+        if not (self._is_fading(settled, capability) or pending.may_move_on(capability, value)):
             self._revert(settled, capability)
         elif settled.step != (capability, value):
             settled.step = capability, value
             self._wait_on(settled)
+
+    def _is_fading(self, settled: _Settled, capability: str) -> bool:
+        """Return whether a lamp may still be on for the commanded transition, although it reported its end."""
+        transition = settled.pending.command.transition
+        if capability != "on_off" or not transition:
+            return False
+        return self._clock.monotonic() - settled.confirmed_at <= transition + _LATE
 
     def _wait_on(self, settled: _Settled) -> None:
         """Watch a device that moves for some seconds more."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Final, final
 
 from homebot.control.client_commands import POLICY, client_refusal
@@ -21,7 +20,7 @@ from homebot.devices.text.address import part_at
 from homebot.devices.text.commands import decode_command
 from homebot.devices.text_messages import SendTextRequest, SendTextResponse
 from homebot.devices.text_sender import TextSender, TextTarget
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError
 from homebot.graph import Node
 
@@ -72,14 +71,14 @@ class TextCommands:
 
     async def _send(self, name: str, request: SendTextRequest, device: Device, target: TextTarget) -> SendTextResponse:
         part = part_at(device, target.gateway, target.address) or _unknown_part(device)
-        settings = _settings(request.payload, part)
-        noted = _command_request(request, part.id, settings)
+        capability, value = _setting(request.payload, part)
+        noted = _command_request(request, part.id, capability, value)
         self._journal.requested(name, noted)
         command = IssuedCommand(
             id=name,
             device=device,
             part=part,
-            settings=settings,
+            settings={capability: value},
             issuer=request.issuer,
             rights=self._judge.rights(request.issuer),
             cause=request.trigger.id,
@@ -115,30 +114,30 @@ class TextCommands:
         return self._executor.refusal(command)
 
     def _failed(self, name: str, request: SendTextRequest, outcome: Outcome) -> SendTextResponse:
-        noted = _command_request(request, "", {UNREAD: request.payload})
+        noted = _command_request(request, "", UNREAD, request.payload)
         self._journal.requested(name, noted)
         self._journal.decided(name, noted, result_of(outcome))
         return _response(outcome)
 
 
-def _settings(payload: str, part: DevicePart) -> Mapping[str, PlainValue]:
+def _setting(payload: str, part: DevicePart) -> tuple[str, PlainValue]:
     """Return what *payload* sets at *part*; a device may take a word in another case, or between spaces."""
     for text in (payload, payload.strip().casefold()):
         try:
-            capability, value = decode_command(text, part.part)
+            return decode_command(text, part.part)
         except RefusedError:
             continue
-        return {capability: value}
-    return {UNREAD: payload}
+    return UNREAD, payload
 
 
-def _command_request(request: SendTextRequest, part: str, settings: Mapping[str, PlainValue]) -> CommandRequest:
+def _command_request(request: SendTextRequest, part: str, capability: str, value: PlainValue) -> CommandRequest:
     """Return the same as a command, for the journal and the rights of clients."""
-    noted = {name: one[:_LONGEST_NOTED] if isinstance(one, str) else one for name, one in settings.items()}
-    return CommandRequest(
+    return CommandRequest.of_checked(
         device=request.device,
         part=part,
-        settings=tuple(Setting(capability=name, value=Value.of(one)) for name, one in noted.items()),
+        settings=(Setting.of(capability, value[:_LONGEST_NOTED] if isinstance(value, str) else value),),
+        transition=0.0,
+        code="",
         issuer=request.issuer,
         scope=request.scope,
         cause=request.trigger.id,

@@ -1,12 +1,13 @@
 """Services and messages of the control layer: commands, and what became of them."""
 
+from functools import lru_cache
 from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from pydantic import ConfigDict, Field
 
 from homebot.devices.device import KeyValue
 from homebot.devices.trigger import NO_TRIGGER, Trigger
-from homebot.devices.value import Value
+from homebot.devices.value import PlainValue, Value
 from homebot.messages.message import Message, ServiceType, UInt8
 
 __all__ = [
@@ -43,6 +44,15 @@ class Setting(Message):
 
     capability: str
     value: Value
+
+    @staticmethod
+    @lru_cache(maxsize=256, typed=True)
+    def of(capability: str, plain: PlainValue) -> "Setting":
+        """Return the setting of *capability* to *plain*, without a look at them; see :meth:`Message.of_checked`.
+
+        The last ones are remembered: what is wished is reported, and comes again.
+        """
+        return Setting.of_checked(capability=capability, value=Value.of(plain))
 
 
 class CommandRequest(Message):

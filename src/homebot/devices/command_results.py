@@ -22,9 +22,21 @@ _NO_FACTS: Final[Mapping[str, object]] = {
 }
 """What a result says that is about another outcome."""
 
+_GRADES: Final = {int(grade): grade for grade in Evidence}
+_CONFIRMED: Final = CommandResult.of_checked(command_id="", outcome="confirmed", text="", reported=(), **_NO_FACTS)
+
 
 def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandResult:
     """Return the message that carries *outcome*, and what the device reported."""
+    if isinstance(outcome, outcomes.Confirmed):  # as most are
+        return _CONFIRMED.with_checked(
+            command_id=outcome.command_id,
+            text=outcome.text,
+            reported=reported,
+            latency=outcome.latency,
+            evidence=int(outcome.evidence),
+            witness=outcome.witness,
+        )
     fields = {  # in the order in which programs are shown them
         "command_id": outcome.command_id,
         "outcome": "gone",
@@ -33,11 +45,6 @@ def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandRe
         **_NO_FACTS,
     }
     match outcome:
-        case outcomes.Confirmed():
-            fields["outcome"] = "confirmed"
-            fields["latency"] = outcome.latency
-            fields["evidence"] = int(outcome.evidence)
-            fields["witness"] = outcome.witness
         case outcomes.AlreadySo():
             fields["outcome"] = "already_so"
         case outcomes.Contradicted():
@@ -58,7 +65,7 @@ def outcome_of(result: CommandResult) -> Outcome:
     name = result.command_id
     match result.outcome:
         case "confirmed":
-            return outcomes.Confirmed(result.latency, Evidence(result.evidence), result.witness, command_id=name)
+            return outcomes.Confirmed(result.latency, _GRADES[result.evidence], result.witness, command_id=name)
         case "already_so":
             return outcomes.AlreadySo(command_id=name)
         case "contradicted":

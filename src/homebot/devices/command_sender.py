@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 from homebot.devices.capabilities import MOMENTARY
-from homebot.devices.device import EVERYTHING, Device, DevicePart
+from homebot.devices.device import EVERYTHING, Device, DevicePart, Route
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.names import GatewayNames
 from homebot.devices.value import PlainValue, Value
@@ -13,6 +14,8 @@ from homebot.errors import InvalidNameError, LinkError, RefusedError, ServiceErr
 from homebot.graph import Client, Node
 
 __all__ = ["CommandSender"]
+
+_command_of, _value_of = Command.of_checked, Value.of  # looked up once, as `of_checked` says
 
 _ANSWERS_WITHIN: Final = 5.0
 """Seconds that a gateway has for its answer beyond the time in which it may carry the command out."""
@@ -39,10 +42,12 @@ class CommandSender:
         code: str = "",
         expires_after: float = 0.0,
         command_id: str = "",
+        kept_for: float = 0.0,
     ) -> None:
         """Set *capability* to *value* within *transition* seconds; return when the network has accepted the command.
 
-        A gateway that has not carried it out within *expires_after* seconds, where given, gives up.
+        A gateway that has not carried it out within *expires_after* seconds, where given, gives up. For a device that
+        is away the network keeps it for *kept_for* seconds, where given.
 
         Where a route cannot do that, and sent nothing, or cannot reach the device, the next one is tried; what a
         gateway refuses to do at all is not done by another route. A button is not pressed by a second route where the
@@ -52,18 +57,14 @@ class CommandSender:
             RefusedError: The gateway or the part refuses, or the part is disputed.
             LinkError: No gateway of the part is running and connected; it may work later.
         """
-        if not part.routes:
-            why = "; ".join(device.conflicts) or "it has no route for commands"
-            raise RefusedError(f"a command to {device.id}", why)
-        takes = [route for route in part.routes if capability in route.takes or route.takes == EVERYTHING]
-        routes = takes or part.routes
+        routes = _routes(device, part, capability)
         problem, unable = f"its gateway {routes[0].gateway} is not running", ""
         is_away, is_momentary = False, capability in MOMENTARY
-        sent = Value.of(value)
+        sent = _value_of(value)
         for route in routes:
             response = await self._call(
                 route.gateway,
-                Command.of_checked(
+                _command_of(
                     key=route.key,
                     part=route.part,
                     capability=capability,
@@ -72,6 +73,7 @@ class CommandSender:
                     code=code,
                     expires_after=expires_after,
                     id=command_id,
+                    kept_for=kept_for,
                 ),
             )
             if response is None:
@@ -106,3 +108,11 @@ class CommandSender:
         except ServiceError as exc:
             return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
         return None
+
+
+def _routes(device: Device, part: DevicePart, capability: str) -> Sequence[Route]:
+    """Return the routes by which *capability* is said to be set; all of them where no route says so."""
+    if not part.routes:
+        why = "; ".join(device.conflicts) or "it has no route for commands"
+        raise RefusedError(f"a command to {device.id}", why)
+    return [route for route in part.routes if capability in route.takes or route.takes == EVERYTHING] or part.routes

@@ -15,7 +15,7 @@ from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE
 from homebot.devices.outcomes import Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.setting_check import check_setting
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Node
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 __all__ = ["Commander"]
 
 NO_CONTROL = "the control layer is not running; it is restarted by itself, see `homebot doctor`"
+
+_request_of, _setting_of = CommandRequest.of_checked, Setting.of  # looked up once, as `of_checked` says
 
 _LONGEST_CODE: Final = 255
 _LONGEST: Final = 900.0
@@ -77,7 +79,7 @@ class Commander:
                 return NoAnswer(0.0, NO_CONTROL)
             return await self._send(tracked.device, part, settings, transition, code)
         trigger = current_trigger()
-        request = CommandRequest.of_checked(
+        request = _request_of(
             device=tracked.device.id,
             part=part.id,
             settings=settings,
@@ -136,4 +138,4 @@ def _checked(
         raise RefusedError(f"a code for {target}", f"it has more than {_LONGEST_CODE} characters")
     for capability, value in values.items():
         check_setting(target, part.part, capability, value)
-    return tuple([Setting.of_checked(capability=name, value=Value.of(value)) for name, value in values.items()])
+    return tuple([_setting_of(name, value) for name, value in values.items()])

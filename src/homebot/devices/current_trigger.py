@@ -16,6 +16,8 @@ _LONGEST = 200
 def current_trigger() -> Trigger:
     """Return what the task that calls this acts upon."""
     match CURRENT_CAUSE.get():
+        case None:
+            return NO_TRIGGER
         case StateChange() as change:
             return _of_report(change)
         case DeviceChange() as change:

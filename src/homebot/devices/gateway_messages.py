@@ -145,6 +145,8 @@ class Command(Message):
         code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
         expires_after: Seconds after which the network is not to deliver it any more, where it can tell; 0 for never.
         id: The id of the command; empty where nobody waits for what the device answers.
+        kept_for: Seconds for which the network may keep it for a device that is away, as it is sent again after that;
+            0 for until it expires.
     """
 
     model_config = ConfigDict(hide_input_in_errors=True)
@@ -157,6 +159,7 @@ class Command(Message):
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
     expires_after: Annotated[float, Field(ge=0.0)] = 0.0
     id: str = ""
+    kept_for: Annotated[float, Field(ge=0.0)] = 0.0
 
 
 class CommandAnswer(Message):

@@ -148,7 +148,8 @@ class ReadJournalResponse(Message):
         entries: The newest that fit.
         complete: Whether these are all that fit; otherwise older ones were left out.
         begins: The time of the oldest entry in the journal; 0 where it is empty.
-        names: The names of the devices in the entries, by id, as far as the directory knows them now.
+        names: The names of the devices in the entries, by id, as far as the directory knows them now; where several
+            parts of a device take commands, those of the parts too, by ``ID#PART``.
     """
 
     success: bool = True

@@ -10,7 +10,7 @@ from homebot.devices.names import GatewayNames
 from homebot.devices.text.address import command_address, others_at
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.errors import InvalidNameError, LinkError, RefusedError
-from homebot.graph import Node, Publisher, Subscription, qos_profile_latched
+from homebot.graph import Node, Publisher, qos_profile_latched
 from homebot.names import validate_node_name
 
 __all__ = ["TextSender", "TextTarget", "check_gateway"]
@@ -41,9 +41,7 @@ class TextSender:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._commands: dict[str, Publisher[RawCommand]] = {}
-        self._states: dict[str, Subscription[GatewayState]] = {}
-        self._observing: dict[str, str] = {}
+        self._gateways: dict[str, _GatewayClient] = {}
 
     def target(self, device: Device, payload: str) -> TextTarget:
         """Return where *payload* for *device* goes.
@@ -58,14 +56,17 @@ class TextSender:
             if not endpoint.command_address:
                 continue
             gateway = gateway or endpoint.gateway
-            try:
-                out = self._out(endpoint)
-            except RefusedError as exc:
-                problem = exc
-                continue
-            if why_not := self._refusal_of(endpoint.gateway):
+            peer = self._gateways.get(endpoint.gateway)
+            if peer is None:
+                try:
+                    check_gateway(endpoint)
+                except RefusedError as exc:
+                    problem = exc
+                    continue
+                peer = self._gateways[endpoint.gateway] = _GatewayClient(self._node, endpoint.gateway)
+            if why_not := peer.refusal():
                 raise RefusedError(f"a command to {device.id}", why_not)
-            if out.reaches(GatewayNames(endpoint.gateway).node):
+            if peer.out.reaches(peer.node):
                 return _target(device, endpoint, payload)
         if problem is not None:
             raise problem
@@ -87,32 +88,42 @@ class TextSender:
         Raises:
             LinkError: The gateway went away meanwhile.
         """
-        out = self._commands[target.gateway]
+        peer = self._gateways[target.gateway]
         command = RawCommand(
             address=target.address, payload=payload, issuer=issuer, trigger=trigger, command_id=command_id
         )
-        await out.send(command)
-        if not out.reaches(GatewayNames(target.gateway).node):  # it went while its queue was full
+        await peer.out.send(command)
+        if not peer.out.reaches(peer.node):  # it went while its queue was full
             raise _away(device, payload, target.gateway)
         return command
 
-    def _out(self, endpoint: Endpoint) -> Publisher[RawCommand]:
-        gateway = endpoint.gateway
-        if gateway not in self._commands:
-            check_gateway(endpoint)
-            self._commands[gateway] = self._node.create_publisher(RawCommand, GatewayNames(gateway).out, _DEPTH)
-        return self._commands[gateway]
 
-    def _refusal_of(self, gateway: str) -> str:
-        """Return why *gateway* sends no commands, by its last state; empty where it does, or reported none yet."""
-        if gateway not in self._states:
-            names = GatewayNames(gateway)
-            self._states[gateway] = self._node.create_subscription(
-                GatewayState, names.state, qos_profile=qos_profile_latched, from_node=names.node
-            )
-        if (state := self._states[gateway].take()) is not None:
-            self._observing[gateway] = "" if state.acts else state.reason or ONLY_OBSERVES
-        return self._observing.get(gateway, "")
+class _GatewayClient:
+    """Publisher of texts to one gateway, with the last state that it reported.
+
+    Args:
+        sender: The node that sends the texts.
+        gateway: The name of the gateway.
+
+    Attributes:
+        node: The full name of its node.
+        out: Publishes to it.
+    """
+
+    def __init__(self, sender: Node, gateway: str) -> None:
+        names = GatewayNames(gateway)
+        self.node = names.node
+        self.out: Publisher[RawCommand] = sender.create_publisher(RawCommand, names.out, _DEPTH)
+        self._states = sender.create_subscription(
+            GatewayState, names.state, qos_profile=qos_profile_latched, from_node=names.node
+        )
+        self._refusal = ""
+
+    def refusal(self) -> str:
+        """Return why it sends no commands, by its last state; empty where it does, or reported none yet."""
+        if (state := self._states.take()) is not None:
+            self._refusal = "" if state.acts else state.reason or ONLY_OBSERVES
+        return self._refusal
 
 
 def check_gateway(endpoint: Endpoint) -> None:

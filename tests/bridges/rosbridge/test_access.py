@@ -124,15 +124,39 @@ async def test_the_right_raw_is_none_to_read_or_to_manage(open_house: Any) -> No
 async def test_a_client_that_may_only_read_publishes_nothing_and_commands_nothing(open_house: Any) -> None:
     async with robot(open_house, "read") as (house, peer):
         house.node("listener").create_subscription(String, "/chatter")
-        house.node("app").create_service(Trigger, "/app/go", lambda _: SuccessResponse(success=True, message=""))
+        services = ("/app/go", "/control/perform", "/devices/command")
+        app = house.node("app")
+        for name in services:
+            app.create_service(Trigger, name, lambda _: SuccessResponse(success=True, message=""))
         assert (await peer.call("/rosapi/topics"))["result"] is True
         told = await refusal(peer, "publish", topic="/chatter", msg={"data": "x"})
-        answers = [await peer.call(name) for name in ("/app/go", "/control/perform", "/devices/command")]
+        answers = [await peer.call(name) for name in services]
     assert told == (
         "the right act is missing; the token robot has: read. To give it, "
         'add "act: harmless" to its scope, in the table [door.tokens.robot] of homebot.toml'
     )
     assert [(one["result"], one["values"]) for one in answers] == [(False, told)] * 3
+
+
+@pytest.mark.parametrize(
+    ("scope", "problem"),
+    [
+        (("read",), "service /discovery/aprove_device has no server now; did you mean /discovery/approve_device?"),
+        (("act: all",), "the right manage is missing; the token robot has: act. "),
+    ],
+)
+async def test_a_misspelt_service_is_told_as_such_to_who_may_list_the_services(
+    open_house: Any, scope: tuple[str, ...], problem: str
+) -> None:
+    """No right would help. Whoever may not list them is told nothing of which there are."""
+    async with robot(open_house, *scope) as (house, peer):
+        answer = SuccessResponse(success=True, message="")
+        house.node("index").create_service(Trigger, "/discovery/approve_device", lambda _: answer)
+        refused = await peer.call("/discovery/aprove_device")
+        counts = {one.name: one.count for one in house.door.health(HealthRequest()).counts}
+    assert refused["result"] is False
+    assert refused["values"].startswith(problem)
+    assert (counts["requests_refused"], counts["rights_missing"]) == (1, "read" not in scope)
 
 
 async def test_a_client_that_may_act_on_something_speaks_with_apps(open_house: Any) -> None:

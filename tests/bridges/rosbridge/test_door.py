@@ -15,7 +15,7 @@ from tests.patience import PATIENCE
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from homebot.bridges.rosbridge import Door, DoorSettings
+from homebot.bridges.rosbridge import Door, DoorSettings, server
 from homebot.errors import ConfigError, UsageError
 from homebot.graph import Graph, Node
 from homebot.messages import String
@@ -55,7 +55,7 @@ async def test_a_stopped_door_says_goodbye(open_house: Any) -> None:
 
 
 async def test_a_stopped_door_does_not_wait_for_a_client_that_hangs(open_house: Any) -> None:
-    with anyio.fail_after(8):
+    with anyio.fail_after(PATIENCE):
         async with open_house() as house:
             publisher = house.node("camera").create_publisher(String, "/image")
             connection = await connect(f"ws://127.0.0.1:{house.door.port}", proxy=None)
@@ -84,7 +84,10 @@ async def test_a_client_that_takes_no_bytes_is_cut_off(open_house: Any) -> None:
         stalled.connection.transport.abort()
 
 
-async def test_a_stopped_door_does_not_wait_for_a_client_that_says_nothing(open_house: Any) -> None:
+async def test_a_stopped_door_does_not_wait_for_a_client_that_says_nothing(
+    open_house: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server, "_OPEN_TIMEOUT", 10 * PATIENCE)
     with anyio.fail_after(PATIENCE):
         async with open_house() as house:
             silent = await anyio.connect_tcp("127.0.0.1", house.door.port)

@@ -138,7 +138,7 @@ async def test_a_client_provides_a_service(open_house: Any) -> None:
             answers: list[SetBoolResponse] = []
 
             async def call() -> None:
-                answers.append(await client.call(SetBoolRequest(data=True)))
+                answers.append(await client.call(SetBoolRequest(data=True), timeout=PATIENCE))
 
             tasks.start_soon(call)
             request = await peer.receive()

@@ -41,6 +41,7 @@ from homebot.devices.names import (
     text_address,
 )
 from homebot.devices.part import Capability, Part
+from homebot.devices.part_names import part_names
 from homebot.devices.query import facets_of, fits, read_terms
 from homebot.devices.services import (
     AnnouncedOn,
@@ -349,7 +350,7 @@ class StillHouse:
         kept = MemoryStore(1000, 1e9)
         for entry in self.journal:
             kept.add(JournalNote(**{**dict(entry), "at": entry.at.to_seconds()}))
-        names = tuple(KeyValue(key=one.id, value=one.name) for one in self._devices())
+        names = tuple(KeyValue(key=key, value=name) for key, name in part_names(self._devices()).items())
         return (await kept.read(request)).model_copy(update={"names": names})
 
     def _publish(self, command: RawCommand) -> None:

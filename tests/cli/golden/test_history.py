@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from tests.cli.golden.conftest import ago
+from tests.cli.golden.conftest import ago, kitchen_lamp
 from tests.cli.golden.test_golden import check
 
 from homebot.cli import main
@@ -149,6 +149,8 @@ def story(name: str) -> list[JournalEntry]:
     match name:
         case "app":
             return app
+        case "level":
+            return [*command("a-1", 40.4, CONFIRMED, issuer="client:tablet", reports=(0.4,), level=40.0)]
         case "retried":
             return [*command("a-1", 46.4, Confirmed(6.4, Evidence.REPORTED), tries=3, reports=(6.4,), on_off=True)]
         case "client":
@@ -262,6 +264,10 @@ def before_a_restart(name: str) -> list[JournalEntry]:
         ("why_not_already", "refused", ["why-not", "Kitchen lamp", "on"]),
         ("why_not_nobody", "app", ["why-not", "Kitchen lamp", "off"]),
         ("why_not_empty", "", ["why-not", "Kitchen lamp", "off"]),
+        ("why_not_so_unasked", "", ["why-not", "Kitchen lamp", "on"]),
+        ("why_not_changed_since", "hand", ["why-not", "Kitchen lamp", "off"]),
+        ("why_not_unknown", "refused", ["why-not", "Kitchen lamp", "lit"]),
+        ("why_not_silent", "", ["why-not", "windows/bath", "open"]),
         ("why_not_json", "refused", ["why-not", "Kitchen lamp", "off", "--json"]),
         ("why_superseded", "superseded", ["why", "Kitchen lamp"]),
         ("why_contradicted", "contradicted", ["why", "Kitchen lamp"]),
@@ -313,6 +319,56 @@ def test_after_a_restart_the_last_change_is_the_one_before_it(
     still.journal, still.is_restarted = before_a_restart(case), True
     assert main(["--door", still_homebot.door, *arguments]) == 0
     check(name, capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("state", ["on", "40", "40%", "40 %", "level 40", "level 40 %", "Level 40"])
+def test_a_level_is_found_however_people_say_it(
+    still: StillHouse, still_homebot: Homebot, capsys: Text, state: str
+) -> None:
+    still.journal = story("level")
+    assert main(["--door", still_homebot.door, "why-not", "Kitchen lamp", state]) == 0
+    assert f"{state} was asked for once:" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("state", ["off", "4", "50", "level 4", "position 40"])
+def test_another_level_was_not_asked_for(still: StillHouse, still_homebot: Homebot, capsys: Text, state: str) -> None:
+    still.journal = story("level")
+    assert main(["--door", still_homebot.door, "why-not", "Kitchen lamp", state]) == 0
+    assert f"Nobody asked for {state} since the journal began" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("seconds", "result"),
+    [(5, "its outcome is not known yet"), (4000, "its outcome is not known: homebot stopped before it was")],
+)
+def test_of_a_command_that_was_cut_short_it_is_told_that_nobody_knows(
+    still: StillHouse, still_homebot: Homebot, capsys: Text, seconds: float, result: str
+) -> None:
+    still.journal = [*command("a-1", seconds, CONFIRMED, on_off=True)][:-1]
+    assert main(["--door", still_homebot.door, "why-not", "Kitchen lamp", "on"]) == 0
+    assert capsys.readouterr().out.rstrip().endswith(f"  follow_me  {result}")
+
+
+def test_why_not_without_a_state_says_what_to_give(still_homebot: Homebot, capsys: Text) -> None:
+    assert main(["--door", still_homebot.door, "why-not", "Kitchen lamp", " "]) == 1
+    assert capsys.readouterr() == ("", "homebot: give the state that the device is not in, such as on, open or 40\n")
+
+
+def test_of_a_device_with_two_relays_it_is_told_which_one(
+    still: StillHouse, still_homebot: Homebot, capsys: Text, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lamp = kitchen_lamp()
+    (light,) = [one for one in lamp.parts if one.id == "light"]
+    backlight = light.model_copy(update={"id": "back", "part": light.part.model_copy(update={"name": "backlight"})})
+    both = lamp.model_copy(update={"parts": (light, backlight)})
+    monkeypatch.setattr("tests.cli.golden.conftest.kitchen_lamp", lambda: both)
+    still.journal = story("client")
+    assert main(["--door", still_homebot.door, "why", "Kitchen lamp"]) == 0
+    assert "the client tablet asked Kitchen lamp light for on, level 40 %" in capsys.readouterr().out
+    assert main(["--door", still_homebot.door, "why-not", "Kitchen lamp", "on"]) == 0
+    assert "Kitchen lamp light: confirmed after 0.4 s (reported)" in capsys.readouterr().out
+    assert main(["--door", still_homebot.door, "journal"]) == 0
+    assert "  Kitchen lamp light  a-1  Kitchen lamp light reported on, level 40 %" in capsys.readouterr().out
 
 
 def test_the_chain_in_the_guide_has_these_words(still: StillHouse, still_homebot: Homebot, capsys: Text) -> None:

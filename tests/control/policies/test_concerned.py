@@ -7,6 +7,7 @@ from typing import Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.control.policies.houses import START, make_command, make_device, make_facts
+from tests.generated_examples import examples
 
 from homebot.config import parse_settings
 from homebot.control import ControlSettings
@@ -81,7 +82,7 @@ def refusal(command: IssuedCommand, facts: Facts) -> Verdict | None:
     return next((one for one in asked if not one.allowed), None)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(CHANGES)
 def test_to_ask_those_concerned_is_to_ask_all(changes: list[tuple[str, object]]) -> None:
     """Also when one thing after the other changes of a device whose concerned policies are known."""

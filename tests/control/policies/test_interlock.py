@@ -66,11 +66,22 @@ def test_the_window_of_another_room_does_not_matter() -> None:
 
 
 def test_a_silent_contact_means_no() -> None:
-    verdict = judge(heater(), window(contact=False, freshness="stale"))
-    assert not verdict.allowed
-    assert "unknown" in verdict.reason
+    assert not judge(heater(), window(contact=False, freshness="stale")).allowed
     assert not judge(heater(), window(contact=None)).allowed
     assert not judge(heater(), window(contact=False, is_live=False)).allowed
+
+
+@pytest.mark.parametrize(
+    ("contact", "why"),
+    [
+        (window(contact=False, freshness="stale"), "it has been silent for too long"),
+        (window(contact=False, freshness="unconfirmed"), "it has reported nothing yet since homebot started"),
+        (window(contact=False, is_live=False), "it has reported nothing yet since homebot started"),
+    ],
+)
+def test_the_reason_says_why_the_state_of_a_contact_is_unknown(contact: Device, why: str) -> None:
+    verdict = judge(heater(), contact)
+    assert verdict.reason == f"not while open contact sensor, and the state of window is unknown: {why}"
 
 
 def test_a_heater_without_a_room_means_no() -> None:

@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.control.conftest import Home, OpenHome
 from tests.control.policies.houses import START, make_command, make_device, make_facts
+from tests.generated_examples import examples
 
 from homebot.config import parse_settings
 from homebot.control import ControlSettings
@@ -50,7 +51,7 @@ COMMANDS = st.sampled_from(
 )
 
 
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=examples(500), deadline=None)
 @given(st.lists(SENSORS, max_size=5), COMMANDS, st.sampled_from(ROOMS), st.floats(0, 86_400))
 def test_what_is_allowed_violates_no_policy(
     sensors: list[tuple[str, str, bool | None, str, bool, float]],
@@ -105,7 +106,9 @@ STEPS = st.lists(
 
 
 @pytest.mark.virtual_time
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
 @given(STEPS)
 async def test_no_off_reaches_a_lamp_beside_somebody(open_home: OpenHome, steps: list[tuple[str, float]]) -> None:
     """Also no repetition of one, whenever somebody comes in."""

@@ -12,6 +12,7 @@ from homebot.devices import RawCommand
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.names import text_address
 from homebot.devices.value import Value
+from homebot.errors import ServiceFailedError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
 from homebot.graph import Graph, Node, Publisher
@@ -27,10 +28,14 @@ class SlowGateway(MemoryGateway):
 
     def begin(self) -> None:
         self.begun: list[str] = []
+        self.ended: list[str] = []
+        self.patience = 100.0
 
     async def _perform(self, command: Command) -> None:
         self.begun.append(command.id)
-        await anyio.sleep(10)
+        with anyio.fail_after(self.patience):
+            await anyio.sleep(10)
+        self.ended.append(command.id)
 
 
 class House:
@@ -109,6 +114,22 @@ async def test_a_command_that_expires_meanwhile_is_not_sent() -> None:
         assert (answer.success, answer.problem) == (False, "unreachable")
         await anyio.sleep(30)
         assert "command" not in home.gateway.begun
+
+
+async def test_a_command_that_expires_at_work_is_given_up() -> None:
+    async with house() as home:
+        answer = await home.command(expires_after=2.0)
+        assert (answer.problem, answer.message) == ("unreachable", "lamp was not reached within 2 s")
+        await anyio.sleep(30)
+        assert (home.gateway.begun, home.gateway.ended) == (["command"], [])
+        assert (await home.command(expires_after=10.5)).success
+
+
+async def test_a_time_limit_of_the_gateway_itself_is_no_expiry() -> None:
+    async with house() as home:
+        home.gateway.patience = 1.0
+        with pytest.raises(ServiceFailedError, match="TimeoutError"):
+            await home.command(expires_after=2.0)
 
 
 async def test_texts_that_were_dropped_hold_up_no_command() -> None:

@@ -96,7 +96,7 @@ class SimpleCodec:
 
 
 class SimpleConvention:
-    """``PREFIX/ID`` announces in JSON: name, parts, ids, online, latest, mode, asks, fade, is_live."""
+    """``PREFIX/ID`` announces in JSON: name, parts, ids, online, latest, mode, asks, fade, is_live, blind."""
 
     Settings: ClassVar[type[BaseModel]] = SimpleSettings
     name: ClassVar[str] = "simple"
@@ -145,7 +145,7 @@ def _described(topic: str, key: str, told: dict[str, object]) -> DeviceAnnounced
             Part(
                 id=name,
                 service_type="light",
-                capabilities=(Capability(name="on_off", settable=True),),
+                capabilities=(Capability(name="on_off", settable=True, readable="blind" not in told),),
                 reads=(state,),
                 writes=(f"{key}/{name}/set",),
             ),
@@ -204,12 +204,25 @@ class House:
         ]
 
     async def command(
-        self, key: str, part: str, capability: str, value: PlainValue, expires_after: float = 0.0
+        self,
+        key: str,
+        part: str,
+        capability: str,
+        value: PlainValue,
+        expires_after: float = 0.0,
+        kept_for: float = 0.0,
     ) -> SendCommandResponse:
         client = self.watcher.create_client(SendCommand, self.gateway.names.send_command)
         wanted = Value.of(value)
         return await client.call(
-            Command(key=key, part=part, capability=capability, value=wanted, expires_after=expires_after)
+            Command(
+                key=key,
+                part=part,
+                capability=capability,
+                value=wanted,
+                expires_after=expires_after,
+                kept_for=kept_for,
+            )
         )
 
     async def health(self) -> HealthResponse:

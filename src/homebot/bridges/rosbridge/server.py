@@ -45,7 +45,7 @@ SERVICE_TYPE = "_rosbridge._tcp"
 """By DNS-SD; ROS's own server announces nothing, and this is what apps look for that find robots by it."""
 
 _CLOSE_TIMEOUT: Final = 1.0  # seconds that a client has to close its side
-_OPEN_TIMEOUT: Final = 2.0  # seconds that a client has for its handshake; stopping waits for it too
+_OPEN_TIMEOUT: Final = 10.0  # seconds that a client has for its handshake, on however slow a computer
 _STOP_TIMEOUT: Final = 1.5  # the whole process has 5 s to stop
 _GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
 
@@ -148,7 +148,8 @@ class Door:
         with anyio.move_on_after(_STOP_TIMEOUT):
             await server.wait_closed()
             return
-        for connection in self._sessions:  # a client that takes no more bytes cannot be sent a close frame either
+        # A client that takes no more bytes cannot be sent a close frame either, nor one whose request has not come.
+        for connection in (*self._sessions, *self._arriving):
             connection.transport.abort()
         await server.wait_closed()
 

@@ -20,6 +20,7 @@ from homebot.bridges.rosbridge.protocol import (
 )
 from homebot.bridges.rosbridge.types import message_from_client, service_type_of
 from homebot.bridges.turns import Turns
+from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND
 from homebot.devices.query import Or, QueryTerm, query_terms
 from homebot.devices.services import QueryDevicesResponse
 from homebot.errors import (
@@ -37,7 +38,7 @@ from homebot.messages.definition import fields_of
 from homebot.messages.json import message_to_json, message_to_pieces
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["ProvidedServices", "call_service", "parse_queries", "refusal"]
+__all__ = ["ProvidedServices", "call_service", "missing_service", "parse_queries", "refusal"]
 
 
 def parse_queries(
@@ -74,6 +75,8 @@ def refusal(service: str, response: Message, problem: UsageError) -> Message:
 
 _DEFAULT_TIMEOUT = 5.0
 _MAX_TIMEOUT = 3600.0
+_WAITING_FOR_DEVICES = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND})
+"""Services that answer when the outcome of a command is known, as late as the device is."""
 _MOST, _LONGEST = 200, 100  # names compared, and of how many characters: a client may ask again and again
 
 
@@ -93,7 +96,7 @@ async def call_service(
         answer(_failure(node, op, exc))
         return
     try:
-        response = await client.call(request, _timeout(op))
+        response = await client.call(request, _timeout(op, client.service_name))
         if problem is not None:
             response = refusal(client.service_name, response, problem)
         frame = await _success(op, response, turns)
@@ -103,6 +106,13 @@ async def call_service(
         client.close()
     answer(frame)
     await client.wait_for_handlers()
+
+
+def missing_service(node: Node, op: CallService) -> str:
+    """Return that the service of *op* does not exist, with the likeliest one; empty where it does."""
+    name = node.resolve_name(op.service, "service name")
+    is_known = bool(node.graph.get_endpoints(kind=EntityKind.SERVICE, name=name))
+    return "" if is_known else _unavailable(node, ServiceUnavailableError(name))
 
 
 async def _success(op: CallService, response: Message, turns: Turns) -> Frame:
@@ -136,8 +146,9 @@ def _prepare(node: Node, op: CallService, access: ClientAccess) -> tuple[Client[
     return node.create_client(service_type, name), request, problem
 
 
-def _timeout(op: CallService) -> float:
-    return min(op.timeout, _MAX_TIMEOUT) if op.timeout > 0 else _DEFAULT_TIMEOUT
+def _timeout(op: CallService, service: str) -> float:
+    usual = _MAX_TIMEOUT if service in _WAITING_FOR_DEVICES else _DEFAULT_TIMEOUT
+    return min(op.timeout, _MAX_TIMEOUT) if op.timeout > 0 else usual
 
 
 def _unavailable(node: Node, error: ServiceUnavailableError) -> str:

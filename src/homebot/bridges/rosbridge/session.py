@@ -39,10 +39,11 @@ from homebot.bridges.rosbridge.protocol import (
     status_frame,
 )
 from homebot.bridges.rosbridge.publications import Publications
-from homebot.bridges.rosbridge.services import ProvidedServices, call_service
+from homebot.bridges.rosbridge.services import ProvidedServices, call_service, missing_service
 from homebot.bridges.rosbridge.shared_state import SharedState, operation_text
 from homebot.bridges.rosbridge.subscriptions import Subscriptions
 from homebot.bridges.turns import Turns
+from homebot.devices.client_rights import Right
 from homebot.errors import HomebotError, LinkError, PeerError
 from homebot.log import LogLimit
 
@@ -139,7 +140,7 @@ class ClientSession:
             self._answer(exc.op, exc.id, exc.target, str(exc))
             return
         try:
-            self._access.check(op, self._node.resolve_name)
+            self._check(op)
             self._do(op, holdings)
         except MissingRightError as exc:
             self.refused += 1
@@ -148,6 +149,21 @@ class ClientSession:
         except HomebotError as exc:
             self._log_error(f": {_refusal(op.op, op.name, str(exc))}", op.op, str(exc))
             self._answer(op.op, op.id, op.name, str(exc))
+
+    def _check(self, op: Operation) -> None:
+        """Refuse *op* where the client has no right to it.
+
+        Raises:
+            PeerError: The right is missing; or the service does not exist, which a client that may list all is told.
+            InvalidNameError: The name is illegal.
+        """
+        try:
+            self._access.check(op, self._node.resolve_name)
+        except MissingRightError:
+            may_list = self._access.rights.has(Right.READ)
+            if may_list and isinstance(op, CallService) and (problem := missing_service(self._node, op)):
+                raise PeerError(problem) from None
+            raise
 
     def _do(self, op: Operation, holdings: _Holdings) -> None:
         match op:

@@ -85,7 +85,7 @@ def _print(entry: JournalEntryRecord, client: JournalClient, now: float, *, as_j
         return
     cause = trigger_text(entry["trigger"], client.names)
     text = entry_text(entry, client.names) + (f", because {cause}" if cause else "")
-    name, command = name_text(entry["device"], client.names) or _NO_DEVICE, entry["command"]
+    name, command = name_text(entry["device"], client.names, entry["part"]) or _NO_DEVICE, entry["command"]
     print(f"{clock_text(entry['at'], now)}  {name}  {command + '  ' if command else ''}{text}", flush=True)
 
 

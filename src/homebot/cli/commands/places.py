@@ -4,14 +4,22 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import cast
 
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
+from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.places_records import ChangeRoomRecord, PlacesExportRecord, PlacesImportRecord, PlacesRecord
+from homebot.cli.places_records import (
+    ChangeRoomRecord,
+    PlacesExportRecord,
+    PlacesImportRecord,
+    PlacesRecord,
+    RoomRecord,
+)
+from homebot.cli.records import KeyValueRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_rows, print_table
 from homebot.devices.names import CHANGE_ROOM, EXPORT_PLACES, GET_PLACES, IMPORT_PLACES
@@ -25,6 +33,7 @@ _MAX_BYTES = 800_000
 _MOST_NAMED = 5
 _LIST = """\
   homebot places list
+  homebot places list --json
 
 Rooms are those of the configuration and of imported files, and those that devices are in. `homebot find 'in ROOM'`
 lists the devices of a room or a floor.
@@ -55,6 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, f"{_LIST.partition(chr(10))[0]}\n  homebot places export house.toml\n")
     listed = add_verb(verbs, "list", "list the rooms of the house")
     set_client_command(listed, _list, _LIST)
+    listed.add_argument("--json", action="store_true", help="print a JSON object: the home, its rooms, absent devices")
     rename = add_verb(verbs, "rename", "give an imported room, or one that devices were placed in, another name")
     set_client_command(rename, _edit, _EDIT)
     rename.add_argument("room", metavar="ROOM", help="the room")
@@ -82,30 +92,47 @@ def _list(options: argparse.Namespace) -> int:
     def run(door: DoorClient) -> int:
         places = cast("PlacesRecord", door.call(GET_PLACES, {}))
         areas = all_devices(door, lambda device: device["area"])
-        rows = _rows(places, areas)
-        absent = [(printable(one["key"]), printable(one["value"])) for one in places["absent"]]
-        if rows:
-            print_table(_HEAD, rows, if_any=("FLOOR", "DOORS"))
-        elif not absent:
-            print("no room is known; state some with `homebot place DEVICE ROOM` or [places] in the configuration")
-        print_rows(absent, "placed, and not there yet:")
+        rooms = _rooms(places, areas)
+        if options.json:
+            absent = [{"device": one["key"], "room": one["value"]} for one in places["absent"]]
+            print(json_text({"home": places["home"], "rooms": rooms, "absent": absent}))
+        else:
+            _print(rooms, places["absent"])
         return 0
 
     return with_client(options, run)
 
 
-def _rows(places: PlacesRecord, areas: Iterable[str]) -> list[tuple[str, ...]]:
+def _print(rooms: Sequence[_Room], devices: Iterable[KeyValueRecord]) -> None:
+    absent = [(printable(one["key"]), printable(one["value"])) for one in devices]
+    if rooms:
+        rows = [(one["name"], one["floor"], ", ".join(one["doors"]), str(one["devices"])) for one in rooms]
+        print_table(_HEAD, rows, if_any=("FLOOR", "DOORS"))
+    elif not absent:
+        print("no room is known; state some with `homebot place DEVICE ROOM` or [places] in the configuration")
+    print_rows(absent, "placed, and not there yet:")
+
+
+class _Room(RoomRecord):
+    """A room as it is printed, with the number of devices in it."""
+
+    devices: int
+
+
+def _rooms(places: PlacesRecord, areas: Iterable[str]) -> list[_Room]:
+    """Return the stated rooms, and after them those that only devices announce."""
     counts: dict[str, int] = {}
     names: dict[str, str] = {}
     for area in areas:
         if area:
             counts[fold(area)] = counts.get(fold(area), 0) + 1
             names.setdefault(fold(area), area)
-    rows: list[tuple[str, ...]] = []
+    rooms: list[_Room] = []
     for room in places["rooms"]:
         names.pop(fold(room["name"]), None)
-        rows.append((room["name"], room["floor"], ", ".join(room["doors"]), str(counts.get(fold(room["name"]), 0))))
-    return rows + [(names[key], "", "", str(counts[key])) for key in sorted(names)]
+        rooms.append({**room, "devices": counts.get(fold(room["name"]), 0)})
+    announced = [names[key] for key in sorted(names)]
+    return rooms + [{"name": name, "floor": "", "doors": [], "devices": counts[fold(name)]} for name in announced]
 
 
 def _edit(options: argparse.Namespace) -> int:

@@ -16,10 +16,10 @@ from homebot.cli.replay_words import (
     command_text,
     difference_json,
     difference_text,
-    part_names,
     summary_text,
 )
 from homebot.config import load_config
+from homebot.devices.part_names import part_names
 from homebot.errors import HomebotError
 from homebot.log import configure_logging
 from homebot.recording.recording import Recording, TimedCommand, load_recording

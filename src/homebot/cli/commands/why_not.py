@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import shlex
+from collections.abc import Sequence
 
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_history import Chain, DeviceHistory
@@ -12,10 +14,13 @@ from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.history_words import result_text
 from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.journal_words import ago_text, clock_text, issuer_text, trigger_text
+from homebot.cli.records import DeviceRecord, TimeRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import to_seconds
 from homebot.cli.values import state_text
+from homebot.cli.wanted_states import command_for, is_so, unknown_state
+from homebot.errors import UsageError
 
 __all__ = ["add_arguments"]
 
@@ -25,7 +30,8 @@ _EXAMPLES = """\
   homebot why-not 'Hall lamp' on
   homebot why-not 'Front door' locked --json
 
-Tells which commands asked a device for a state, and what became of each; or that nobody asked for it.
+Tells which commands asked a device for a state, and what became of each; or that nobody asked for it, that the device
+is in that state already, or that it has no such state.
 """
 
 
@@ -41,6 +47,8 @@ def _why_not(options: argparse.Namespace) -> int:
     """Print which commands asked for a state, and what became of them."""
 
     def run(door: DoorClient) -> int:
+        if not options.state.strip():
+            raise UsageError("give the state that the device is not in, such as on, open or 40")
         device = named_device(door, options.device)
         client = JournalClient(door)
         client.names[device["id"]] = device["name"]
@@ -48,29 +56,69 @@ def _why_not(options: argparse.Namespace) -> int:
         asked = history.asked(device, options.state)
         if options.json:
             chains = [chain_json(one.entries, client.names) for one in asked]
-            found = {"device": device["id"], "state": state_text(device), "wanted": options.state, "asked": chains}
-            print(json_text(found))
+            found = {"device": device["id"], "state": state_text(device), "wanted": options.state}
+            print(json_text({**found, "is_so": is_so(device, options.state), "asked": chains}))
             return 0
         now = house_time(door)
-        name, wanted = printable(device["name"] or device["id"]), printable(options.state, 40)
-        print_line(f"{name} is {state_text(device) or 'silent about its state'}.", "bold")
+        state = state_text(device)
+        print_line(f"{_name(device)} is {state}." if state else f"{_name(device)} does not report its state.", "bold")
+        already = is_so(device, options.state)
+        if already:
+            print(f"So it is {_wanted(options)} already; `homebot why {_quoted(device)}` tells why.")
         if asked:
-            times = "once" if len(asked) == 1 else f"{len(asked)} times"
-            print(f"{wanted} was asked for {times}:")
-            print()
-            print_rows([_row(one, client, now) for one in asked[-_MOST:]])
-            if len(asked) > _MOST:
-                print(f"  … the last {_MOST} of {len(asked)}; all: homebot journal --device '{name}'")
-        elif history.begins["sec"]:
-            print(f"Nobody asked for {wanted} since the journal began, {ago_text(to_seconds(history.begins), now)}.")
-        else:
-            print(f"Nobody asked for {wanted}: the journal is empty.")
+            _print_asked(asked, client, options, device, now)
+            if not already and _obeyed(asked[-1]):
+                print(f"\nIt changed after that: `homebot why {_quoted(device)}` tells why.")
+        elif not already:
+            print(_unasked(device, options, history.begins, now))
         return 0
 
     return with_client(options, run)
 
 
+def _print_asked(
+    asked: Sequence[Chain], client: JournalClient, options: argparse.Namespace, device: DeviceRecord, now: float
+) -> None:
+    times = "once" if len(asked) == 1 else f"{len(asked)} times"
+    print(f"{_wanted(options)} was asked for {times}:")
+    print()
+    print_rows([_row(one, client, now) for one in asked[-_MOST:]])
+    if len(asked) > _MOST:
+        print(f"  … the last {_MOST} of {len(asked)}; all: homebot journal --device {_quoted(device)}")
+
+
+def _unasked(device: DeviceRecord, options: argparse.Namespace, begins: TimeRecord, now: float) -> str:
+    """Return why *device* is not as wanted where the journal has no command for that."""
+    if problem := unknown_state(device, options.state):
+        return problem
+    since = f" since the journal began, {ago_text(to_seconds(begins), now)}" if begins["sec"] else ""
+    empty = "" if begins["sec"] else ": the journal is empty"
+    word = command_for(device, options.state)
+    how = f" To ask for it: homebot do {_quoted(device)} {printable(word)}" if word else ""
+    return f"Nobody asked for {_wanted(options)}{since}{empty}.{how}"
+
+
+def _obeyed(chain: Chain) -> bool:
+    """Return whether the device did what *chain* wanted, or was so already, and nothing is known of its way back."""
+    results = [one["results"][0]["outcome"] for one in chain.entries if one["kind"] in {"outcome", "reverted"}]
+    return bool(results) and results[-1] in {"confirmed", "already_so"}
+
+
+def _name(device: DeviceRecord) -> str:
+    return printable(device["name"] or device["id"])
+
+
+def _quoted(device: DeviceRecord) -> str:
+    return shlex.quote(_name(device))
+
+
+def _wanted(options: argparse.Namespace) -> str:
+    return printable(options.state, 40)
+
+
 def _row(chain: Chain, client: JournalClient, now: float) -> tuple[str, ...]:
     cause = trigger_text(chain.trigger, client.names)
-    result = result_text(chain) + (f" (asked because {cause})" if cause else "")
+    part = client.names.get(f"{chain.first['device']}#{chain.first['part']}", "")
+    result = (f"{printable(part, 60)}: " if part else "") + result_text(chain, now)
+    result += f" (asked because {cause})" if cause else ""
     return clock_text(chain.first["at"], now), issuer_text(chain.first["issuer"]), result

@@ -35,7 +35,7 @@ class _Command:
     id: str
     began: float
     until: float
-    is_raw: bool
+    is_raw: bool = False
     text: str = ""
 
 
@@ -53,7 +53,7 @@ class ExplainedChanges:
 
     def begin(self, device: str, part: str, command: str, now: float) -> None:
         """Take changes of the part for effects of *command* from *now* on."""
-        self._put(device, part, _Command(command, now, now + _LONGEST, is_raw=False))
+        self._put(device, part, _Command(command, now, now + _LONGEST))
 
     def end(self, device: str, part: str, command: str, until: float) -> None:
         """Take them so *until* then alone, as the outcome of *command* is known."""

@@ -22,9 +22,11 @@ from homebot.devices.journal_messages import (
     ReadJournalResponse,
 )
 from homebot.devices.names import JOURNAL_ENTRIES
+from homebot.devices.part_names import part_names
 from homebot.devices.query import Or, query_terms
 from homebot.devices.query.terms import FactIs
 from homebot.devices.services import FindDevicesRequest
+from homebot.devices.trigger import NO_TRIGGER
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import ServiceError
 from homebot.graph import Node
@@ -44,6 +46,8 @@ LeaseStep: TypeAlias = Literal["held", "released", "ended", "expired", "outranke
 _DEPTH = 1000
 _SHORTEST_SETTLE = 2.0
 """Seconds after a command at least: the directory tells of a change a little later than the gateway."""
+
+_setting_of = Setting.of  # looked up once, as `of_checked` says
 
 _MOST_NAMES = 500
 _LONGEST = 500
@@ -118,7 +122,7 @@ class CommandJournal:
             found = await self._find.call(FindDevicesRequest(query=query_terms(wanted)))
         except ServiceError:
             return ()
-        return tuple(KeyValue(key=one.id, value=one.name) for one in found.devices if one.name)
+        return tuple(KeyValue(key=key, value=name) for key, name in part_names(found.devices).items() if name)
 
     def next_id(self) -> str:
         """Return the id of a new command, unique in the home."""
@@ -165,9 +169,7 @@ class CommandJournal:
 
     def reported(self, command: IssuedCommand, capability: str, value: PlainValue) -> None:
         """Note that the device reported a value of what it was commanded."""
-        self._note_step(
-            "reported", command, settings=(Setting.of_checked(capability=capability, value=Value.of(value)),)
-        )
+        self._note_step("reported", command, settings=(_setting_of(capability, value),))
 
     def decided(self, command_id: str, request: CommandRequest, result: CommandResult) -> None:
         """Note the outcome of a command."""
@@ -259,10 +261,11 @@ class CommandJournal:
                 part,
                 command.id,
                 command.issuer,
-                settings=settings,
-                text=text,
-                verdicts=verdicts,
-                results=results,
+                NO_TRIGGER,
+                settings,
+                text,
+                verdicts,
+                results,
             )
         )
 

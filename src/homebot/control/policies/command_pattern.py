@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, TypeAlias, final
 
-from pydantic import GetCoreSchemaHandler, PlainValidator
+from pydantic import GetCoreSchemaHandler, PlainSerializer, PlainValidator
 from pydantic_core import CoreSchema, core_schema
 
 from homebot.control.command import IssuedCommand
@@ -111,7 +111,13 @@ def _read(value: object) -> CommandPattern:
         raise ValueError(str(exc)) from exc
 
 
-Patterns: TypeAlias = Annotated[tuple[CommandPattern, ...], PlainValidator(_validated)]
+def _texts(patterns: tuple[CommandPattern, ...]) -> list[str]:
+    return [one.text for one in patterns]
+
+
+Patterns: TypeAlias = Annotated[
+    tuple[CommandPattern, ...], PlainValidator(_validated), PlainSerializer(_texts, return_type=list[str])
+]
 """Patterns in a table of the configuration, where they are texts in an array."""
 
 _MOST_PATTERNS = 100

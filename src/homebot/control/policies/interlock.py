@@ -79,13 +79,22 @@ def _judge_part(rule: InterlockRule, device: Device, part: DevicePart) -> Verdic
     facets = PartFacets(device)
     facets.part = part
     used = tuple(_facts(device, part.id, rule.capabilities))
-    if device.freshness != "fresh" or facets.reachable == "no" or (rule.capabilities and not used):
-        reason = f"not while {condition}: the state of {device.name} is unknown"
+    if doubt := _doubt(device, is_away=facets.reachable == "no", is_silent=bool(rule.capabilities) and not used):
+        reason = f"not while {condition}, and the state of {device.name} is unknown: {doubt}"
     elif fits(rule.query, facets):
         reason = f"not while {condition}: {device.name}"
     else:
         return None
     return Verdict(NAME, allowed=False, reason=reason, facts=used)
+
+
+def _doubt(device: Device, *, is_away: bool, is_silent: bool) -> str:
+    """Return why the present state of a part is not known; empty where it is."""
+    if is_away:
+        return "it is unreachable"
+    if device.freshness == "stale":
+        return "it has been silent for too long"
+    return "it has reported nothing yet since homebot started" if device.freshness != "fresh" or is_silent else ""
 
 
 def _capabilities(query: Query) -> Iterator[str]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections import OrderedDict, deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
-from homebot.control.command import IssuedCommand
+from homebot.control.command import POWER, IssuedCommand
 from homebot.control.held_values import POWERS, is_on
 from homebot.control.tolerance import fits, is_intermediate
 from homebot.devices.value import PlainValue
@@ -22,9 +23,6 @@ _EFFECT: Final = 60.0
 
 _LATE: Final = -2.0
 """The same for changes before: a device may report what it did before its network says that it has the command."""
-
-_POWER: Final = "power_state"
-"""Stands for whether a part is on."""
 
 _Place: TypeAlias = tuple[str, str, str]
 
@@ -74,8 +72,7 @@ class RecentCommands:
 
         A turn counts from when its command was last noted: the device may have got it only then.
         """
-        for capability, value in _values(command):
-            place = (command.device.id, command.part.id, capability)
+        for place, value in command.effects:
             sent = self._sent.get(place)
             if sent is None:
                 self._sent[place] = _Sent(value, now, command.id, command.id)
@@ -83,11 +80,12 @@ class RecentCommands:
                     self._sent.popitem(last=False)
                 continue
             self._sent.move_to_end(place)
-            is_undone = capability == _POWER and _is_undone(sent, command, now)
+            is_same = value == sent.value
+            is_undone = is_same and place[2] == POWER and _is_undone(sent, command, now)
             if sent.command != command.id:
                 sent.before, sent.command = (sent.value, sent.at), command.id
             sent.at = now
-            if value == sent.value and not is_undone:
+            if is_same and not is_undone:
                 if sent.is_turn and sent.turned_by == command.id:
                     sent.turns[-1] = now
                 continue
@@ -121,32 +119,13 @@ class RecentCommands:
     def turns(self, command: IssuedCommand, now: float, seconds: float) -> int:
         """Return how often the values that *command* would turn were turned within *seconds*; 0 if it turns none."""
         most = 0
-        for capability, value in _values(command):
-            sent = self._sent.get((command.device.id, command.part.id, capability))
+        for place, value in command.effects:
+            sent = self._sent.get(place)
             if sent is None or not sent.turns:
                 continue
-            if _turns(sent, value) or (capability == _POWER and _is_undone(sent, command, now)):
-                most = max(most, _count_after(now - seconds, sent.turns))
+            if _turns(sent, value) or (place[2] == POWER and _is_undone(sent, command, now)):
+                most = max(most, len(sent.turns) - bisect_right(sent.turns, now - seconds))
         return most
-
-
-def _values(command: IssuedCommand) -> list[tuple[str, PlainValue]]:
-    """Return what *command* sets, and whether that is on."""
-    found: list[tuple[str, PlainValue]] = []
-    for capability, value in command.settings.items():
-        found.append((capability, value))
-        if capability in POWERS:
-            found.append((_POWER, is_on(value)))
-    return found
-
-
-def _count_after(since: float, times: deque[float]) -> int:
-    count = 0
-    for at in reversed(times):  # the newest first: mostly few are new
-        if at <= since:
-            break
-        count += 1
-    return count
 
 
 def _is_undone(sent: _Sent, command: IssuedCommand, now: float) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 from weakref import WeakValueDictionary
 
@@ -34,21 +35,18 @@ class Handles:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._commander: Commander | None = None
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._tracked: WeakValueDictionary[str, TrackedDevice] = WeakValueDictionary()
         self._watchers: list[tuple[Watcher, Watcher]] = []
         node.create_subscription(DeviceChange, DEVICE_CHANGES, self._on_change, 1, from_node=DIRECTORY_NODE)
         node.create_subscription(StateChange, DEVICE_STATES, self._on_state, 1, from_node=DIRECTORY_NODE)
 
-    @property
+    @cached_property
     def commander(self) -> Commander:
         """The commander of the node, which gives their commands."""
-        if self._commander is None:
-            from homebot.devices.commander import Commander  # noqa: PLC0415 - many apps only watch
+        from homebot.devices.commander import Commander  # noqa: PLC0415 - many apps only watch
 
-            self._commander = Commander(self._node)
-        return self._commander
+        return Commander(self._node)
 
     async def find(self, query: HandleQuery[HandleT]) -> tuple[HandleT, ...]:
         """Return the handles that match *query*, sorted by id.

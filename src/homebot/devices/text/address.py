@@ -53,11 +53,13 @@ def part_at(device: Device, gateway: str, address: str) -> DevicePart | None:
     """Return the part of *device* that takes texts at *address* of *gateway*; None where that is not known."""
     if is_text_address(address):
         return _part_at(device, address)
-    keys = {one.key for one in device.endpoints if one.gateway == gateway and one.command_address == address}
+    keys = [one.key for one in device.endpoints if one.gateway == gateway and one.command_address == address]
     for part in device.parts:
-        is_there = any(one.gateway == gateway and one.key in keys for one in part.routes)
-        if is_there or address in part.part.writes:
+        if address in part.part.writes:
             return part
+        for route in part.routes:
+            if route.gateway == gateway and route.key in keys:
+                return part
     return None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -10,6 +11,7 @@ from typing import Any, Literal, TypeAlias
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, TextEndpoint
 from homebot.devices import KeyValue, Sighting
+from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.names import text_address
 from homebot.devices.part import Part
 from homebot.devices.text.commands import accepts_text, main_part
@@ -49,6 +51,11 @@ class AnnouncedPart(PartTexts):
     described: DescribedPart
     address: str
     known: dict[str, tuple[PlainValue, Reading]] | None = field(default=None, init=False)
+
+    def reports(self, capability: str) -> bool:
+        """Return whether it reports *capability* as a lasting value, so that it shows whether it obeyed."""
+        capabilities = self.described.part.capabilities
+        return capability not in MOMENTARY and any(one.name == capability and one.readable for one in capabilities)
 
     def readings(self, values: Mapping[str, PlainValue]) -> list[Reading]:
         """Return *values* as readings, each the same one as before where the value is the same.
@@ -101,6 +108,7 @@ class StoredAnnouncement:
         reachability: What is known of whether the device (``""``) and its parts can be reached, as far as they tell.
         subscriptions: The filters that it is read on, each with who reads.
         is_confirmed: Whether the last sighting was a sign of life of the device itself.
+        heard_at: When it last reported, or was announced, live, on the monotonic clock; -inf where it was not.
         refresh_at: Reading of the monotonic clock from which on another sign of life is worth a sighting.
         reachable: Whether the device (``""``) and its parts can be reached, as it was published last.
         report_streams: The streams of reports that late joiners get, by what was said on them.
@@ -116,6 +124,7 @@ class StoredAnnouncement:
     reachability: Mapping[str, ReachabilityReader] = field(init=False)
     subscriptions: list[tuple[str, AnnouncedPart | AvailabilityReader]] = field(default_factory=list, init=False)
     is_confirmed: bool = field(default=False, init=False)
+    heard_at: float = field(default=-math.inf, init=False)
     refresh_at: float = field(default=0.0, init=False)
     reachable: Mapping[str, bool | None] = field(init=False)
     report_streams: dict[str, str] = field(default_factory=dict, init=False)
@@ -162,7 +171,7 @@ class StoredAnnouncement:
     def take_over_state(self, before: StoredAnnouncement) -> None:
         """Take over what is known of the device from the announcement *before* this one."""
         self.is_confirmed = before.is_confirmed
-        self.refresh_at = before.refresh_at
+        self.heard_at, self.refresh_at = before.heard_at, before.refresh_at
         self.report_streams = before.report_streams
         known = {
             part: told

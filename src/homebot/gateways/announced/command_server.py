@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+import asyncio
+from collections.abc import Callable, Coroutine
 from typing import Final, TypeAlias
 
-import anyio
 import anyio.lowlevel
 
 from homebot.devices.gateway_messages import Command, RawCommand, SendCommand, SendCommandResponse
@@ -16,10 +16,11 @@ from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.base import Gateway
 from homebot.graph import Subscription
+from homebot.graph.handler_steps import RemainingSteps
 
 __all__ = ["CommandServer", "FindPart", "Perform"]
 
-Perform: TypeAlias = Callable[[Command], Awaitable[None]]
+Perform: TypeAlias = Callable[[Command], Coroutine[object, object, None]]
 """The port: carries out a command of which it returns when the network has it.
 
 It raises :class:`UnableError` where the part cannot do that as it is described and nothing was sent,
@@ -79,11 +80,23 @@ class CommandServer:
         return _ACCEPTED
 
     async def _perform_in_time(self, command: Command, perform: Perform) -> None:
-        """Carry *command* out unless it expires before, as while a radio connects: nothing happens late."""
-        with anyio.move_on_after(command.expires_after):
-            await perform(command)
+        """Carry *command* out unless it expires before, as while a radio connects: nothing happens late.
+
+        Most networks have it after the first step; to limit that one would take longer than the step.
+        """
+        work = perform(command)
+        try:
+            waits_for = work.send(None)
+        except StopIteration:
             return
-        raise LinkError(f"{command.key[:100]} was not reached within {command.expires_after:.2g} s")
+        limit = asyncio.timeout(command.expires_after)
+        try:
+            async with limit:
+                await RemainingSteps(work, waits_for)
+        except TimeoutError as exc:
+            if not limit.expired():
+                raise
+            raise LinkError(f"{command.key[:100]} was not reached within {command.expires_after:.2g} s") from exc
 
     async def tell(self, key: str, part_id: str, text: str, command_id: str = "") -> None:
         """Carry out what *text* means to a part; see :mod:`homebot.devices.text.commands`.

@@ -23,6 +23,12 @@ __all__ = ["GatewayEngine"]
 
 MessageT = TypeVar("MessageT")
 
+_NOT_ANNOUNCED = (
+    "no announcement of it was accepted since this gateway started; "
+    "restart the device or its bridge, which then announces it, or wait until it does"
+)
+"""A device that the directory remembers, and the network does not, as after a restart of the embedded broker."""
+
 
 class GatewayEngine(Generic[MessageT]):
     """The mechanisms of one gateway, over the *devices* that it keeps.
@@ -115,7 +121,7 @@ class GatewayEngine(Generic[MessageT]):
         """
         stored = self._devices.get(key)
         if stored is None:
-            why = "no device was announced with that key"
+            why = _NOT_ANNOUNCED
         elif (part := stored.parts.get(part_id)) is not None:
             return part
         else:

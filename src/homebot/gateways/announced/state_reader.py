@@ -26,6 +26,8 @@ from homebot.messages import Time
 
 __all__ = ["StateReader"]
 
+_reading_of, _value_of = Reading.of_checked, Value.of  # looked up once, as `of_checked` says
+
 _TURN = 100
 """Readers of one message after which others get their turn."""
 
@@ -75,6 +77,8 @@ class StateReader:
                 read[id(source)] = self._read_source(source, stored, address, payload)
             said = read[id(source)]
             if said is not None:
+                if said and not retained:
+                    stored.heard_at = self._reporter.now
                 reachability.update(availability_reader.index, said, retained=retained)
                 self._report_reachable(stored, part, address, retained=retained)
 
@@ -149,8 +153,10 @@ class StateReader:
         """Take a message as the text that *part* says by itself, and hand it on as it is."""
         self._counters.received += 1
         stored, now = part.stored, self._reporter.now
-        if not retained and (now >= stored.refresh_at or not stored.is_confirmed):
-            self._reporter.publish_sighting(stored, "updated", f"message on {address}", confirmed=True)
+        if not retained:
+            stored.heard_at = now
+            if now >= stored.refresh_at or not stored.is_confirmed:
+                self._reporter.publish_sighting(stored, "updated", f"message on {address}", confirmed=True)
         decoded = self._decode(part, address, payload, retained=retained)
         if decoded is not None:
             self._counters.reports += 1
@@ -169,15 +175,14 @@ class StateReader:
     async def publish(self, part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool) -> None:
         """Publish *values* of a part whose gateway has read them itself, and which nobody changes any more."""
         name = part.described.part.id
-        readings = [
-            Reading.of_checked(part=name, capability=one, value=Value.of(value)) for one, value in values.items()
-        ]
+        readings = [_reading_of(part=name, capability=one, value=_value_of(value)) for one, value in values.items()]
         for expiry in part.described.expiries:
             self._schedule_expiry(part, expiry, values)
         # By what it has a value of: a report of one capability takes the place of no other's.
         stream = " ".join((name, *sorted(values)))
-        self._report(part.stored, readings, "", retained=retained, stream=stream)
-        if _is_brief(values) and not self._listeners.has_listeners(part.address):
+        is_brief = _is_brief(values)
+        self._report(part.stored, readings, "", retained=retained, has_events=not is_brief, stream=stream)
+        if is_brief and not self._listeners.has_listeners(part.address):
             self._keep_late(part, values, retained=retained)
             return
         text = self._as_text(part, values, retained=retained)
@@ -210,17 +215,19 @@ class StateReader:
         address: str,
         *,
         retained: bool,
-        has_events: bool = True,
+        has_events: bool,
         stream: str = "",
     ) -> None:
         if self._devices.get(stored.key) is not stored:
             return  # it went while others had their turn
         self._counters.reports += 1
         reporter = self._reporter
-        if not retained and (reporter.now >= stored.refresh_at or not stored.is_confirmed):
-            # First: to a directory that has forgotten the device, a report alone is of nobody.
-            why = f"message on {address}" if address else "it reported"
-            reporter.publish_sighting(stored, "updated", why, confirmed=True)
+        if not retained:
+            stored.heard_at = reporter.now
+            if reporter.now >= stored.refresh_at or not stored.is_confirmed:
+                # First: to a directory that has forgotten the device, a report alone is of nobody.
+                why = f"message on {address}" if address else "it reported"
+                reporter.publish_sighting(stored, "updated", why, confirmed=True)
         if has_events:
             reporter.publish_readings(stored, readings, address or stream, address, retained=retained)
         else:

@@ -20,10 +20,11 @@ def check_command(part: Part, capability: str, value: PlainValue) -> None:
     Raises:
         RefusedError: It cannot; says what it takes.
     """
-    settable = {one.name: one for one in part.capabilities if one.settable}
-    found = settable.get(capability)
-    if found is None:
-        known = ", ".join(settable) or "nothing"
+    for found in part.capabilities:
+        if found.name == capability and found.settable:
+            break
+    else:
+        known = ", ".join(dict.fromkeys(one.name for one in part.capabilities if one.settable)) or "nothing"
         raise RefusedError(f"{capability[:40]} for the part {part.id[:40]!r}", f"this part takes {known}")
     kind = _kind(found)
     if kind == "bool":
@@ -40,8 +41,10 @@ def check_command(part: Part, capability: str, value: PlainValue) -> None:
 
 def can_report(part: Part, capability: str, value: PlainValue) -> bool:
     """Return whether *value* can be one that *part* reports for *capability*; None, for unknown, always can."""
-    found = next((one for one in part.capabilities if one.readable and one.name == capability), None)
-    if found is None:
+    for found in part.capabilities:
+        if found.name == capability and found.readable:
+            break
+    else:
         return False
     if value is None:
         return True

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from homebot.conventions.description import Publication, TakesCode
-from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError, WrongCodeError
@@ -59,8 +59,9 @@ class CommandPublisher:
         Raises:
             UnableError: No part is described that can do that; nothing was sent.
             RefusedError: The code is wrong, or the broker said no.
-            LinkError: There is no link; or nobody subscribes to the topic, as far as an MQTT 5 broker says so, and the
-                part reports nothing that could show otherwise.
+            LinkError: There is no link; or the part reports nothing that could show whether it obeyed, and nobody
+                subscribes to the topic, as far as an MQTT 5 broker says so, or the broker has just come back and the
+                device was not heard since.
         """
         try:
             announced_part = self._find_part(command.key, command.part)
@@ -70,6 +71,8 @@ class CommandPublisher:
             raise  # no other way to the part is tried with a wrong code: it might ask for none
         except HomebotError as exc:
             raise UnableError(str(exc)) from exc
+        reports = partial(announced_part.reports, command.capability)
+        await self._connection.require_peer(announced_part.stored.heard_at, reports)
         if command.code:
             publications = tuple(self._secrets.keep(one) for one in publications)
         properties = _expiring(command)
@@ -82,7 +85,7 @@ class CommandPublisher:
                 one.topic, one.payload, qos=qos, retain=one.retain, properties=properties
             )
             is_unheard = is_unheard and published.reason == ReasonCode.NO_MATCHING_SUBSCRIBERS and not one.retain
-        if is_unheard and not _reports(announced_part, command.capability):
+        if is_unheard and not reports():
             raise LinkError(f"nobody subscribes to {publications[0].topic[:100]}")
 
     def _written(
@@ -117,16 +120,9 @@ class CommandPublisher:
 
 
 def _expiring(command: Command) -> MessageProperties:
-    """Return the properties of a message that expires with *command*: no command is obeyed minutes later.
+    """Return the properties of a message that expires with *command*, or before it is sent again.
 
     Brokers count whole seconds, and may deliver it in the last one.
     """
-    if not command.expires_after:
-        return NO_PROPERTIES
-    return MessageProperties(expiry=max(1, math.floor(command.expires_after)))
-
-
-def _reports(announced_part: AnnouncedPart, capability: str) -> bool:
-    """Return whether the part reports *capability* as a lasting value, so that it shows whether it obeyed."""
-    capabilities = announced_part.described.part.capabilities
-    return capability not in MOMENTARY and any(one.name == capability and one.readable for one in capabilities)
+    seconds = command.kept_for or command.expires_after
+    return MessageProperties(expiry=max(1, math.floor(seconds))) if seconds else NO_PROPERTIES

@@ -1,0 +1,106 @@
+"""When a command is sent again, and when it is not, as it may have been obeyed; in virtual time."""
+
+from __future__ import annotations
+
+import itertools
+
+import anyio
+import pytest
+from tests.control.conftest import Home, OpenHome, ignore, obey_after
+
+from homebot.devices.gateway_messages import Command
+from homebot.devices.handles import Light
+from homebot.devices.outcomes import Confirmed, NoAnswer
+
+pytestmark = pytest.mark.virtual_time
+
+
+def lose_connection(home: Home) -> None:
+    """Let the gateway lose its connection, and have it again at once."""
+    home.gateway.set_unavailable("the broker was killed")
+    home.gateway.set_available()
+
+
+async def lose_connection_and_answer(home: Home, command: Command) -> None:
+    """Lose the connection before the lamp can report anything."""
+    lose_connection(home)
+
+
+async def test_a_command_is_not_repeated_after_the_connection_was_lost_as_it_may_have_been_obeyed(
+    open_home: OpenHome,
+) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.behaviours["lamp"] = lose_connection_and_answer
+        outcome = await (await home.handle(Light)).turn_on()
+        assert outcome == NoAnswer(10.0, command_id=outcome.command_id)
+        assert len(home.commands) == 1
+
+
+async def test_it_is_repeated_once_the_lamp_reports_that_it_is_still_off(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        sent_at: list[float] = []
+
+        async def come_back_after_six_seconds(home: Home, command: Command) -> None:
+            sent_at.append(anyio.current_time())
+            if len(sent_at) == 1:
+                lose_connection(home)
+                home.later(6.0, command.key, "on_off", value=False)
+            else:
+                home.later(0.1, command.key, "on_off", value=True)
+
+        home.behaviours["lamp"] = come_back_after_six_seconds
+        outcome = await (await home.handle(Light)).turn_on()
+        assert isinstance(outcome, Confirmed)
+        assert [round(at - sent_at[0], 1) for at in sent_at] == [0.0, 6.0]
+
+
+async def test_it_is_confirmed_without_a_repetition_where_the_lamp_reports_that_it_is_on(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+
+        async def obey_late(home: Home, command: Command) -> None:
+            lose_connection(home)
+            home.later(8.0, command.key, "on_off", value=True)
+
+        home.behaviours["lamp"] = obey_late
+        assert isinstance(await (await home.handle(Light)).turn_on(), Confirmed)
+        assert len(home.commands) == 1
+
+
+async def test_a_connection_that_was_lost_before_the_command_does_not_matter(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        lamp = await home.handle(Light)
+        await lamp.turn_off()
+        lose_connection(home)
+        await anyio.sleep(1.0)
+        home.behaviours["lamp"] = ignore
+        home.commands.clear()
+        assert isinstance(await lamp.turn_on(), NoAnswer)
+        assert len(home.commands) == 3
+
+
+async def test_the_network_forgets_a_command_before_it_is_sent_again(open_home: OpenHome) -> None:
+    """So that a device that was away never gets two copies of it: one that it answers in time stays the only one."""
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        lamp = await home.handle(Light)
+        home.behaviours["lamp"] = obey_after(0.4)
+        for number in range(4):
+            await (lamp.turn_off() if number % 2 else lamp.turn_on())
+        home.behaviours["lamp"] = ignore
+        home.commands.clear()
+        sent_at: list[float] = []
+
+        async def note(_home: Home, _command: Command) -> None:
+            sent_at.append(anyio.current_time())
+
+        home.behaviours["lamp"] = note
+        await lamp.turn_on()
+        kept_for = [one.kept_for for one in home.commands]
+        assert kept_for == pytest.approx([1.5, 1.5, 0.0], abs=0.01)
+        for seconds, (before, after) in zip(kept_for, itertools.pairwise(sent_at), strict=False):
+            assert after - before >= seconds + 0.4 - 0.01
+        assert home.commands[-1].expires_after == pytest.approx(10.0 - 2 * 1.9, abs=0.01)  # until the outcome is told

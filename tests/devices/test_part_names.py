@@ -1,0 +1,46 @@
+"""Names for people of devices and of their parts."""
+
+from __future__ import annotations
+
+from homebot.devices import Device, DevicePart
+from homebot.devices.part import Capability, Category, Part
+from homebot.devices.part_names import part_names
+from homebot.messages import Time
+
+
+def part(part_id: str, name: str = "", *, settable: bool = True, category: Category = "") -> DevicePart:
+    switch = Capability(name="on_off", settable=settable)
+    described = Part(id=part_id, name=name, service_type="switch", category=category, capabilities=(switch,))
+    return DevicePart(id=part_id, part=described, routes=())
+
+
+def device(*parts: DevicePart) -> Device:
+    now = Time.from_seconds(1.0)
+    return Device(
+        id="relays",
+        name="Relays",
+        service_type="switch",
+        endpoints=(),
+        metadata=(),
+        first_seen=now,
+        last_seen=now,
+        expires=now,
+        freshness="fresh",
+        parts=parts,
+    )
+
+
+def test_each_of_two_relays_has_a_name() -> None:
+    """Its own after that of the device, else its id; none where it has neither."""
+    relays = device(part("r1", "left"), part("r2"), part(""))
+    assert part_names([relays]) == {
+        "relays": "Relays",
+        "relays#r1": "Relays left",
+        "relays#r2": "Relays r2",
+        "relays#": "Relays",
+    }
+
+
+def test_one_relay_beside_a_meter_and_a_setting_is_called_as_its_device() -> None:
+    relay = device(part("r1", "left"), part("power", settable=False), part("led", category="config"))
+    assert part_names([relay]) == {"relays": "Relays"}
