@@ -17,7 +17,7 @@ from tests.days.truth import TruthfulCommand, annoys, heats, is_off, is_on
 from homebot.devices.command_messages import CommandResult
 from homebot.devices.journal_messages import JournalEntry
 
-__all__ = ["Violation", "broken_chains", "is_wish", "issuers_of", "unseen", "unseen_open", "violations"]
+__all__ = ["Violation", "broken_chains", "is_unseen", "is_wish", "issuers_of", "unseen", "unseen_open", "violations"]
 
 _CLIENT: Final = "client:"
 _LIMITED: Final = 10.0 - 1e-6
@@ -59,7 +59,26 @@ def violations(day: RandomDay, lived: LivedDay) -> list[Violation]:
 def unseen(lived: LivedDay) -> list[TruthfulCommand]:
     """Return each command of an app that annoyed people whom no sensor told of: no policy can know of them."""
     issuers = issuers_of(lived)
-    return [one for one in lived.commands if one.awake and annoys(one) and one.is_unseen and not is_wish(one, issuers)]
+    return [
+        one
+        for one in lived.commands
+        if one.awake and annoys(one) and is_unseen(one, lived) and not is_wish(one, issuers)
+    ]
+
+
+def is_unseen(command: TruthfulCommand, lived: LivedDay) -> bool:
+    """Return whether nobody can know of those who are awake where *command* arrives.
+
+    A hand that switches the device in the same moment is known to who answers that, and to nobody else yet.
+    """
+    return command.is_unseen and not (command.is_switched and _answers_device(command, lived))
+
+
+def _answers_device(command: TruthfulCommand, lived: LivedDay) -> bool:
+    """Return whether *command* was given because of what its own device said."""
+    return any(
+        one.command == command.id and lived.names.get(one.trigger.device) == command.device for one in lived.entries
+    )
 
 
 def unseen_open(lived: LivedDay) -> list[TruthfulCommand]:
@@ -100,7 +119,7 @@ def _violated(command: TruthfulCommand, issuer: str, day: RandomDay, lived: Live
         yield "rights"  # no client of these days has one that names a lock
     if is_by_person:
         return
-    if command.awake and annoys(command) and not command.is_unseen:
+    if command.awake and annoys(command) and not is_unseen(command, lived):
         yield "presence_guard"
     local = datetime.fromtimestamp(lived.midnight + command.at, UTC)
     is_quiet = day.control["quiet_hours"] and (local.hour >= _QUIET_FROM or local.hour < _QUIET_UNTIL)

@@ -16,7 +16,7 @@ from pathlib import Path
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from tests.days.closed_rooms import closed_room_refusals
 from tests.days.living import LivedDay, live
-from tests.days.oracle import broken_chains, is_wish, issuers_of, unseen, unseen_open, violations
+from tests.days.oracle import broken_chains, is_unseen, is_wish, issuers_of, unseen, unseen_open, violations
 from tests.days.random_day import RandomDay, random_days
 from tests.days.truth import is_off
 from tests.thesis_light_service import THESIS_LIGHT_SERVICE
@@ -127,7 +127,7 @@ def _add(counts: Counter[str], lived: LivedDay) -> None:
         days=1,
         offs=len(offs),
         over=sum(1 for one in offs if one.awake and one not in wishes),
-        unseen=sum(1 for one in offs if one.awake and one.is_unseen and one not in wishes),
+        unseen=sum(1 for one in offs if one.awake and is_unseen(one, lived) and one not in wishes),
         empty=sum(1 for one in offs if not one.awake and one not in wishes),
         wishes=len(wishes),
         guarded=sum(1 for _ in guarded),

@@ -11,11 +11,12 @@ from dataclasses import replace
 import pytest
 from hypothesis import HealthCheck, given, settings
 from tests.days.living import LivedDay, live
-from tests.days.oracle import broken_chains, unseen, violations
+from tests.days.oracle import broken_chains, is_unseen, unseen, violations
 from tests.days.random_app import RANDOM_APP
 from tests.days.random_day import RandomDay, random_days
 from tests.thesis_light_service import THESIS_LIGHT_SERVICE
 
+from homebot.devices.trigger import Trigger
 from homebot.testing import Day
 from homebot.testing.day_event import DayEvent
 
@@ -112,6 +113,15 @@ def test_what_no_sensor_tells_is_counted_apart(fault: dict[str, object]) -> None
     day, lived = off_over_anna(fault)
     assert violations(day, lived) == []
     assert [one.device for one in unseen(lived)] == ["lamp"]
+
+
+def test_a_hand_in_the_very_moment_is_known_to_who_answers_it_alone() -> None:
+    """A random day found it: to an app that acts by the time, the report of the lamp was still on its way."""
+    _, lived = off_over_anna({"silent": {"since": 21_000.0}})
+    (command,) = (replace(one, is_switched=True) for one in lived.commands)
+    assert is_unseen(command, lived)
+    caused = [one.with_checked(trigger=Trigger(kind="report", device=one.device)) for one in lived.entries]
+    assert not is_unseen(command, replace(lived, entries=caused))
 
 
 def test_the_oracle_sees_a_strobe() -> None:

@@ -42,8 +42,8 @@ class TruthfulCommand:
         room: Where the device is.
         awake: How many people are awake there.
         is_unseen: Whether the motion sensors there, all of which have detected somebody before and seem to work, have
-            long said that nobody is there, the contacts on its doors do not show that somebody stayed, and no hand
-            has changed at this moment what the device reports.
+            long said that nobody is there, and the contacts on its doors do not show that somebody stayed.
+        is_switched: Whether a hand has changed at this very moment what the device reports.
         is_open: Whether a door or window with a contact there is open.
         is_told_open: Whether one of these contacts has said so for a second, or fell silent.
         is_ever_told_open: Whether each of these contacts has said ``open`` before: one that never has may be broken.
@@ -59,6 +59,7 @@ class TruthfulCommand:
     room: str
     awake: int
     is_unseen: bool
+    is_switched: bool
     is_open: bool
     is_told_open: bool
     is_ever_told_open: bool
@@ -124,7 +125,8 @@ class GroundTruth(WorldLog):
             event.command,
             placed.room,
             self._world.awake_in(placed.room),
-            self._is_unseen(placed.room, event.at) and self._switched.get(event.who) != event.at,
+            self._is_unseen(placed.room, event.at),
+            self._switched.get(event.who) == event.at,
             bool(opened),
             any(self._is_told_open(name, event.at) for name in opened),
             all(self._told[name].has_opened for name in opened),

@@ -11,9 +11,10 @@ from pathlib import Path
 import anyio
 from tests.apps.houses import flat, lamp, motion
 
-from homebot.cli.replay_words import difference_text, part_names
+from homebot.cli.replay_words import difference_text
 from homebot.config import parse_config
 from homebot.devices.names import READ_RECORDING, START_RECORDER
+from homebot.devices.part_names import part_names
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import parse_world

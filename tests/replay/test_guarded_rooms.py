@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import json
 
 from tests.apps.houses import flat, lamp, motion
-from tests.replay.recorded_days import APPS, diff_of, recorded_for_client, recording_of, texts
+from tests.replay.recorded_days import APPS, diff_of, recorded, recorded_for_client, recording_of, texts
 
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest
 from homebot.devices.names import COMMAND_DEVICES
@@ -42,4 +43,21 @@ def test_a_sensor_that_had_detected_somebody_is_believed_in_the_replay_too() -> 
     (sensor,) = recording.header.detected
     assert sensor.startswith("hall_motion#")
     assert [one.result.outcome for one in recording.commands if one.result] == ["confirmed", "confirmed"]
+    assert texts(recording, diff_of(recording)) == []
+
+
+def test_a_day_with_every_policy_is_replayed_under_the_same_policies() -> None:
+    """Quiet hours, nearly all day in any time zone, refuse what lights_out asks for; the guard is told its commands."""
+    table = {
+        "presence_guard": {"absent_after": 60, "commands": ["turn off lights in hall"]},
+        "quiet_hours": [{"start": "00:00", "end": "23:59", "commands": ["turn off lights"]}],
+        "interlocks": [{"commands": ["heat"], "while": "open contact sensor", "where": "home"}],
+        "rate_limit": False,
+        "witnesses": {"light in hall": "Hall lux"},
+    }
+    world = flat(("08:00", "hall"), ("20:00", "outside"), hall_lamp=lamp("hall"), hall_motion=motion("hall"))
+    recording = recorded(world, ["lights_out", "follow_me"], "22h", config={"control": table})
+    refused = {one.result.policy for one in recording.commands if one.result}
+    assert "quiet_hours" in refused
+    assert json.loads(recording.header.control)["quiet_hours"][0]["commands"] == ["turn off lights"]
     assert texts(recording, diff_of(recording)) == []

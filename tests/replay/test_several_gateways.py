@@ -25,7 +25,7 @@ from homebot.recording.recording import Recording
 from homebot.runtime import Runtime
 from homebot.virtual_time import VirtualTimeLoop
 
-pytestmark = [pytest.mark.no_cover, pytest.mark.timeout(900)]  # the virtual radio takes a second for ten minutes
+pytestmark = pytest.mark.no_cover
 
 MIXED = Path(__file__).parents[2] / "examples" / "houses" / "mixed.toml"
 BOTH = ("mqtt", "observer")
