@@ -19,8 +19,9 @@ SLOW = tests/system tests/fuzz tests/cli tests/bridges/rosbridge tests/mqtt/brok
 	tests/conventions/zigbee2mqtt/test_both_announcements.py tests/test_benchmarks.py tests/test_examples.py \
 	tests/gateways/ble tests/gateways/coap tests/gateways/drivers tests/gateways/matter tests/gateways/mdns tests/gateways/nfc \
 	tests/gateways/thing_directory tests/gateways/test_http_client.py $(wildcard tests/gateways/test_contract_*.py) \
-	tests/control/test_plain_text_lamps.py tests/control/witnesses/test_disbelief.py tests/replay/test_several_gateways.py \
-	tests/house/test_ble_devices.py tests/house/test_guide.py tests/house/test_network.py \
+	tests/control/test_plain_text_lamps.py tests/control/witnesses/test_disbelief.py tests/control/witnesses/test_honest_houses.py \
+	tests/replay/test_people_and_owner.py tests/replay/test_replay.py tests/replay/test_several_gateways.py \
+	tests/house/test_ble_devices.py tests/house/test_guide.py tests/house/test_matter.py tests/house/test_network.py \
 	tests/bridges/test_token_guard.py tests/bridges/thing_directory tests/conventions/test_long_json.py \
 	tests/discovery/test_set_clock.py tests/gateways/mqtt/test_memory.py \
 	tests/test_logger.py tests/test_production_loop.py tests/test_public_face.py tests/test_readme.py
@@ -60,7 +61,7 @@ fuzz: $(VENV)/.dev
 # Days of the family home; `make houses HOUSES=1000` runs more.
 ## Simulates a hundred random days of a house.
 houses: $(VENV)/.dev
-	@HOUSES=$(HOUSES) $(BIN)/python -m pytest -n logical --timeout 600 --show-capture no tests/testing/test_family_day.py $(ARGS)
+	@HOUSES=$(HOUSES) $(BIN)/python -m pytest -n logical --show-capture no tests/testing/test_family_day.py $(ARGS)
 
 # Random houses, faults, apps and policies; `make days DAYS=100 ARGS="--seed 7"` lives others.
 ## Lives a thousand random days, and counts offs over people, violated policies and broken chains.

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import os
 import shutil
 import signal
 import socket
-from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from collections.abc import AsyncIterator, Callable, Generator, Iterator, Mapping
 from pathlib import Path
 from subprocess import DEVNULL
 
@@ -16,15 +17,17 @@ import pytest
 import pytest_asyncio
 import structlog
 from blockbuster import blockbuster_ctx
-from hypothesis import settings
-from tests.patience import PATIENCE
+from hypothesis import HealthCheck, settings
+from tests.generated_examples import FAST
+from tests.mqtt.client.mosquitto_broker import until_it_answers
 
+from homebot.cli.main import gc_paused
 from homebot.mqtt.broker import Broker
 from homebot.testing import VirtualTimeLoop
 
-# How fast an example runs is no test's business: the machine may be busy.
-settings.register_profile("homebot", deadline=None)
-settings.register_profile("fast", deadline=None, max_examples=20)  # make test-fast
+# How fast an example is made or runs is no test's business: the machine may be busy.
+settings.register_profile("homebot", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("fast", settings.get_profile("homebot"), max_examples=FAST)  # make test-fast
 settings.load_profile("homebot")
 
 
@@ -34,6 +37,14 @@ def pytest_configure(config: pytest.Config) -> None:
         # A shell lets its background jobs ignore SIGINT, and programs hand that on to those that they start: ours would
         # not hear the Ctrl-C of a test. One with a handler starts them as a terminal does.
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Collect without a search for garbage, which takes almost half of the time."""
+    gc.collect()  # what is garbage now may have something to warn of
+    with gc_paused():
+        return (yield)
 
 
 def pytest_asyncio_loop_factories(
@@ -135,7 +146,7 @@ async def mosquitto_url(tmp_path: Path) -> AsyncIterator[str]:
     config = tmp_path / "mosquitto.conf"
     config.write_text(f"listener {port} 127.0.0.1\nallow_anonymous true\n")
     async with await anyio.open_process([program, "-c", str(config)], stdout=DEVNULL, stderr=DEVNULL) as process:
-        await listening(port)
+        await until_it_answers(port)
         yield f"mqtt://127.0.0.1:{port}"
         process.terminate()
 
@@ -145,16 +156,3 @@ def free_port() -> int:
         probe.bind(("127.0.0.1", 0))
         port: int = probe.getsockname()[1]
         return port
-
-
-async def listening(port: int) -> None:
-    """Wait until something accepts connections on *port*."""
-    with anyio.fail_after(PATIENCE):
-        while True:
-            try:
-                stream = await anyio.connect_tcp("127.0.0.1", port)
-            except OSError:
-                await anyio.sleep(0.01)  # another process: nothing of ours to wait for
-                continue
-            await stream.aclose()
-            return

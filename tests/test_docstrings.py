@@ -35,15 +35,13 @@ Verify Visit Wait Wake Walk Warn Watch Widen Withdraw Work Wrap Write Yield
 """
 """Verbs that functions begin with. Add a further one here, if it is a verb and none of these says the same."""
 
-Documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
-
 
 def documented() -> list[tuple[str, str]]:
     """The place of each docstring, and its text."""
     return [
         (f"{path}:{getattr(node, 'lineno', 1)}", text)
         for path, node in source_nodes()
-        if isinstance(node, Documented) and (text := ast.get_docstring(node))
+        if (text := ast.get_docstring(node))
     ]
 
 
@@ -113,10 +111,13 @@ def unknown_entries(node: ast.AST) -> list[str]:
         return sorted({*entries(ast.get_docstring(node) or "", "Args")} - arguments(node))
     if not isinstance(node, ast.ClassDef):
         return []
-    text, known = ast.get_docstring(node) or "", members(node)
+    text = ast.get_docstring(node) or ""
+    attributes, taken = {*entries(text, "Attributes")}, {*entries(text, "Args")}
+    if not attributes and not taken:
+        return []
+    known = members(node)
     inits = [one for one in node.body if isinstance(one, ast.FunctionDef) and one.name == "__init__"]
-    taken = arguments(inits[0]) if inits else known
-    return sorted(({*entries(text, "Attributes")} - known) | ({*entries(text, "Args")} - taken))
+    return sorted((attributes - known) | (taken - (arguments(inits[0]) if inits else known)))
 
 
 def test_the_arguments_and_attributes_that_a_docstring_explains_are_there() -> None:

@@ -41,7 +41,7 @@ held history host hosted housekeeping inbound inbox info intake journal keeper k
 liveliness liveness loaded login loss manual mark merger open option outbound output parser phase place
 planned policy pool problem production publish publishing pulse quantity queued reach receipt received receiver
 recipient recorded recorder regrouped reliability renderer replay reporting reserved reserving result schema search
-secret selector shared sign slice sliced slot spare stat tap target test thread throttle tl transport trimmer
+secret selector shared sign slice sliced slot spare starved stat tap target test thread throttle tl transport trimmer
 unread unsaved unsent user view violation waiting watch watchdog watched window
 """
 """Words that mean in a name what they mean in English, or in every program; any other belongs into the glossary."""

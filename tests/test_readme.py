@@ -93,7 +93,7 @@ def test_no_command_is_forgotten() -> None:
 
 def test_make_run_shows_the_house_being_discovered_and_acted_on() -> None:
     """The lines are those that the README shows, but for the time and what a busy machine changes in their order."""
-    done = run('make run ARGS="--for 3"')
+    done = run('make run ARGS="--for 15"')
 
     assert done.returncode == 0
     for shown in re.findall(r"^\d\d:\d\d:\d\d  (\S+ +.*)$", README, re.MULTILINE):

@@ -502,20 +502,20 @@ async def send(lamp: Lamp, watcher: Node, **change: object) -> SendCommandRespon
     """Tell the lamp to be on, or what else is said."""
     asked = {"key": lamp.key, "part": lamp.part, "capability": lamp.capability, "value": Value.of(True), **change}
     client = watcher.create_client(SendCommand, lamp.gateway.names.send_command)
-    return await client.call(Command.model_validate(asked))
+    return await client.call(Command.model_validate(asked), timeout=PATIENCE)
 
 
 async def subscribe(lamp: Lamp, watcher: Node, address: str) -> SubscribeToTopicResponse:
     """Let the watcher listen to *address*."""
     client = watcher.create_client(SubscribeToTopic, lamp.gateway.names.subscribe)
-    response = await client.call(SubscribeToTopicRequest(topic=address, listener=watcher.full_name))
+    response = await client.call(SubscribeToTopicRequest(topic=address, listener=watcher.full_name), timeout=PATIENCE)
     assert (response.success, response.message) == (True, "")
     return response
 
 
 async def healthy(lamp: Lamp, watcher: Node) -> HealthResponse:
     """Return the health of the gateway."""
-    return await watcher.create_client(GetHealth, lamp.gateway.names.health).call(HealthRequest())
+    return await watcher.create_client(GetHealth, lamp.gateway.names.health).call(HealthRequest(), timeout=PATIENCE)
 
 
 async def becomes_seen(neighbour: Neighbour, *, on: bool | None) -> None:

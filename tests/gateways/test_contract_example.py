@@ -12,6 +12,7 @@ from pathlib import Path
 import anyio
 import pytest
 from tests.gateways.contract import GatewayContract, Lamp
+from tests.patience import PATIENCE
 
 from homebot import App, Light
 from homebot.gateways import Gateway
@@ -99,7 +100,7 @@ def homebot_config(tmp_path: Path) -> dict[str, object]:
 
 
 async def becomes(file: Path, *, on: bool) -> None:
-    with anyio.fail_after(10):
+    with anyio.fail_after(PATIENCE):
         while json.loads(file.read_text() or "{}").get("on") is not on:  # noqa: ASYNC110 - a file tells nobody
             await anyio.sleep(0.02)
 
@@ -134,7 +135,7 @@ async def test_the_command_line_lists_the_lamp_with_its_state(homebot: TestHouse
     write(tmp_path / "hall.json", on=True)
     assert homebot.runtime.door is not None
     door = {**os.environ, "HOMEBOT_DOOR": f"127.0.0.1:{homebot.runtime.door.port}"}
-    with anyio.fail_after(20):
+    with anyio.fail_after(PATIENCE):
         lines: list[list[str]] = []
         while len(lines) < 2 or "on" not in lines[1]:
             done = await anyio.run_process([sys.executable, "-m", "homebot", "devices"], env=door)

@@ -13,7 +13,6 @@ import pytest
 PACKAGES = Path(__file__).parent
 
 
-@pytest.mark.timeout(220)
 @pytest.mark.parametrize("package", sorted(path.name for path in PACKAGES.glob("homebot-*")))
 def test_the_tests_of_a_package_pass_where_it_is_installed(package: str, tmp_path: Path) -> None:
     """It is built as a wheel and installed beside homebot; its tests start a homebot that finds it by entry point."""

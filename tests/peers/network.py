@@ -20,6 +20,7 @@ from subprocess import DEVNULL, PIPE, STDOUT
 import anyio
 from anyio.abc import Process
 from anyio.streams.text import TextReceiveStream
+from tests.patience import PATIENCE
 
 from homebot.isolation import only_cause
 
@@ -113,7 +114,7 @@ class Program:
             self._news.append(anyio.Event())
             self._news.pop(0).set()
 
-    async def prints(self, text: str, within: float = 30.0) -> str:
+    async def prints(self, text: str, within: float = PATIENCE) -> str:
         """Wait until it has printed a line with *text*, and return all that it printed.
 
         Raises:
@@ -203,7 +204,7 @@ def missing_programs(*programs: str) -> str:
 
 
 def _ip(*arguments: str) -> None:
-    subprocess.run(["ip", *arguments], check=True, capture_output=True, timeout=20)
+    subprocess.run(["ip", *arguments], check=True, capture_output=True, timeout=PATIENCE)
 
 
 def _set_namespace(descriptor: int) -> None:

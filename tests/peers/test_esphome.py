@@ -112,7 +112,6 @@ async def announced(device: Machine) -> AsyncIterator[None]:
 
 
 @pytest.mark.skipif(bool(why_no_avahi()), reason=why_no_avahi())
-@pytest.mark.timeout(900)  # the firmware is compiled
 async def test_firmware_is_found_read_and_commanded_and_its_death_is_noticed(
     firmware: Path, lan: Lan, hub: Machine
 ) -> None:

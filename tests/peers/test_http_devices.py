@@ -15,8 +15,6 @@ from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.http.shelly import ServedShelly
 from homebot.house.http.wled import ServedWled
 
-pytestmark = pytest.mark.timeout(420)
-
 WLED_CLIENT = """
 import asyncio
 import json
@@ -50,7 +48,7 @@ async def main(address):
 
         listener = asyncio.ensure_future(wled.listen(callback=see))
         await wled.master(on=True, brightness=128)
-        await asyncio.wait_for(pushed.wait(), 20)
+        await asyncio.wait_for(pushed.wait(), 60)
         await wled.segment(0, color_primary=(0, 0, 255), effect="Rainbow")
         device = await wled.update()
         show(pushed=True, color=device.state.segments[0].color.primary, effect=device.state.segments[0].effect_id)
@@ -92,7 +90,7 @@ async def main(address, port, password):
             await device.initialize()
             show(name=device.name, status=device.status["light:0"]["output"], firmware=device.firmware_version)
             await device.call_rpc("Light.Set", {"id": 0, "on": True})
-            await asyncio.wait_for(pushed.wait(), 20)
+            await asyncio.wait_for(pushed.wait(), 60)
             show(pushed=True)
         except Exception as exc:
             show(error=type(exc).__name__)

@@ -24,8 +24,6 @@ from homebot.devices.value import PlainValue, Value
 from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
 from homebot.graph import Graph, Node, Subscription
 
-pytestmark = pytest.mark.timeout(600)
-
 DATA = Path("/data")
 """Where the Matter SDK of the server keeps its state, whatever its options say; the server gets one of its own."""
 

@@ -23,7 +23,7 @@ def listener(machine: Machine) -> socket.socket:
     heard.bind(("", PORT))
     group = socket.inet_aton(GROUP) + socket.inet_aton(machine.address)
     heard.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)
-    heard.settimeout(5)
+    heard.settimeout(PATIENCE)
     return heard
 
 
@@ -66,6 +66,6 @@ async def test_a_program_on_a_machine_is_heard_and_ends_with_the_block(lan: Lan)
 
 async def test_what_a_program_does_not_print_is_an_error_that_shows_what_it_printed(lan: Lan) -> None:
     device = lan.machine("device")
-    with pytest.raises(TimeoutError, match="'yes' was not printed, but 'no"):
-        async with device.program("sh", "-c", "echo no; sleep 1000") as program:
+    async with device.program("sh", "-c", "echo no; sleep 1000", ready="no") as program:
+        with pytest.raises(TimeoutError, match="'yes' was not printed, but 'no"):
             await program.prints("yes", within=0.5)

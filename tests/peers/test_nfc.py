@@ -149,14 +149,14 @@ async def test_a_tag_at_a_reader_of_the_smart_card_service_is_read_and_written(s
                 assert (tap.tag, tap.device) == (UID, "lights/hall")
                 assert "Virtual PCD" in tap.reader
                 write = watcher.create_client(WriteTag, "/gateway/nfc/write_tag")
-                written = await write.call(WriteTagRequest(device="Kitchen lamp", wait=10), timeout=20)
+                written = await write.call(WriteTagRequest(device="Kitchen lamp", wait=PATIENCE), timeout=PATIENCE)
                 assert (written.success, written.message, written.tag) == (True, "", UID)
                 assert read_ndef(tag.message)[0].data == b"homebot:device/lights/kitchen"
                 read = watcher.create_client(ReadTag, "/gateway/nfc/read_tag")
-                assert (await read.call(ReadTagRequest(wait=10))).device == LAMP.id
+                assert (await read.call(ReadTagRequest(wait=PATIENCE), timeout=PATIENCE)).device == LAMP.id
             while not _has_left(await reports.receive()):
                 pass
-            assert (await read.call(ReadTagRequest(wait=0.1))).problem == "no_tag"
+            assert (await read.call(ReadTagRequest(wait=0.1), timeout=PATIENCE)).problem == "no_tag"
 
 
 async def test_a_service_that_stops_and_starts_again_is_a_state_with_a_reason(service: Service) -> None:

@@ -13,8 +13,6 @@ from tests.peers.node_package import node_folder
 
 __all__ = ["served_house"]
 
-pytestmark = pytest.mark.timeout(420)
-
 
 @pytest.fixture(scope="session")
 def node_wot() -> Path:

@@ -23,8 +23,6 @@ from homebot.gateways.drivers.thing import ThingDriver
 from homebot.gateways.drivers.wled import WledDriver
 from homebot.isolation import first_cause
 
-pytestmark = pytest.mark.timeout(300)
-
 DRIVERS: dict[str, tuple[type[Driver], str]] = {
     "esphome": (EsphomeDriver, "_esphomelib._tcp.local."),
     "shelly": (ShellyDriver, "_shelly._tcp.local."),

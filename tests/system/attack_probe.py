@@ -79,10 +79,12 @@ class Toll:
             f"{self.rss:.0f} MiB, {self.files} files, {self.tasks} tasks, {held} entities"
         )
 
-    @property
-    def left_open(self) -> tuple[int, int, dict[str, int]]:
-        """What must be after a flood as it was before it."""
-        return self.files, self.tasks, self.entities
+    def is_back_at(self, before: Toll) -> bool:
+        """Return whether the flood after *before* left nothing open, and no entity is gone.
+
+        There may be fewer files and tasks: what was at work before the flood may have ended since.
+        """
+        return self.files <= before.files and self.tasks <= before.tasks and self.entities == before.entities
 
 
 class LoopProbe(App):
@@ -152,7 +154,7 @@ class Attacked:
         """Return the toll once as much is open as *before*, or the last one after *within* seconds."""
         deadline = time.monotonic() + within
         now = self.toll()
-        while now.left_open != before.left_open and time.monotonic() < deadline:
+        while not now.is_back_at(before) and time.monotonic() < deadline:
             time.sleep(0.2)
             now = self.toll()
         return now

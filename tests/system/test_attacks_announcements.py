@@ -16,6 +16,7 @@ from typing import Any
 
 import pytest
 from tests.gateways.mqtt.test_long_lists import TOPIC, house_of
+from tests.patience import PATIENCE
 from tests.system.attack_probe import Attacked, attacked, rss, until
 from tests.system.broker_probe import Client
 from tests.turns import slowness
@@ -115,7 +116,7 @@ class Hostile:
     """A client that publishes, each message acknowledged before the next."""
 
     def __init__(self, port: int) -> None:
-        self._socket = socket.create_connection(("127.0.0.1", port), timeout=60)
+        self._socket = socket.create_connection(("127.0.0.1", port), timeout=PATIENCE)
         self._client = Client(self._socket, Connect("hostile", ProtocolVersion.V5))
 
     def publish(self, topic: str, payload: bytes) -> None:
@@ -136,9 +137,11 @@ class Hostile:
 
 def ask(homebot: Attacked, service: str, **arguments: Any) -> dict[str, Any]:
     """Call a service through the door."""
-    with connect(homebot.url, proxy=None, compression=None, open_timeout=30, max_size=None) as door:
-        door.send(json.dumps({"op": "call_service", "id": "ask", "service": service, "args": arguments}))
-        while (answer := json.loads(door.recv(timeout=60))).get("id") != "ask":
+    with connect(homebot.url, proxy=None, compression=None, open_timeout=PATIENCE, max_size=None) as door:
+        door.send(
+            json.dumps({"op": "call_service", "id": "ask", "service": service, "args": arguments, "timeout": PATIENCE})
+        )
+        while (answer := json.loads(door.recv(timeout=PATIENCE))).get("id") != "ask":
             pass
     values: dict[str, Any] = answer["values"]
     return values
@@ -175,7 +178,7 @@ def withstands(homebot: Attacked, port: int) -> tuple[float, list[str]]:
             print(f"\n{flood.__name__}, {cost}", end="")
             assert now.rss < before.rss + MOST
         hostile.publish(*config("lock", "honest"))
-        until(lambda: finds(homebot, "honest") or None, 30)
+        until(lambda: finds(homebot, "honest") or None, PATIENCE)
     counted = counts(homebot)
     left_out = ("devices_refused", "announcements_rejected", "announcements_deferred", "announcements_ignored")
     print(f"\n{', '.join(f'{name} {counted[name]}' for name in left_out)}", end="")
@@ -190,8 +193,8 @@ def test_long_announcements_take_bounded_memory_and_keep_nobody_out(tmp_path: Pa
         hostile = Hostile(homebot.broker)
         for topic in topics:
             hostile.publish(topic, b"[]" if topic.endswith("devices") else b"")
-        until(lambda: None if counts(homebot)["announcements_excess_bytes"] else True, 30)
-        until(lambda: rss(homebot.pid) < before + LEFT or None, 30)
+        until(lambda: None if counts(homebot)["announcements_excess_bytes"] else True, PATIENCE)
+        until(lambda: rss(homebot.pid) < before + LEFT or None, PATIENCE)
         after = homebot.toll()
         print(f"\nwithdrawn: {after}, {after.rss - before:+.0f} MiB")
         assert finds(homebot, "honest")
@@ -208,7 +211,7 @@ def test_a_flood_of_messages_takes_bounded_memory_that_comes_back(tmp_path: Path
     with attacked(tmp_path) as homebot:
         hostile = Hostile(homebot.broker)
         hostile.publish(*config("lock", "honest"))
-        until(lambda: finds(homebot, "honest") or None, 30)
+        until(lambda: finds(homebot, "honest") or None, PATIENCE)
         before = homebot.toll()
         for topic in ("s/honest", "nobody/knows"):
             hostile.pour(topic, b"x" * 1000, 30_000)
@@ -217,7 +220,7 @@ def test_a_flood_of_messages_takes_bounded_memory_that_comes_back(tmp_path: Path
             now = homebot.toll()
             print(f"\n32,000 messages on {topic}: {now}, {now.rss - before.rss:+.0f} MiB", end="")
             assert now.rss < before.rss + MOST
-        until(lambda: rss(homebot.pid) < before.rss + LEFT or None, 30)
+        until(lambda: rss(homebot.pid) < before.rss + LEFT or None, PATIENCE)
         assert finds(homebot, "honest")
         hostile.close()
 
@@ -230,11 +233,11 @@ def test_devices_that_come_and_go_again_and_again_take_no_more_memory_than_the_f
         for _ in range(3):
             for topic, payload in devices:
                 hostile.publish(topic, payload)
-            until(lambda: known(homebot) >= len(devices) or None, 60)
+            until(lambda: known(homebot) >= len(devices) or None, PATIENCE)
             rounds.append(rss(homebot.pid))
             for topic, _ in devices:
                 hostile.publish(topic, b"")
-            until(lambda: known(homebot) < 10 or None, 60)
+            until(lambda: known(homebot) < 10 or None, PATIENCE)
     print(f"\n1,500 devices three times: {', '.join(f'{one:.0f} MiB' for one in rounds)}", end="")
     assert max(rounds[1:]) < rounds[0] + 16  # one round takes 24
 
@@ -265,7 +268,7 @@ def test_large_announcements_leave_turns_to_others(tmp_path: Path) -> None:
                 hostile.publish(topic, payload)
             honest = f"honest{number}"
             hostile.publish(*config("lock", honest))
-            until(lambda honest=honest: finds(homebot, honest) or None, 30)  # type: ignore[misc]  # a default binds it now
+            until(lambda honest=honest: finds(homebot, honest) or None, PATIENCE)  # type: ignore[misc]  # a default binds it now
             toll = homebot.toll()
             print(f"\n{name}: {toll}", end="")
             assert toll.busy < MOST_BUSY * slowness()

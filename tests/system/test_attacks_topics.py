@@ -13,7 +13,8 @@ from subprocess import DEVNULL
 
 import anyio
 import pytest
-from tests.conftest import free_port, listening
+from tests.conftest import free_port
+from tests.mqtt.client.mosquitto_broker import until_it_answers
 from tests.patience import PATIENCE
 
 from homebot.config import parse_config
@@ -93,7 +94,7 @@ async def mosquitto(tmp_path: Path) -> AsyncIterator[Mosquitto]:
         + (f"user {os.environ.get('USER', 'root')}\n" if os.geteuid() == 0 else "")
     )
     async with await anyio.open_process([program, "-c", str(config)], stdout=DEVNULL, stderr=DEVNULL) as process:
-        await listening(port)
+        await until_it_answers(port)
         yield Mosquitto(port)
         process.terminate()
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import anyio
 import pytest
+from tests.mqtt.client.mosquitto_broker import until_it_answers
 from tests.patience import PATIENCE
 from tests.turns import Lateness
 
@@ -158,7 +159,7 @@ async def test_a_message_that_was_not_acknowledged_comes_again(
     mosquitto: Mosquitto, protocol: MqttProtocol, kind: ClientKind
 ) -> None:
     crashed, successor = (kind(options(mosquitto, protocol=protocol)) for _ in range(2))
-    await wait_for(mosquitto)
+    await until_it_answers(mosquitto.port)
     async with crashed.connected():
         await crashed.subscribe(MqttSubscription("open/t", 1))
         await crashed.publish("open/t", b"x", qos=1)
@@ -192,7 +193,7 @@ async def test_after_a_restart_the_hub_is_back_within_two_seconds_and_has_lost_n
         await anyio.to_thread.run_sync(mosquitto.stop)
         await until_not(hub, LinkPhase.CONNECTED)
         await anyio.to_thread.run_sync(mosquitto.start)
-        await wait_for(mosquitto)
+        await until_it_answers(mosquitto.port)
         began = anyio.current_time()
         await hub.wait_connected()
         return anyio.current_time() - began
@@ -216,17 +217,6 @@ async def until_not(connection: MqttConnection, phase: LinkPhase) -> None:
     async for state in connection.states():
         if state.phase is not phase:
             return
-
-
-async def wait_for(mosquitto: Mosquitto) -> None:
-    """Wait until the port is open."""
-    with anyio.fail_after(PATIENCE):
-        while True:
-            try:
-                async with await anyio.connect_tcp("127.0.0.1", mosquitto.port):
-                    return
-            except OSError:
-                await anyio.sleep(0.01)
 
 
 async def test_a_broker_that_is_frozen_is_noticed_and_found_again(

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from tests.conftest import free_port
+from tests.patience import PATIENCE
 
 pytestmark = pytest.mark.system
 
@@ -70,14 +71,14 @@ def test_no_secret_is_told_by_anything(tmp_path: Path, form: str) -> None:
     log = tmp_path / "log"
     with log.open("w") as out:
         running = subprocess.Popen(
-            [sys.executable, "-m", "homebot", "run", "--log-format", form, "--for", "40"],
+            [sys.executable, "-m", "homebot", "run", "--log-format", form, "--for", f"{10 * PATIENCE:g}"],
             cwd=tmp_path,
             env={**SETTINGS, "HOMEBOT_DATA": str(tmp_path / "data")},
             stdout=out,
             stderr=out,
         )
     try:
-        until = time.monotonic() + 35
+        until = time.monotonic() + PATIENCE
         while "it fails with secrets at hand" not in log.read_text() and time.monotonic() < until:
             time.sleep(0.1)
         at = ("--door", f"127.0.0.1:{door}")
@@ -94,7 +95,7 @@ def test_no_secret_is_told_by_anything(tmp_path: Path, form: str) -> None:
         )
     finally:
         running.terminate()
-        running.wait(10)
+        running.wait(PATIENCE)
     written = log.read_text()
     assert "it fails with secrets at hand" in written
     assert "Traceback" in written

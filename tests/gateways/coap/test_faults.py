@@ -49,7 +49,7 @@ async def test_a_lamp_that_leaves_while_it_is_told_is_unreachable_and_the_others
     leaving.begin(DeviceState(text="off"), has_power=True)
     async with anyio.create_task_group() as tasks, device() as lamp:
         tasks.start_soon(leaving.live)
-        async with watched_gateway(devices=[leaving.uri, lamp.uri], timeout=1) as watcher:
+        async with watched_gateway(devices=[leaving.uri, lamp.uri]) as watcher:
             keys = {leaving.uri, lamp.uri}
             while keys:
                 keys.discard((await watcher.sighting(lambda one: bool(one.parts))).key)

@@ -55,7 +55,7 @@ async def test_a_sensor_without_a_description_is_known_by_its_resource_type() ->
 
 async def test_a_device_that_loses_its_power_is_unreachable_stays_and_comes_back() -> None:
     """A command to it fails at once; it is there again by itself."""
-    async with device() as lamp, watched_gateway(devices=[lamp.uri], timeout=1) as watcher:
+    async with device() as lamp, watched_gateway(devices=[lamp.uri]) as watcher:
         await watcher.sighting(lambda one: bool(one.parts))
         await watcher.reported(REACHABLE, True)
         lamp.power(on=False)
@@ -73,7 +73,7 @@ async def test_a_device_that_loses_its_power_is_unreachable_stays_and_comes_back
 
 async def test_a_device_that_is_not_there_yet_is_listed_and_unreachable() -> None:
     uri = f"coap://127.0.0.1:{free_port()}"
-    async with watched_gateway(devices=[uri], timeout=1) as watcher:
+    async with watched_gateway(devices=[uri]) as watcher:
         found = await watcher.sighting(lambda one: one.key == uri)
         assert (found.parts, found.confirmed) == ((), False)
         await watcher.reported(REACHABLE, False)
@@ -108,7 +108,7 @@ async def test_a_device_that_registers_simply_is_asked_for_its_links() -> None:
 
 async def test_a_simple_registration_of_a_device_that_has_no_links_is_counted() -> None:
     address = f"127.0.0.1:{free_port()}"
-    async with watched_gateway(serve_directory=address, timeout=1) as watcher:
+    async with watched_gateway(serve_directory=address) as watcher:
         assert (await post(f"coap://{address}/.well-known/rd?ep=none", b"")).code.dotted == "2.04"
         with anyio.fail_after(PATIENCE):
             while not watcher.gateway.devices.counters.rejected:  # noqa: ASYNC110 - a count tells nobody
@@ -118,7 +118,7 @@ async def test_a_simple_registration_of_a_device_that_has_no_links_is_counted() 
 
 async def test_a_registration_that_is_not_renewed_ends_with_its_lifetime() -> None:
     address = f"127.0.0.1:{free_port()}"
-    async with watched_gateway(serve_directory=address, timeout=1) as watcher:
+    async with watched_gateway(serve_directory=address) as watcher:
         made = await post(f"coap://{address}/rd?ep=ghost&lt=1&base=coap://127.0.0.1:1", b"</a>")
         assert made.code.dotted == "2.01"
         await watcher.sighting(lambda one: one.key == "ghost" and one.kind != "removed")
@@ -151,7 +151,7 @@ async def test_what_breaks_the_rules_of_the_directory_is_answered_so(
 
 async def test_a_flood_of_registrations_is_bounded_and_leaves_the_others_alone() -> None:
     address = f"127.0.0.1:{free_port()}"
-    async with device() as lamp, watched_gateway(serve_directory=address, devices=[lamp.uri], timeout=1) as watcher:
+    async with device() as lamp, watched_gateway(serve_directory=address, devices=[lamp.uri]) as watcher:
         await watcher.sighting(lambda one: bool(one.parts))
         context = await aiocoap.Context.create_client_context(transports=["udp6"])
         refused = 0

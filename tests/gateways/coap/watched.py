@@ -46,7 +46,9 @@ class Watcher:
     async def tell(self, key: str, capability: str, value: PlainValue) -> SendCommandResponse:
         """Send a command."""
         client = self._node.create_client(SendCommand, self.gateway.names.send_command)
-        return await client.call(Command(key=key, part="", capability=capability, value=Value.of(value)))
+        return await client.call(
+            Command(key=key, part="", capability=capability, value=Value.of(value)), timeout=PATIENCE
+        )
 
 
 @asynccontextmanager

@@ -55,7 +55,9 @@ async def found_and_turned_on(watcher: Node, gateway: MdnsGateway, name: str) ->
         while not ((sighting := await sightings.receive()).name == name and sighting.parts):
             pass
         part = sighting.parts[0].id
-        response = await client.call(Command(key=sighting.key, part=part, capability="on_off", value=Value.of(True)))
+        response = await client.call(
+            Command(key=sighting.key, part=part, capability="on_off", value=Value.of(True)), timeout=PATIENCE
+        )
         assert isinstance(response, SendCommandResponse)
         assert response.success, response.message
         while not any(

@@ -15,6 +15,7 @@ from aiohttp import web
 from tests.gateways.contract import KEPT, running
 from tests.gateways.http_servers import serving
 from tests.gateways.matter.test_gateway import House, house, reading
+from tests.patience import PATIENCE
 
 from homebot.devices import Sighting
 from homebot.devices.commissioning import (
@@ -45,11 +46,13 @@ FRAMES = json.loads((Path(__file__).parent / "recorded_frames.json").read_text("
 
 async def commission(node: Node, code: str, *, network_only: bool = True) -> CommissionResponse:
     client = node.create_client(Commission, NAMES.commission)
-    return await client.call(CommissionRequest(code=code, network_only=network_only))
+    return await client.call(CommissionRequest(code=code, network_only=network_only), timeout=PATIENCE)
 
 
 async def decommission(node: Node, key: str) -> CommissionResponse:
-    return await node.create_client(Decommission, NAMES.decommission).call(DecommissionRequest(key=key))
+    return await node.create_client(Decommission, NAMES.decommission).call(
+        DecommissionRequest(key=key), timeout=PATIENCE
+    )
 
 
 async def new_lamp(home: House, code: str) -> ServedMatterNode:
@@ -193,7 +196,7 @@ async def recorded(**answers: list[list[str]]) -> AsyncIterator[tuple[Recording,
 
 
 async def until(reports: Callable[[], Report | None], capability: str, value: object) -> None:
-    with anyio.fail_after(10):
+    with anyio.fail_after(PATIENCE):
         while True:
             report = reports()
             if report is None:

@@ -50,7 +50,9 @@ class House:
 
     async def send(self, key: str, capability: str, value: PlainValue, code: str = "") -> SendCommandResponse:
         client = self.watcher.create_client(SendCommand, self.gateway.names.send_command)
-        return await client.call(Command(key=key, part="1", capability=capability, value=Value.of(value), code=code))
+        return await client.call(
+            Command(key=key, part="1", capability=capability, value=Value.of(value), code=code), timeout=PATIENCE
+        )
 
 
 @asynccontextmanager

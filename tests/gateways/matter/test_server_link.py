@@ -7,6 +7,7 @@ from collections import deque
 
 import anyio
 import anyio.lowlevel
+from tests.patience import PATIENCE
 
 from homebot.gateways.matter.server_link import MatterServerLink
 from homebot.gateways.matter.server_messages import MatterEvent
@@ -56,7 +57,7 @@ async def test_other_tasks_run_while_a_list_of_many_megabytes_is_parsed() -> Non
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(take_turns)
         tasks.start_soon(MatterServerLink(socket, take_nodes, take_event, take_invalid).run)
-        with anyio.fail_after(20):
+        with anyio.fail_after(PATIENCE):
             await listed.wait()
         tasks.cancel_scope.cancel()
     assert turns >= len(nodes)

@@ -469,7 +469,12 @@ async def test_a_command_is_answered_when_the_broker_has_it(make_house: MakeHous
 @pytest.mark.parametrize(
     ("key", "part", "capability", "why"),
     [
-        ("simple:nobody", "lamp", "on_off", "no device was announced with that key"),
+        (
+            "simple:nobody",
+            "lamp",
+            "on_off",
+            "no announcement of it was accepted since this gateway started; restart the device",
+        ),
         (LAMP, "nothing", "on_off", "it has no part 'nothing'; it has 'lamp'"),
         (LAMP, "lamp", "level", "this part takes on_off"),
         (LAMP, "lamp", "crash", "its convention failed"),

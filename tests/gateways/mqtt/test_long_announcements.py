@@ -13,7 +13,6 @@ from homebot.conventions.installed_conventions import default_conventions, find_
 from homebot.errors import WireError
 
 CONVENTIONS = find_conventions(default_conventions(), {}, "")
-LONG = b'{"a":[' + b"1," * (15 * 1024 * 1024) + b"1]}"
 
 
 def topics(convention: Convention) -> list[str]:
@@ -33,8 +32,14 @@ def topics(convention: Convention) -> list[str]:
 
 
 @pytest.fixture(scope="module")
+def long() -> bytes:
+    """A JSON object of 30 MiB."""
+    return b'{"a":[' + b"1," * (15 * 1024 * 1024) + b"1]}"
+
+
+@pytest.fixture(scope="module")
 def bound() -> float:
-    """Seconds of the processor in which a fifth of it is parsed."""
+    """Seconds of the processor in which a fifth of `long` is parsed."""
     began = time.thread_time()
     json.loads(b"[" + b"1," * (3 * 1024 * 1024) + b"1]")
     return time.thread_time() - began
@@ -43,7 +48,7 @@ def bound() -> float:
 @pytest.mark.no_cover
 @pytest.mark.parametrize("convention", CONVENTIONS, ids=lambda one: one.name)
 def test_a_message_of_30_mib_is_not_parsed_unless_it_is_the_list_of_a_bridge(
-    convention: Convention, bound: float
+    convention: Convention, long: bytes, bound: float
 ) -> None:
     for topic in topics(convention):
         if topic.endswith(("/bridge/devices", "/bridge/info")):
@@ -52,5 +57,5 @@ def test_a_message_of_30_mib_is_not_parsed_unless_it_is_the_list_of_a_bridge(
             convention.take(topic, b"{}", retained=True)  # what reads a convention's messages is loaded with the first
         began = time.thread_time()
         with suppress(WireError):
-            convention.take(topic, LONG, retained=True)
+            convention.take(topic, long, retained=True)
         assert time.thread_time() - began < bound, topic

@@ -118,7 +118,13 @@ async def test_a_command_goes_out_as_a_word(
         ("lights/lamp", "second", "on_off", True, "it has no part 'second'"),
         ("motions/hall", "", "occupancy", True, "this part takes nothing"),
         ("coffee/maker", "", "on_off", True, "this part takes nothing"),
-        ("lights/nobody", "", "on_off", True, "no device was announced with that key"),
+        (
+            "lights/nobody",
+            "",
+            "on_off",
+            True,
+            "no announcement of it was accepted since this gateway started; restart the device",
+        ),
     ],
 )
 async def test_a_command_without_a_word_is_refused_with_the_reason(

@@ -45,9 +45,7 @@ class FloodReader(TagReader):
         for number in range(10_000):
             desk.arrived("flood", PaperTag(f"05{number:012x}", uri(f"http://10.0.0.1/{number}")))
         desk.arrived("flood", PaperTag("ff" * 7, b""))
-        for _ in range(100):
-            if desk.wait(0.05):
-                return
+        while not desk.wait(0.05):
             desk.arrived("flood", PaperTag(UID, uri("homebot:device/again")))
 
 

@@ -31,7 +31,9 @@ if TYPE_CHECKING:
     from tests.mqtt.broker.conftest import Join, MemoryClient, NewState, Stranger
 
 # Each example makes its own broker, so that what a fixture keeps between them does no harm.
-FUZZ = settings(max_examples=400, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FUZZ = settings(
+    max_examples=400, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
 
 PACKETS: list[Packet] = [
     Connect("x", will=Will("w", b"w", 2, True, Properties(will_delay_interval=1))),

@@ -1,4 +1,4 @@
-"""A Mosquitto with the face that the contract suite of clients wants of a broker."""
+"""A Mosquitto with the face that the contract suite of clients wants of a broker, and a wait for one that starts."""
 
 from __future__ import annotations
 
@@ -14,9 +14,28 @@ from typing import Final, Self
 import anyio
 from tests.patience import PATIENCE
 
-__all__ = ["MOSQUITTO", "MosquittoBroker"]
+__all__ = ["MOSQUITTO", "MosquittoBroker", "until_it_answers"]
 
 MOSQUITTO: Final = shutil.which("mosquitto") or shutil.which("mosquitto", path="/usr/sbin")
+
+_CONNECT: Final = b"\x10\x0c\x00\x04MQTT\x04\x02\x00\x3c\x00\x00"
+"""Of MQTT 3.1.1, without a name or a user; also who is refused gets an answer."""
+
+
+async def until_it_answers(port: int) -> None:
+    """Wait until a broker answers on *port* of this computer.
+
+    Mosquitto listens before it works: one that is told to stop in between never ends, or ends without its sessions.
+    """
+    with anyio.fail_after(PATIENCE):
+        while True:
+            try:
+                async with await anyio.connect_tcp("127.0.0.1", port) as stream:
+                    await stream.send(_CONNECT)
+                    await stream.receive()
+                    return
+            except (OSError, anyio.EndOfStream, anyio.BrokenResourceError):
+                await anyio.sleep(0.01)  # another process: nothing of ours to wait for
 
 
 class MosquittoBroker:
@@ -62,7 +81,11 @@ class MosquittoBroker:
         process, self._process = self._process, None
         if process is not None:
             process.kill() if abrupt else process.terminate()
-            await anyio.to_thread.run_sync(process.wait)
+            try:
+                with anyio.fail_after(PATIENCE):
+                    await anyio.to_thread.run_sync(process.wait, abandon_on_cancel=True)
+            finally:
+                process.kill()
 
     async def restart(self, *, keep_sessions: bool, abrupt: bool = False) -> None:
         """Start it anew with its sessions, which it writes down only where it is stopped in order."""
@@ -72,16 +95,10 @@ class MosquittoBroker:
         await self.start()
 
     async def start(self) -> None:
-        """Start it, and wait until it listens."""
+        """Start it, and wait until it answers."""
         self._process = subprocess.Popen(
             [str(MOSQUITTO), "-c", str(self._folder / "mosquitto.conf")],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
-        with anyio.fail_after(PATIENCE):
-            while True:
-                try:
-                    async with await anyio.connect_tcp(self.host, self.port):
-                        return
-                except OSError:
-                    await anyio.sleep(0.01)
+        await until_it_answers(self.port)

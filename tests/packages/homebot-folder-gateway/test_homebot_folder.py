@@ -21,7 +21,7 @@ def homebot_config(tmp_path: Path) -> dict[str, object]:
 
 async def content(file: Path, expected: str) -> None:
     """Wait until *file* holds what the test expects."""
-    with anyio.fail_after(10):
+    with anyio.fail_after(60):
         while not file.exists() or file.read_text() != expected:  # noqa: ASYNC110 - a file tells nobody
             await anyio.sleep(0.02)
 
@@ -56,7 +56,7 @@ async def printed(homebot: TestHouse, *command: str, until: str) -> str:
     """Return what the command line prints, once that holds *until*."""
     assert homebot.runtime.door is not None
     door = {"HOMEBOT_DOOR": f"127.0.0.1:{homebot.runtime.door.port}"}
-    with anyio.fail_after(20):
+    with anyio.fail_after(60):
         while True:
             program = [sys.executable, "-m", "homebot", *command]
             done = await anyio.run_process(program, env={**os.environ, **door}, check=False)
