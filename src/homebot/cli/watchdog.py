@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Callable
 from types import TracebackType
 from typing import Self, final
 
 from homebot.logger import get_logger
+from homebot.starvation import StarvedTime, queued_seconds
 
 __all__ = ["Watchdog"]
 
@@ -18,11 +20,10 @@ WARN_AFTER = 4.5
 EXIT_AFTER = 4.8
 """Seconds from :meth:`Watchdog.start` to the end of the process: together with a little work, below five.
 
-Those do not count in which the computer let the process do nothing, because it slept or was too busy.
+Those do not count in which the computer let the process or its main thread do nothing, as it slept or was too busy.
 """
 
-_TICK = 0.3
-"""Seconds; a tick that takes longer counts as one, as then it was not the process that took so long."""
+_LOOK_EVERY = 0.1
 
 _log = get_logger(node="/homebot")
 
@@ -60,10 +61,17 @@ class Watchdog:
         self._over.set()
 
     def _run(self, seconds: float, act: Callable[[], None]) -> None:
-        for _ in range(round(seconds / _TICK)):
-            if self._over.wait(_TICK):
+        main = threading.main_thread().native_id or 0
+        starved, started = StarvedTime(_LOOK_EVERY), time.monotonic()
+        while True:
+            now = time.monotonic()
+            starved.look(now, time.process_time(), queued_seconds(main))
+            left = seconds - (now - started - starved.seconds)
+            if left <= 0:
+                act()
                 return
-        act()
+            if self._over.wait(min(left, _LOOK_EVERY)):
+                return
 
 
 def _warn() -> None:
