@@ -7,7 +7,6 @@ import gc
 import os
 import shutil
 import signal
-import socket
 from collections.abc import AsyncIterator, Callable, Generator, Iterator, Mapping
 from pathlib import Path
 from subprocess import DEVNULL
@@ -20,6 +19,7 @@ from blockbuster import blockbuster_ctx
 from hypothesis import HealthCheck, settings
 from tests.generated_examples import FAST
 from tests.mqtt.client.mosquitto_broker import until_it_answers
+from tests.ports import reserve_port
 
 from homebot.cli.main import gc_paused
 from homebot.mqtt.broker import Broker
@@ -142,17 +142,10 @@ async def mosquitto_url(tmp_path: Path) -> AsyncIterator[str]:
     program = shutil.which("mosquitto", path=f"{os.environ['PATH']}:/usr/sbin:/usr/local/sbin")
     if program is None:
         pytest.skip("mosquitto is not installed")
-    port = free_port()
+    port = reserve_port()
     config = tmp_path / "mosquitto.conf"
     config.write_text(f"listener {port} 127.0.0.1\nallow_anonymous true\n")
     async with await anyio.open_process([program, "-c", str(config)], stdout=DEVNULL, stderr=DEVNULL) as process:
         await until_it_answers(port)
         yield f"mqtt://127.0.0.1:{port}"
         process.terminate()
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port

@@ -6,7 +6,6 @@ import os
 import re
 import shlex
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -14,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from tests.ports import reserve_door
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
@@ -46,17 +46,11 @@ def environment(door: str) -> dict[str, str]:
     return {**os.environ, "HOMEBOT_DOOR": door, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
 
 
-def free_door() -> str:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"127.0.0.1:{probe.getsockname()[1]}"
-
-
 def run(command: str, *, door: str = "", cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         shlex.split(command),
         cwd=cwd,
-        env=environment(door or free_door()),
+        env=environment(door or reserve_door()),
         capture_output=True,
         text=True,
         timeout=120,
@@ -67,7 +61,7 @@ def run(command: str, *, door: str = "", cwd: Path = ROOT) -> subprocess.Complet
 @pytest.fixture(scope="module")
 def homebot() -> Iterator[Homebot]:
     """``homebot run`` until the tests are through; it must end well on SIGTERM."""
-    door = free_door()
+    door = reserve_door()
     process = subprocess.Popen(
         ["homebot", "run"], env=environment(door), stderr=subprocess.PIPE, text=True, cwd=WINDOW_LIGHT
     )

@@ -10,7 +10,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
-from tests.test_readme import environment, free_door, run
+from tests.ports import reserve_door
+from tests.test_readme import environment, run
 
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence
 
@@ -49,7 +50,7 @@ FOLLOWING = "homebot journal --follow"
 @pytest.fixture(scope="module")
 def door(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """``homebot run`` with a lamp and a lock, until the tests are through."""
-    folder, door = tmp_path_factory.mktemp("house"), free_door()
+    folder, door = tmp_path_factory.mktemp("house"), reserve_door()
     (folder / "house.toml").write_text(HOUSE)
     arguments = ["homebot", "run", "--house", "house.toml", "--ephemeral"]
     process = subprocess.Popen(arguments, env=environment(door), stderr=subprocess.PIPE, text=True, cwd=folder)

@@ -13,9 +13,9 @@ from subprocess import DEVNULL
 
 import anyio
 import pytest
-from tests.conftest import free_port
 from tests.mqtt.client.mosquitto_broker import until_it_answers
 from tests.patience import PATIENCE
+from tests.ports import reserve_port
 
 from homebot.config import parse_config
 from homebot.devices import Devices
@@ -88,7 +88,7 @@ async def mosquitto(tmp_path: Path) -> AsyncIterator[Mosquitto]:
         subprocess.run([passwd, "-b", str(passwords), user, user], check=True, stdout=DEVNULL, stderr=DEVNULL)
     rights.write_text(RIGHTS)
     rights.chmod(0o600)
-    port = free_port()
+    port = reserve_port()
     config.write_text(
         f"listener {port} 127.0.0.1\nallow_anonymous false\npassword_file {passwords}\nacl_file {rights}\n"
         + (f"user {os.environ.get('USER', 'root')}\n" if os.geteuid() == 0 else "")

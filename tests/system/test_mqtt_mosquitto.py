@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 import signal
-import socket
 import subprocess
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, suppress
@@ -17,6 +16,7 @@ import anyio
 import pytest
 from tests.mqtt.client.mosquitto_broker import until_it_answers
 from tests.patience import PATIENCE
+from tests.ports import reserve_port
 from tests.turns import Lateness
 
 from homebot.errors import LinkError, RefusedError
@@ -42,8 +42,7 @@ class Mosquitto:
     """A Mosquitto on a free port that keeps its sessions on disk."""
 
     def __init__(self, folder: Path) -> None:
-        with socket.create_server(("127.0.0.1", 0)) as probe:
-            self.port = int(probe.getsockname()[1])
+        self.port = reserve_port()
         (folder / "passwords").write_text("anna:right\n")
         (folder / "passwords").chmod(0o600)
         subprocess.run(["mosquitto_passwd", "-U", str(folder / "passwords")], check=True)

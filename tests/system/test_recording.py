@@ -7,7 +7,6 @@ import os
 import re
 import shlex
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -17,6 +16,7 @@ from pathlib import Path
 
 import pytest
 from tests.patience import PATIENCE
+from tests.ports import reserve_door
 
 import homebot.apps.light_service
 
@@ -70,16 +70,10 @@ def environment(door: str) -> dict[str, str]:
     return {**os.environ, "HOMEBOT_DOOR": door, "PATH": path}
 
 
-def free_door() -> str:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"127.0.0.1:{probe.getsockname()[1]}"
-
-
 @contextmanager
 def running(folder: Path, *options: str, until: str) -> Iterator[Shell]:
     """Run a homebot whose log has had a line with *until*; it must end well."""
-    door = free_door()
+    door = reserve_door()
     command: Sequence[str] = ["homebot", "run", *options]
     process = subprocess.Popen(command, cwd=folder, env=environment(door), stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None

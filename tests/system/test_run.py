@@ -13,10 +13,10 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from tests.ports import reserve_port
 from tests.system.own_time import own_time_until_end
 from tests.turns import slowness
 
@@ -30,18 +30,11 @@ CUT_OFF_WITHIN = STOPS_WITHIN + 2.0
 SETTINGS = {name: value for name, value in os.environ.items() if not name.startswith("HOMEBOT_")}
 
 
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
-
-
 class Run:
     """A ``homebot run`` whose log is read line by line."""
 
     def __init__(self, folder: Path, *arguments: str, **settings: str) -> None:
-        self.port = free_port()
+        self.port = reserve_port()
         door = () if "--door" in arguments else ("--door", f"127.0.0.1:{self.port}")
         self.process = subprocess.Popen(
             [sys.executable, "-m", "homebot", "run", *door, *arguments],
@@ -50,6 +43,7 @@ class Run:
             text=True,
             cwd=folder,
             env={**SETTINGS, **settings},
+            process_group=0,
         )
         self.log: list[str] = []
 
@@ -75,6 +69,14 @@ class Run:
         _, rest = self.process.communicate(timeout=120)
         self.log += rest.splitlines(keepends=True)
         return self.process.returncode
+
+    def has_left_nothing(self) -> bool:
+        """Return whether no process of it is left, and with that no port that it listened on."""
+        try:
+            os.killpg(self.process.pid, 0)
+        except ProcessLookupError:
+            return True
+        return False
 
     @property
     def text(self) -> str:
@@ -106,29 +108,18 @@ def is_free(port: int) -> bool:
         return probe.connect_ex(("127.0.0.1", port)) != 0
 
 
-@pytest.fixture
-def _port_1883_is_taken() -> Iterator[None]:
-    """So that the broker takes a port that no other homebot of this machine takes as soon as it is free."""
-    with suppress(OSError), socket.create_server(("127.0.0.1", 1883)):
-        yield
-        return
-    yield
-
-
-@pytest.mark.usefixtures("_port_1883_is_taken")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_stops_it_in_order(start: Start, number: signal.Signals) -> None:
-    """Exit code 0, no traceback, and both ports are free again."""
+    """Exit code 0, no traceback, and nothing is left that could hold a port."""
     run = start()
-    broker = re.search(r"mqtt://127\.0\.0\.1:(\d+)", run.until("embedded MQTT broker"))
     run.until("roomlights405 is off")
-    assert broker is not None
     assert not is_free(run.port)
+    assert not run.has_left_nothing()
 
     assert run.stop(number) == 0
     assert "Traceback" not in run.text
     assert is_free(run.port)
-    assert is_free(int(broker[1]))
+    assert run.has_left_nothing()
 
 
 def test_the_json_log_is_json_line_by_line(start: Start) -> None:
@@ -186,7 +177,7 @@ def test_a_wrong_password_is_told_without_it_and_it_keeps_trying(start: Start, t
     program = shutil.which("mosquitto", path=f"{os.environ['PATH']}:/usr/sbin:/usr/local/sbin")
     if program is None:
         pytest.skip("mosquitto is not installed")
-    port = free_port()
+    port = reserve_port()
     (tmp_path / "mosquitto.conf").write_text(f"listener {port} 127.0.0.1\nallow_anonymous false\n")
     secret = tmp_path / "secret"
     secret.write_text("hunter2\n")
@@ -209,7 +200,7 @@ def test_a_wrong_password_is_told_without_it_and_it_keeps_trying(start: Start, t
 
 def test_an_absent_broker_is_told_and_does_not_delay_the_stop(start: Start) -> None:
     """The one who ends it has waited long enough."""
-    port = free_port()
+    port = reserve_port()
     run = start("--mqtt", f"mqtt://127.0.0.1:{port}", "--app", "light_service")
     line = run.until("cannot connect to")
     assert line.count(f"mqtt://127.0.0.1:{port}") == 1
@@ -230,7 +221,6 @@ def test_a_broker_that_takes_the_connection_and_says_nothing_does_not_delay_the_
     assert "Traceback" not in run.text
 
 
-@pytest.mark.usefixtures("_port_1883_is_taken")
 def test_a_door_that_is_taken_is_a_clear_error_and_everything_stops_again(start: Start) -> None:
     """The broker was up already."""
     with socket.create_server(("127.0.0.1", 0)) as taken:
@@ -238,14 +228,13 @@ def test_a_door_that_is_taken_is_a_clear_error_and_everything_stops_again(start:
         run = start("--door", address)
         assert run.end() == 1
     assert run.log[-1].startswith(f"homebot: door: {address} is in use, maybe by another homebot")
-    broker = re.search(r"mqtt://127\.0\.0\.1:(\d+)", run.text)
-    assert broker is not None
-    assert is_free(int(broker[1]))
+    assert "embedded MQTT broker on mqtt://127.0.0.1:" in run.text
+    assert run.has_left_nothing()
 
 
 def test_a_door_for_everybody_needs_a_token_and_takes_it_from_the_environment(start: Start) -> None:
     """The token itself is shown nowhere."""
-    address = f"0.0.0.0:{free_port()}"
+    address = f"0.0.0.0:{reserve_port()}"
     closed = start("--door", address)
     assert closed.end() == 1
     assert "door.host: 0.0.0.0 can be reached by others, so it needs a token" in closed.text

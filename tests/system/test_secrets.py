@@ -9,8 +9,8 @@ import time
 from pathlib import Path
 
 import pytest
-from tests.conftest import free_port
 from tests.patience import PATIENCE
+from tests.ports import reserve_port
 
 pytestmark = pytest.mark.system
 
@@ -60,12 +60,12 @@ def command(folder: Path, *arguments: str) -> str:
 
 @pytest.mark.parametrize("form", ["console", "json"])
 def test_no_secret_is_told_by_anything(tmp_path: Path, form: str) -> None:
-    door = free_port()
+    door = reserve_port()
     (tmp_path / "crashing_app.py").write_text(APP)
     for name, secret in (("password", PASSWORD), ("token", TOKEN)):
         (tmp_path / name).touch(mode=0o600)
         (tmp_path / name).write_text(f"{secret}\n")
-    text = CONFIG.format(closed=free_port(), door=door, in_url=IN_URL)
+    text = CONFIG.format(closed=reserve_port(), door=door, in_url=IN_URL)
     (tmp_path / "homebot.toml").write_text(text)
     (tmp_path / "broken.toml").write_text(text + "max_clients = 0\n")
     log = tmp_path / "log"

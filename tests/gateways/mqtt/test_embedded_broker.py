@@ -3,26 +3,42 @@
 from __future__ import annotations
 
 import socket
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 
 from structlog.testing import capture_logs
+from tests.ports import reserve_port
 
 from homebot.clock import LoopClock
 from homebot.devices.health import GetHealth, HealthRequest
-from homebot.gateways.mqtt.embedded_broker import FIRST_PORT, NEIGHBOURS, embedded_broker
+from homebot.gateways.mqtt.embedded_broker import USUAL_PORTS, embedded_broker
 from homebot.graph import Graph, Node
 
 
 async def test_where_all_usual_ports_are_taken_any_free_one_does() -> None:
     """And the log says which."""
     with ExitStack() as stack, capture_logs() as lines:
-        for port in range(FIRST_PORT, FIRST_PORT + NEIGHBOURS):
-            with suppress(OSError):  # somebody else's: taken as well
-                stack.enter_context(socket.create_server(("127.0.0.1", port)))
-        async with embedded_broker(Graph(LoopClock()), LoopClock()) as broker:
-            assert broker.port not in range(FIRST_PORT, FIRST_PORT + NEIGHBOURS)
+        others = [stack.enter_context(socket.create_server(("127.0.0.1", 0))) for _ in range(2)]
+        ports = [one.getsockname()[1] for one in others]
+        async with embedded_broker(Graph(LoopClock()), LoopClock(), ports=ports) as broker:
+            assert broker.port not in ports
     (told,) = [line["message"] for line in lines if line["event"] == "runtime.broker_started"]
-    assert told == f"embedded MQTT broker on {broker.url} (port 1883 was taken)"
+    assert told == f"embedded MQTT broker on {broker.url} (port {ports[0]} was taken)"
+
+
+async def test_the_first_free_one_of_the_usual_ports_is_taken() -> None:
+    """1883 is the port that MQTT clients try first."""
+    assert USUAL_PORTS[0] == 1883
+    with socket.create_server(("127.0.0.1", 0)) as other, capture_logs() as lines:
+        ports = [other.getsockname()[1], reserve_port()]
+        async with embedded_broker(Graph(LoopClock()), LoopClock(), ports=ports[1:]) as broker:
+            assert broker.port == ports[1]
+        async with embedded_broker(Graph(LoopClock()), LoopClock(), ports=ports) as broker:
+            assert broker.port == ports[1]
+    told = [line["message"] for line in lines if line["event"] == "runtime.broker_started"]
+    assert told == [
+        f"embedded MQTT broker on {broker.url}",
+        f"embedded MQTT broker on {broker.url} (port {ports[0]} was taken)",
+    ]
 
 
 async def test_what_it_counts_and_lost_is_told_on_the_graph() -> None:

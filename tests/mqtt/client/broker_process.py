@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -12,6 +11,7 @@ from typing import Final, Self
 
 import anyio
 from tests.patience import PATIENCE
+from tests.ports import reserve_port
 
 from homebot.log import configure_logging
 from homebot.mqtt.broker import Broker
@@ -34,8 +34,7 @@ class BrokerProcess:
     def __init__(self, *, credentials: Mapping[str, str]) -> None:
         ((self._user, self._password),) = credentials.items()
         self._process: subprocess.Popen[bytes] | None = None
-        with socket.create_server((self.host, 0)) as probe:
-            self.port = int(probe.getsockname()[1])
+        self.port = reserve_port()
 
     async def __aenter__(self) -> Self:
         await self.start()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import socket
 import subprocess
 import tempfile
 from collections.abc import Mapping
@@ -13,6 +12,7 @@ from typing import Final, Self
 
 import anyio
 from tests.patience import PATIENCE
+from tests.ports import reserve_port
 
 __all__ = ["MOSQUITTO", "MosquittoBroker", "until_it_answers"]
 
@@ -53,8 +53,7 @@ class MosquittoBroker:
         self._folder = Path(tempfile.mkdtemp(prefix="mosquitto-"))
         self._credentials = credentials
         self._process: subprocess.Popen[bytes] | None = None
-        with socket.create_server((self.host, 0)) as probe:
-            self.port = int(probe.getsockname()[1])
+        self.port = reserve_port()
 
     async def __aenter__(self) -> Self:
         folder = self._folder

@@ -15,6 +15,7 @@ import pytest
 from structlog.testing import capture_logs
 from tests.mqtt.client.conftest import ClientKind
 from tests.mqtt.client.scripted_broker import MakeClient, Peer, broker, idle
+from tests.ports import reserve_port
 
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.client import MqttClient
@@ -166,9 +167,9 @@ async def test_a_login_is_refused_or_put_off_and_no_secret_is_told(
         chain = chain.__cause__ or chain.__context__
 
 
-async def test_an_absent_broker_is_a_link_error(make: MakeClient, unused_tcp_port: int) -> None:
+async def test_an_absent_broker_is_a_link_error(make: MakeClient) -> None:
     with pytest.raises(LinkError, match="nothing is listening there"):
-        async with make(unused_tcp_port).connected():
+        async with make(reserve_port()).connected():
             pass
 
 

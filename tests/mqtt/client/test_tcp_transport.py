@@ -17,6 +17,7 @@ import pytest
 import trustme
 from tests.mqtt.client.conftest import ClientKind
 from tests.patience import PATIENCE
+from tests.ports import reserve_port
 
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.broker import Broker
@@ -180,9 +181,9 @@ async def test_a_burst_is_acknowledged_by_tcp_at_its_begin_and_once_in_a_millise
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "::1", "localhost"])
-async def test_a_port_where_nobody_listens_is_told_in_words(unused_tcp_port: int, host: str) -> None:
+async def test_a_port_where_nobody_listens_is_told_in_words(host: str) -> None:
     with pytest.raises(LinkError) as caught:
-        await dial_tcp(MqttOptions(host=host, port=unused_tcp_port), NoUser())
+        await dial_tcp(MqttOptions(host=host, port=reserve_port()), NoUser())
     assert str(caught.value) == "nothing is listening there (connection refused)"
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import asdict
 from functools import partial
@@ -21,8 +21,7 @@ __all__ = ["EMBEDDED_BROKER", "embedded_broker"]
 
 STARTED = "runtime.broker_started"
 
-FIRST_PORT = 1883
-NEIGHBOURS = 20
+USUAL_PORTS = range(1883, 1903)
 ANY_PORT = 0
 
 _log = get_logger(node="/homebot")
@@ -39,14 +38,14 @@ EMBEDDED_BROKER = HostService(HostedBroker, _hosted)
 
 
 @asynccontextmanager
-async def embedded_broker(graph: Graph, clock: Clock) -> AsyncIterator[Broker]:
-    """Run the embedded broker on 127.0.0.1, port 1883 or the next free one, and say which.
+async def embedded_broker(graph: Graph, clock: Clock, *, ports: Sequence[int] = USUAL_PORTS) -> AsyncIterator[Broker]:
+    """Run the embedded broker on 127.0.0.1, the first of *ports* that is free or else any free one, and say which.
 
     Its counts, and what it lost lately, are told by the service ``/broker/health``.
     """
-    broker = await _started(clock)
+    broker = await _started(clock, ports)
     try:
-        taken = f" (port {FIRST_PORT} was taken)" if broker.port != FIRST_PORT else ""
+        taken = f" (port {ports[0]} was taken)" if broker.port != ports[0] else ""
         _log.info(STARTED, message=f"embedded MQTT broker on {broker.url}{taken}", url=broker.url)
         async with Node(graph, "broker") as node:
             node.create_service(GetHealth, "/broker/health", partial(_health, broker))
@@ -63,8 +62,8 @@ def _health(broker: Broker, _request: HealthRequest) -> HealthResponse:
     )
 
 
-async def _started(clock: Clock) -> Broker:
-    for port in (*range(FIRST_PORT, FIRST_PORT + NEIGHBOURS), ANY_PORT):
+async def _started(clock: Clock, ports: Sequence[int]) -> Broker:
+    for port in (*ports, ANY_PORT):
         broker = Broker(port=port, clock=clock)
         try:
             await broker.start()

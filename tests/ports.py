@@ -1,0 +1,27 @@
+"""Ports of this machine that a test gives to a program which it starts."""
+
+from __future__ import annotations
+
+import socket
+
+__all__ = ["reserve_door", "reserve_port"]
+
+_reserved: list[socket.socket] = []
+
+
+def reserve_port() -> int:
+    """Return a TCP port of 127.0.0.1 at which nobody listens, for a server that may reuse addresses, as all of ours do.
+
+    It is kept bound until these tests end: nobody else is given it before the server listens, nor after it has ended.
+    """
+    reserved = socket.socket()
+    reserved.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    reserved.bind(("127.0.0.1", 0))
+    _reserved.append(reserved)
+    port: int = reserved.getsockname()[1]
+    return port
+
+
+def reserve_door() -> str:
+    """Return the address of a door for which a port is reserved."""
+    return f"127.0.0.1:{reserve_port()}"
