@@ -157,8 +157,7 @@ class _AiomqttLink(ClientLink):
             while (info := publish()).rc == paho.MQTT_ERR_QUEUE_SIZE:
                 pass  # that packet identifier still waits for its answer; the next
             self._check_alive()
-            answer = self._requests.expect(info.mid)
-            (reason,) = await self._wait_for(answer, info.mid, "publish")
+            (reason,) = await self._answer(info.mid, "publish")
         finally:
             self._window.release()
         return reason
@@ -168,7 +167,7 @@ class _AiomqttLink(ClientLink):
         result, packet_id = request
         if packet_id is None:
             raise LinkError(f"{what} failed: {paho.error_string(result)}")
-        return await self._wait_for(self._requests.expect(packet_id), packet_id, what)
+        return await self._answer(packet_id, what)
 
     async def _end_with_link(self, request: Awaitable[T]) -> T:
         """Wait for *request*, which the libraries do not tell about the end of the link; then raise why it ended."""

@@ -15,7 +15,7 @@ from homebot.clock import Clock, LoopClock
 from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
 from homebot.logger import get_logger
 from homebot.mqtt.client.incoming import Frame, FrameReader
-from homebot.mqtt.client.port import MqttCounters, MqttSubscription, PublishResult, SessionGrant
+from homebot.mqtt.client.port import MqttSubscription, PublishResult, SessionGrant
 from homebot.mqtt.client.receiver import Receiver
 from homebot.mqtt.client.refusals import reason_text
 from homebot.mqtt.client.requests import Answer, Requests, SendWindow
@@ -56,6 +56,7 @@ class BaseClient(ABC):
 
     Attributes:
         receive: Returns all messages that are there; see `MqttClient.receive`.
+        counters: Counters of the events so far.
     """
 
     def __init__(self, options: MqttOptions, clock: Clock | None = None) -> None:
@@ -63,14 +64,10 @@ class BaseClient(ABC):
         self._clock = LoopClock() if clock is None else clock
         self._receiver = Receiver(options, self._clock)
         self.receive = self._receiver.take
+        self.counters = self._receiver.counters
         self._choice = VersionChoice(options)
         self._link: ClientLink | None = None
         self._is_taken = False
-
-    @property
-    def counters(self) -> MqttCounters:
-        """Counters of the events so far."""
-        return self._receiver.counters
 
     @property
     def limits(self) -> tuple[str, ...]:
@@ -365,12 +362,15 @@ class ClientLink(ABC):
             await self._drained.wait()
         self._check_alive()
 
-    async def _wait_for(self, answer: asyncio.Future[Answer], packet_id: int, what: str) -> Answer:
-        """Wait for the expected last *answer* to *what*.
+    async def _answer(self, packet_id: int, what: str, request: bytes = b"") -> Answer:
+        """Wait for the last answer to *what*; send *request*, the whole packet, before, unless that was done.
 
         Raises:
             LinkError: No answer came.
         """
+        answer = self._requests.expect(packet_id)
+        if request:
+            self._put(request)
         overdue = self._loop.call_later(self._options.timeout, _expire, answer)
         try:
             return await answer

@@ -6,7 +6,6 @@ It keeps every promise of the port.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable
 from random import Random
 from typing import Final, final
 
@@ -149,7 +148,7 @@ class ClientProtocol(ClientLink):
             packet_id = self._requests.new_id()
             if qos == 2:
                 self._requests.hold(Publish(topic, payload, qos, retain, packet_id=packet_id, properties=extra))
-            (reason,) = await self._answer_to(head + packet_id.to_bytes(2, "big") + tail, packet_id, "publish")
+            (reason,) = await self._answer(packet_id, "publish", head + packet_id.to_bytes(2, "big") + tail)
         finally:
             window.release()
         return reason
@@ -159,13 +158,13 @@ class ClientProtocol(ClientLink):
         self._check_alive()
         packet_id = self._requests.new_id()
         request = Subscribe(packet_id, tuple([filter_request(each) for each in subscriptions]))
-        return await self._answer_to(encode(request, self._version), packet_id, "subscribe")
+        return await self._answer(packet_id, "subscribe", encode(request, self._version))
 
     async def unsubscribe(self, filters: tuple[str, ...]) -> None:
         """Take back subscriptions."""
         self._check_alive()
         packet_id = self._requests.new_id()
-        await self._answer_to(encode(Unsubscribe(packet_id, filters), self._version), packet_id, "unsubscribe")
+        await self._answer(packet_id, "unsubscribe", encode(Unsubscribe(packet_id, filters), self._version))
 
     async def close(self, *, ends_session: bool) -> None:
         """Send DISCONNECT, if there is still a link, and drop it; MQTT 5 has a field for *ends_session*."""
@@ -244,16 +243,6 @@ class ClientProtocol(ClientLink):
 
     def _send(self, packet: Packet) -> None:
         self._put(encode(packet, self._version))
-
-    def _answer_to(self, request: bytes, packet_id: int, what: str) -> Awaitable[Answer]:
-        """Send a whole packet at once; wait for its last answer when awaited.
-
-        Raises:
-            LinkError: No answer came.
-        """
-        answer = self._requests.expect(packet_id)
-        self._put(request)
-        return self._wait_for(answer, packet_id, what)
 
 
 def answer_in(frame: Frame, *, is_v5: bool) -> tuple[int, Answer]:
