@@ -132,7 +132,11 @@ class Client(Generic[RequestT, ResponseT]):
                 server.is_busy = server.is_full
         if type(outcome) is self._response_type:
             return outcome
-        return await self._late_response(outcome, timeout)
+        if type(outcome) is HandlerRun:
+            outcome = await outcome.wait(timeout, self._note_left)
+            if type(outcome) is self._response_type:
+                return outcome
+        raise _no_response(self.info.name, outcome)
 
     async def wait_for_handlers(self) -> None:
         """Wait until no handler works any more on a call of this client that ran out of time."""
@@ -160,20 +164,10 @@ class Client(Generic[RequestT, ResponseT]):
             raise ServiceTimeoutError(self.info.name, timeout) from None
         return timeout - (now() - started)
 
-    async def _late_response(self, outcome: object, timeout: float) -> ResponseT:  # noqa: ASYNC109
-        """Return the response of a handler that waits, or raise why there is none."""
-        if type(outcome) is HandlerRun:
-            run = outcome
-            try:
-                outcome = await run.wait(timeout)
-            finally:
-                if not run.has_ended:
-                    if self._left_at_work is None:
-                        self._left_at_work = WeakSet()
-                    self._left_at_work.add(run)
-        if type(outcome) is self._response_type:
-            return outcome
-        raise _no_response(self.info.name, outcome)
+    def _note_left(self, run: HandlerRun) -> None:
+        if self._left_at_work is None:
+            self._left_at_work = WeakSet()
+        self._left_at_work.add(run)
 
     async def _finish(
         self,

@@ -87,8 +87,13 @@ class HandlerRun:
             self._end = self._end or anyio.Event()
             await self._end.wait()
 
-    async def wait(self, timeout: float) -> object:  # noqa: ASYNC109  # as Client.call
-        """Return the handler's outcome; a caller that is cancelled, or *timeout* seconds, leave it at work."""
+    async def wait(self, timeout: float, on_left: Callable[[HandlerRun], None]) -> object:  # noqa: ASYNC109
+        """Return the handler's outcome; a caller that is cancelled, or *timeout* seconds, leave it at work.
+
+        Args:
+            timeout: As of ``Client.call``.
+            on_left: Called with this where it is left at work.
+        """
         limits = self.server.tasks.limits
         limit = limits.set(timeout, partial(self._expire, timeout))
         try:
@@ -102,22 +107,17 @@ class HandlerRun:
             raise
         finally:
             limits.discard(limit)
+            if not self.has_ended:
+                on_left(self)
 
     def end(self, outcome: object) -> None:
         """Give the handler's *outcome* to the caller, or drop it where the caller has left."""
-        if self.outcome.done():
-            self.server.drop(outcome)
-        self._end_with(outcome)
-
-    def end_as_gone(self) -> None:
-        """Let the caller know that the server ended the handler."""
-        self._end_with(ServiceGoneError(self.server.service_name))
-
-    def _end_with(self, outcome: object) -> None:
         self.has_ended = True
         if self._end is not None:
             self._end.set()
-        if not self.outcome.done():
+        if self.outcome.done():
+            self.server.drop(outcome)
+        else:
             self.outcome.set_result(outcome)
 
     def _expire(self, timeout: float) -> None:
@@ -158,7 +158,7 @@ class HandlerTask:
                 error: BaseException | None = None
                 while self.run is not None:
                     await self._serve(self.run, error)
-                    if self.scope.cancel_called or not self._owner.wants_free:
+                    if self.scope.cancel_called or len(self._owner.free) >= _MOST_FREE:
                         return
                     error = await self._wait()
         finally:
@@ -168,12 +168,12 @@ class HandlerTask:
         try:
             if run.waits_for is NOT_BEGUN and (run.server.is_closed or is_cancelled()):
                 run.handler.close()
-                run.end_as_gone()
+                run.end(ServiceGoneError(run.server.service_name))
             else:
                 run.end(await RemainingSteps(run.handler, run.waits_for, run.context.run, error))
         except BaseException as exc:
             if is_end_of(self.task, exc):
-                run.end_as_gone()
+                run.end(ServiceGoneError(run.server.service_name))
                 raise
             if isinstance(exc, asyncio.CancelledError):
                 uncancel()
@@ -184,8 +184,9 @@ class HandlerTask:
 
     async def _wait(self) -> BaseException | None:
         """Wait for a handler; return what its task was told since its first step, which is to be thrown into it."""
+        free = self._owner.free
         while True:
-            self._owner.add_free(self)
+            free.append(self)
             try:
                 await self.wait
             except GeneratorExit:  # the task is thrown away, and what it has at work as well
@@ -193,7 +194,8 @@ class HandlerTask:
                     self.run.handler.close()
                 raise
             except BaseException as exc:  # what the handler waits for failed, or the task was cancelled
-                self._owner.remove_free(self)
+                if self in free:  # else the next handler was given to it meanwhile
+                    free.remove(self)
                 if self.run is not None:
                     return exc
                 if is_cancelled():
@@ -213,16 +215,17 @@ class HandlerTasks:
     Attributes:
         is_open: Whether the node runs. Where it does not, a handler runs in the task of its caller and ends with it.
         by_task: As above.
+        free: Those that wait for a handler, which takes its first step as the last of them.
         limits: The time limits of the callers that wait.
     """
 
     def __init__(self, by_task: dict[asyncio.Task[Any], HandlerTask]) -> None:
         self.is_open = False
         self.by_task = by_task
+        self.free: list[HandlerTask] = []
         self.limits = TimeLimits()
         self._loop: asyncio.AbstractEventLoop  # once it is open
         self._start_task: StartTask
-        self._free: list[HandlerTask] = []
 
     def open(self, start_task: StartTask) -> None:
         """Begin to run handlers, in tasks that *start_task* starts."""
@@ -236,7 +239,7 @@ class HandlerTasks:
 
     def begin(self, server: Service[Any, Any], handler: Handling) -> object:
         """Let *handler* take its first step; return its outcome, or the :class:`HandlerRun` where it waits."""
-        free, loop = self._free, self._loop
+        free, loop = self.free, self._loop
         caller = current_task(loop)
         if not free or caller is None:
             return self._start(server, handler, caller)
@@ -281,20 +284,6 @@ class HandlerTasks:
                 return
             yield host
             task = host.caller
-
-    @property
-    def wants_free(self) -> bool:
-        """True if a task that has nothing to do is to stay."""
-        return len(self._free) < _MOST_FREE
-
-    def add_free(self, host: HandlerTask) -> None:
-        """Let the next handler take its first step as *host*."""
-        self._free.append(host)
-
-    def remove_free(self, host: HandlerTask) -> None:
-        """Let no handler take its first step as *host*, which may have been taken already."""
-        if host in self._free:
-            self._free.remove(host)
 
     def _start(self, server: Service[Any, Any], handler: Handling, caller: asyncio.Task[Any] | None) -> HandlerRun:
         host = HandlerTask(self, caller)
