@@ -43,6 +43,7 @@ from pydantic import (
     ValidationError,
     ValidationInfo,
 )
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, PydanticSerializationError, to_json
 
 from homebot.errors import ConfigError, InvalidNameError, UsageError
@@ -284,6 +285,7 @@ def check_secret_file(path: Path, found: os.stat_result) -> None:
 _SECRET_KEYS = ("password", "passwd", "passphrase", "token", "url", "secret", "key", "credential", "pin")
 _COMPLETE_ERRORS = {"extra_forbidden", "missing", "value_error"}
 _TABLE_ERRORS = {"dict_type", "model_type"}
+_ARRAY_ERRORS = {"list_type", "tuple_type"}
 _PATH_OF_TABLE = re.compile(r"[\w-]+(\.[\w-]+)*", re.ASCII)
 
 
@@ -301,10 +303,13 @@ def _shortened(value: object) -> str:
 def _config_error(model: type[BaseModel], error: ErrorDetails, source: str, key: str) -> ConfigError:
     """Return *error*, which is about a value in the table *key*, in words."""
     path = ".".join(part for part in (key, *(str(part) for part in error["loc"])) if part)
+    table = _model_at(model, error["loc"][:-1])
     if error["type"] in _TABLE_ERRORS:
         reason = _table_reason(path, is_element=isinstance(error["loc"][-1], int))
+    elif error["type"] in _ARRAY_ERRORS:
+        reason = _array_reason(path, table.model_fields.get(str(error["loc"][-1])))
     else:
-        reason = _reason(_model_at(model, error["loc"][:-1]), error)
+        reason = _reason(table, error)
     is_secret = any(word in path.lower() for word in _SECRET_KEYS)
     shown = "" if is_secret or error["type"] in _COMPLETE_ERRORS else f", got {_shortened(error.get('input'))}"
     return ConfigError(source, path, f"{reason}{shown}")
@@ -329,6 +334,13 @@ def _table_reason(path: str, *, is_element: bool) -> str:
     """Return that the value at *path* must be a table, in TOML's way to write it where no key in it takes quotes."""
     head = f"[[{path.rpartition('.')[0]}]]" if is_element else f"[{path}]"
     return f"must be a table, as in {head}" if _PATH_OF_TABLE.fullmatch(path) else "must be a table"
+
+
+def _array_reason(path: str, field: FieldInfo | None) -> str:
+    """Return that the value at *path* must be an array, in TOML's way to write one of tables."""
+    elements = () if field is None else get_args(field.annotation)
+    of_tables = any(isinstance(one, type) and issubclass(one, BaseModel) for one in elements)
+    return f"must be an array of tables, each as in [[{path}]]" if of_tables else "must be an array"
 
 
 def _reason(model: type[BaseModel], error: ErrorDetails) -> str:

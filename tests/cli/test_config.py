@@ -141,6 +141,11 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
         ),
         ("[control]\nwitnesses = 5\n", "control.witnesses: must be a table, as in [control.witnesses], got 5"),
         ("[control]\ninterlocks = [5]\n", "control.interlocks.0: must be a table, as in [[control.interlocks]], got 5"),
+        (
+            '[control.quiet_hours]\nend = "9:00"\n',
+            "control.quiet_hours: must be an array of tables, each as in [[control.quiet_hours]], got {'end': '9:00'}",
+        ),
+        ('[apps.follow_me]\nrooms = "hall"\n', "apps.follow_me.rooms: must be an array, got 'hall'"),
         ("[places.devices]\n5 = 7\n", "places.devices.5: must be a table, as in [places.devices.5], got 7"),
         ('[places.devices]\n"Hall lamp" = 7\n', "places.devices.Hall lamp: must be a table, got 7"),
         ("[door]\nport = -1\n", "door.port: input should be greater than or equal to 0, got -1"),
