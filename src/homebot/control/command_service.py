@@ -166,9 +166,8 @@ def _is_spelled(query: Query, words: tuple[str, ...]) -> bool:
 
 
 def _part(device: Device, part_id: str) -> tuple[DevicePart, ...]:
-    for part in device.parts:
-        if part.id == part_id:
-            return (part,)
+    if (part := device.part(part_id)) is not None:
+        return (part,)
     known = ", ".join(one.id for one in device.parts if one.id) or "one part without an id"
     raise _NoTargetError(f"{device.id} has no part {part_id}; it has {known}")
 

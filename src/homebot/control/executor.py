@@ -160,7 +160,7 @@ class CommandExecutor:
             device = await self.find_device(request.device)
         except ServiceError as exc:
             return result_of(NoAnswer(0.0, str(exc), command_id=name))
-        part = None if device is None else next((one for one in device.parts if one.id == request.part), None)
+        part = None if device is None else device.part(request.part)
         if device is None or part is None:
             return missing_part(request.device, request.part, device, name)
         if problem := client_refusal(request, device, part):
@@ -232,7 +232,7 @@ class CommandExecutor:
             device = await self.find_device(command.device.id)
         except ServiceError:
             return False
-        return device is None or all(one.id != command.part.id for one in device.parts)
+        return device is None or device.part(command.part.id) is None
 
     def rehearsed(self, command: IssuedCommand) -> Outcome | None:
         """Return the outcome that a rehearsal assumes of *command*, and note it; None where it is to be sent."""

@@ -94,7 +94,7 @@ class LeaseKeeper:
             device = await self._executor.find_device(request.device)
         except ServiceError as exc:
             return LeaseResponse(held=False, result=result_of(NoAnswer(0.0, str(exc))))
-        part = None if device is None else next((one for one in device.parts if one.id == request.part), None)
+        part = None if device is None else device.part(request.part)
         if device is None or part is None:
             return LeaseResponse(held=False, result=missing_part(request.device, request.part, device))
         request = request.with_checked(setting=held_zero_as_off(request.setting, part.part))

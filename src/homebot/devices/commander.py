@@ -70,7 +70,7 @@ class Commander:
         Raises:
             RefusedError: The part does not support one of these, or a value is out of range; nothing was sent.
         """
-        part = None if tracked.is_gone else tracked.part(part_id)
+        part = None if tracked.is_gone else tracked.device.part(part_id)
         if part is None:
             return Gone()
         settings = _checked(tracked.device, part, values, transition, code)

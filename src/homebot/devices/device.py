@@ -221,6 +221,13 @@ class Device(Message):
     outer_areas: tuple[str, ...] = ()
     tags: tuple[str, ...] = ()
 
+    def part(self, part_id: str) -> DevicePart | None:
+        """Return the part, or None where the device has none of that id."""
+        for part in self.parts:
+            if part.id == part_id:
+                return part
+        return None
+
 
 class DeviceChange(Message):
     """A change of a device in the directory.

@@ -194,7 +194,7 @@ def _setting(tracked: TrackedDevice, part_id: str, word: str) -> Setting | None:
     Raises:
         RefusedError: The part does not take it, or it does not last.
     """
-    part = None if tracked.is_gone else tracked.part(part_id)
+    part = None if tracked.is_gone else tracked.device.part(part_id)
     if part is None:
         return None
     capability, value = decode_command(word, part.part)

@@ -79,7 +79,7 @@ class Handle:
     @property
     def name(self) -> str:
         """The name for people: the device's, followed by the part's where it has one."""
-        part = self._tracked.part(self._part_id)
+        part = self._tracked.device.part(self._part_id)
         own = part.part.name if part else ""
         return f"{self._tracked.device.name} {own}" if own else self._tracked.device.name
 
@@ -96,7 +96,7 @@ class Handle:
     @property
     def is_gone(self) -> bool:
         """True once the device was removed or no longer has this part; commands end with `Gone` then."""
-        return self._tracked.is_gone or self._tracked.part(self._part_id) is None
+        return self._tracked.is_gone or self._tracked.device.part(self._part_id) is None
 
     @property
     def reachable(self) -> bool | None:
@@ -112,7 +112,7 @@ class Handle:
     @property
     def capabilities(self) -> tuple[Capability, ...]:
         """The capabilities of the part, with units, bounds and options."""
-        part = self._tracked.part(self._part_id)
+        part = self._tracked.device.part(self._part_id)
         return part.part.capabilities if part is not None else ()
 
     def can(self, capability: str) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias, cast
 
-from homebot.devices.device import Device, DevicePart, State, StateChange
+from homebot.devices.device import Device, State, StateChange
 from homebot.devices.value import PlainValue, Reading, Value
 from homebot.messages import Time
 
@@ -65,13 +65,6 @@ class TrackedDevice:
             _JustReported(*place, reported.value, now),
             None,
         )
-
-    def part(self, part_id: str) -> DevicePart | None:
-        """Return the part, or None where the device has none of that id, or no longer."""
-        for part in self.device.parts:
-            if part.id == part_id:
-                return part
-        return None
 
     def value(self, part_id: str, capability: str) -> PlainValue:
         """Return the latest value of the part; None where it reported none, or that it does not know."""
