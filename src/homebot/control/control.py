@@ -122,10 +122,6 @@ class Control:
         self._house_watch = HouseWatch(node, self._changes, lambda: self._journal, is_dry_run=is_dry_run)
         self._grants = grants
         self._trusts_apps = trusts_apps
-        self._executor: CommandExecutor | None = None
-        self._words: CommandService | None = None
-        self._keeper: LeaseKeeper | None = None
-        self._texts: TextCommands | None = None
         self._begun = anyio.Event()
         self._noted = anyio.Event()
         if settings is not None and settings.needs_house:
@@ -141,10 +137,10 @@ class Control:
                 tasks.start_soon(self._names.run)
             task_status.started()
             if self._journal_file is not None and await anyio.Path(self._journal_file).exists():
-                self._execution()  # what was learnt names sensors, which have to be followed before the first command
+                _ = self._executor  # what was learnt names sensors, which have to be followed before the first command
             await self._begun.wait()
-            tasks.start_soon(self._execution().run)
-            await self._leasing().run()
+            tasks.start_soon(self._executor.run)
+            await self._leasing.run()
 
     def register(self) -> None:
         """Offer the services; what they begin is carried out while it serves."""
@@ -171,22 +167,14 @@ class Control:
 
     def perform(self, request: CommandRequest) -> Awaitable[CommandResult]:
         """Carry out a command to one part, and return what became of it."""
-        return self._execution().perform(request)
+        return self._executor.perform(request)
 
     async def send_text(self, request: SendTextRequest) -> SendTextResponse:
         """Send a raw text to a device; return when its gateway has queued it."""
-        if self._texts is None:
-            from homebot.control.text_commands import TextCommands  # noqa: PLC0415 - few apps send texts
-
-            self._texts = TextCommands(self._node, self._execution(), self._judge, self._journal)
         return await self._texts.send(request)
 
     async def command_devices(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
         """Carry out a command in words, to one device or to all that fit a query."""
-        if self._words is None:
-            from homebot.control.command_service import CommandService  # noqa: PLC0415 - it has the parser of queries
-
-            self._words = CommandService(self._node, self.perform)
         return await self._words.serve(request)
 
     async def detected(self) -> tuple[str, ...]:
@@ -195,23 +183,23 @@ class Control:
 
     async def hold(self, request: HoldRequest) -> LeaseResponse:
         """Command a value of a part and hold it for somebody."""
-        return await self._leasing().hold(request)
+        return await self._leasing.hold(request)
 
     def renew(self, request: HolderRequest) -> LeaseResponse:
         """Let a holder hold on."""
-        return self._leasing().renew(request)
+        return self._leasing.renew(request)
 
     def release(self, request: HolderRequest) -> LeaseResponse:
         """Let a holder hold no more."""
-        return self._leasing().release(request)
+        return self._leasing.release(request)
 
     def held_parts(self, request: GetLeasesRequest) -> LeasesResponse:
         """Return the parts that are held."""
-        return self._leasing().held_parts(request)
+        return self._leasing.held_parts(request)
 
     def end_leases(self, request: EndLeasesRequest) -> LeasesResponse:
         """Let nobody hold a device any more."""
-        return self._leasing().end(request)
+        return self._leasing.end(request)
 
     async def unapproved(self, request: UnapprovedRequest) -> UnapprovedResponse:
         """Return the devices that wait for the owner's approval."""
@@ -221,12 +209,12 @@ class Control:
         """Forget that a witness contradicted a device."""
         from homebot.devices.approval_messages import BelieveDeviceResponse  # noqa: PLC0415 - see above
 
-        return BelieveDeviceResponse(witnesses=await self._execution().witnesses.believe(request.device))
+        return BelieveDeviceResponse(witnesses=await self._executor.witnesses.believe(request.device))
 
     async def health(self, _: HealthRequest) -> HealthResponse:
         """Return the health of the journal, with notes on what waits for the owner."""
         notes = await self._approvals.notes()
-        if self._executor is not None:
+        if self._begun.is_set():
             notes += self._executor.witnesses.notes()
         if self._settings.presence_guard is not None:
             notes += self._judge.notes()
@@ -310,22 +298,31 @@ class Control:
             self._node, self._journal_file, longest, self._settings.journal_megabytes * _MEGABYTE, in_memory
         )
 
-    def _execution(self) -> CommandExecutor:
-        if self._executor is None:
-            from homebot.control.executor import CommandExecutor  # noqa: PLC0415 - see above
-            from homebot.control.leases import Leases  # noqa: PLC0415 - likewise
+    @cached_property
+    def _executor(self) -> CommandExecutor:
+        from homebot.control.executor import CommandExecutor  # noqa: PLC0415 - see above
+        from homebot.control.leases import Leases  # noqa: PLC0415 - likewise
 
-            leases = Leases(self._settings.hand_time)
-            self._journal.add_counter("leases_refused", lambda: leases.refused)
-            self._executor = CommandExecutor(
-                self._node, self._settings, self._judge, self._journal, leases, self._rehearsal
-            )
-            self._begun.set()
-        return self._executor
+        leases = Leases(self._settings.hand_time)
+        self._journal.add_counter("leases_refused", lambda: leases.refused)
+        executor = CommandExecutor(self._node, self._settings, self._judge, self._journal, leases, self._rehearsal)
+        self._begun.set()
+        return executor
 
+    @cached_property
+    def _texts(self) -> TextCommands:
+        from homebot.control.text_commands import TextCommands  # noqa: PLC0415 - few apps send texts
+
+        return TextCommands(self._node, self._executor, self._judge, self._journal)
+
+    @cached_property
+    def _words(self) -> CommandService:
+        from homebot.control.command_service import CommandService  # noqa: PLC0415 - it has the parser of queries
+
+        return CommandService(self._node, self.perform)
+
+    @cached_property
     def _leasing(self) -> LeaseKeeper:
-        if self._keeper is None:
-            from homebot.control.lease_keeper import LeaseKeeper  # noqa: PLC0415 - likewise
+        from homebot.control.lease_keeper import LeaseKeeper  # noqa: PLC0415 - likewise
 
-            self._keeper = LeaseKeeper(self._node, self._execution(), self._journal)
-        return self._keeper
+        return LeaseKeeper(self._node, self._executor, self._journal)
