@@ -155,9 +155,9 @@ class CommandJournal:
 
     def sent(self, command: IssuedCommand, attempt: int) -> None:
         """Note that a command is handed to its gateway, for the *attempt*-th time, from 0 on."""
+        at = self._note_step("sent", command, text="again" if attempt else "")
         if not attempt:
-            self._changes.begin(*command.place, command.id, self._clock.now())
-        self._note_step("sent", command, text="again" if attempt else "")
+            self._changes.begin(*command.place, command.id, at)
 
     def would(self, command: IssuedCommand) -> None:
         """Note that a command would have been sent, but for a rehearsal."""
@@ -251,23 +251,15 @@ class CommandJournal:
         text: str = "",
         verdicts: tuple[JournalVerdict, ...] = (),
         results: tuple[CommandResult, ...] = (),
-    ) -> None:
-        device, part = command.place
+    ) -> float:
+        """Note a step of *command*; return when it was, in seconds since the Unix epoch."""
+        now, (device, part) = self._clock.now(), command.place
         self._keep(
             JournalNote(
-                kind,
-                self._clock.now(),
-                device,
-                part,
-                command.id,
-                command.issuer,
-                NO_TRIGGER,
-                settings,
-                text,
-                verdicts,
-                results,
+                kind, now, device, part, command.id, command.issuer, NO_TRIGGER, settings, text, verdicts, results
             )
         )
+        return now
 
     def _keep(self, note: JournalNote) -> None:
         self.store.add(note)
