@@ -144,7 +144,8 @@ class Handle:
         Raises:
             RefusedError: It does not support this, or not this value. The message says what it accepts.
         """
-        return await self.commands({capability: value}, transition=transition, code=code)
+        plain = {capability: plain_value(value)}
+        return await self._handles.commander.perform(self._tracked, self._part_id, plain, transition, code)
 
     async def commands(self, settings: Mapping[str, PlainValue], *, transition: float = 0.0, code: str = "") -> Outcome:
         """Set several capabilities in this order, as one command with one outcome; see :meth:`command`.
