@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import socket
 import sys
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 
 import anyio
@@ -13,15 +15,20 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel
 from structlog.testing import capture_logs
 from tests.patience import PATIENCE
+from tests.ports import reserve_port
 
 from homebot.apps import App
+from homebot.clock import Clock
 from homebot.config import Config, parse_config
 from homebot.devices import DEVICE_CHANGES, DeviceChange, Devices
 from homebot.devices.handles import Light
 from homebot.devices.names import PLACE_DEVICE
 from homebot.devices.places_messages import PlaceDevice
 from homebot.errors import ConfigError, UsageError
-from homebot.graph import Node
+from homebot.gateways import HostService
+from homebot.gateways.mqtt import MqttGateway
+from homebot.gateways.mqtt.embedded_broker import embedded_broker
+from homebot.graph import Graph, Node
 from homebot.house import thesis_world
 from homebot.messages import Log
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
@@ -115,6 +122,20 @@ class NeverReady(App):
         await anyio.sleep_forever()
 
 
+class OnItsOwnPort(MqttGateway):
+    """One whose broker has a port that no other homebot takes when it is free again."""
+
+    @classmethod
+    def host_services(cls, settings: BaseModel) -> tuple[HostService[object], ...]:  # noqa: ARG003  # all the same
+        return (HostService(HostedBroker, _broker_on_its_own_port),)
+
+
+@asynccontextmanager
+async def _broker_on_its_own_port(graph: Graph, clock: Clock) -> AsyncIterator[HostedBroker]:
+    async with embedded_broker(graph, clock, ports=[reserve_port()]) as broker:
+        yield HostedBroker(broker.url)
+
+
 def config(**tables: object) -> Config:
     return parse_config({"door": {"port": 0}, **tables}, "test")
 
@@ -186,7 +207,8 @@ async def test_a_crashing_app_disturbs_nobody_and_is_started_anew() -> None:
 
 async def test_what_cannot_be_started_ends_the_start_and_everything_stops_again() -> None:
     """With its own error, in no group."""
-    runtime = Runtime(config(gateways={"mqtt": {}}, apps={"steady": app(Steady), "impossible": app(Impossible)}))
+    gateways = {"mqtt": {"class": f"{__name__}:{OnItsOwnPort.__name__}"}}
+    runtime = Runtime(config(gateways=gateways, apps={"steady": app(Steady), "impossible": app(Impossible)}))
     with pytest.raises(ConfigError, match=r"test: apps\.impossible: is impossible"):
         async with runtime:
             pytest.fail("it must not start")

@@ -12,6 +12,7 @@ import pytest
 import trustme
 from structlog.testing import capture_logs
 from tests.patience import PATIENCE
+from tests.ports import reserve_port
 
 from homebot.clock import ManualClock
 from homebot.errors import LinkError, UsageError
@@ -51,7 +52,7 @@ async def test_a_message_goes_from_socket_to_socket(dial: Dial, version: Protoco
 
 
 async def test_entering_means_listening_and_leaving_means_gone(dial: Dial) -> None:
-    async with Broker() as broker:
+    async with Broker(port=reserve_port()) as broker:
         assert broker.running
         assert broker.url == f"mqtt://127.0.0.1:{broker.port}"
         client, older = await dial(broker), await dial(broker, "b", V311)
@@ -65,7 +66,7 @@ async def test_entering_means_listening_and_leaving_means_gone(dial: Dial) -> No
 
 
 async def test_a_taken_port_is_named_with_what_to_do() -> None:
-    async with Broker() as first:
+    async with Broker(port=reserve_port()) as first:
         second = Broker(port=first.port)
         with pytest.raises(PortTakenError, match=rf"port {first.port} .* choose another port") as caught:
             await second.start()
