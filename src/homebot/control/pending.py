@@ -1,14 +1,15 @@
-"""Commands whose outcome is not known yet, and the reports about each."""
+"""A command whose outcome is not known yet, and the reports about it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from typing import Final, TypeAlias, final
+from typing import Final, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.echoes import FAST, NO_ECHOES, ExpectedEchoes
-from homebot.control.held_values import changes, departs, related
+from homebot.control.held_values import departs
+from homebot.control.level_watch import LevelWatch
 from homebot.control.motion_watch import MotionWatch
 from homebot.control.tolerance import fits, is_intermediate, is_same
 from homebot.control.value_text import value_text
@@ -24,9 +25,7 @@ from homebot.devices.outcomes import (
 )
 from homebot.devices.value import PlainValue
 
-__all__ = ["PendingCommand", "PendingCommands"]
-
-_Place: TypeAlias = tuple[str, str, str]
+__all__ = ["PendingCommand"]
 
 _MOST_NOTED: Final = 20
 """Reports of one command that are worth a note, should a device report one value after the other."""
@@ -40,6 +39,9 @@ _setting_of = Setting.of  # looked up once, as `of_checked` says
 
 _MOVES_FOR: Final = 60.0
 """Seconds that a device gets from its last sign of moving on."""
+
+_FADES_FOR: Final = 6.0
+"""Seconds that a dimmer gets from its last sign of fading until it is told again."""
 
 _LONGEST: Final = 300.0
 """Seconds from sending after which no sign of moving helps any more."""
@@ -109,6 +111,7 @@ class PendingCommand:
         self._fitting: dict[str, float] = {}
         self._moving: set[str] = set()
         self._motion = MotionWatch(command) if command.moves else None
+        self._fade: LevelWatch | None = None  # made with the first level that is not the wanted one
         self._noted = 0
         self._turns_on = command.turns_on
         if self._turns_on and self._was_about_so:  # that it is off at what is wanted does not show that it obeyed
@@ -155,7 +158,13 @@ class PendingCommand:
         """Return when waiting ends, by the rule at *until*: later on its way, sooner where only echoes come."""
         if self.moved_at is None:
             return until if self.echoes is NO_ECHOES else min(until, self._gives_up_at())
-        return min(max(until, self.moved_at + _MOVES_FOR), began + _LONGEST)
+        moves_for = _MOVES_FOR if self._fade is None else _FADES_FOR
+        return min(max(until, self.moved_at + moves_for), began + _LONGEST)
+
+    @property
+    def has_faded(self) -> bool:
+        """True if it is a dimmer that was seen on its way."""
+        return self._fade is not None and self.moved_at is not None
 
     def gives_up(self, now: float) -> bool:
         """Return whether nothing but echoes came for long enough."""
@@ -172,7 +181,7 @@ class PendingCommand:
     def take(self, capability: str, value: PlainValue, now: float) -> bool:
         """Take in a live report of the part at *now*; return whether it is worth a note."""
         if capability not in self._wanted:
-            if self._motion is not None and self._motion.shows_motion(capability, value):
+            if self._shows_motion(capability, value):
                 self.moved_at = now
                 self._wake()
             return False
@@ -180,7 +189,7 @@ class PendingCommand:
         is_met = fits(capability, wanted, value)
         if is_met and self._before.get(capability, _NOTHING) == value:
             is_met = is_same(capability, wanted, value) or self._is_rounded(capability, value)  # else it did nothing
-        is_moving = not is_met and is_intermediate(capability, wanted, value)
+        is_moving = not is_met and (is_intermediate(capability, wanted, value) or self._is_fading(capability, value))
         is_news = self._is_news(capability, value, is_moving=is_moving)
         if is_met:
             self.note_again(capability, value, now)
@@ -207,6 +216,19 @@ class PendingCommand:
                 self.told_otherwise_at = now
         self._wake()
         return is_news
+
+    def _shows_motion(self, capability: str, value: PlainValue) -> bool:
+        """Return whether a report of something else than is wanted shows that the device is on its way."""
+        if self._motion is not None:
+            return self._motion.shows_motion(capability, value)
+        return self._is_fading(capability, value)
+
+    def _is_fading(self, capability: str, value: PlainValue) -> bool:
+        if capability != "level":
+            return False
+        if self._fade is None:
+            self._fade = LevelWatch(self.command)
+        return self._fade.shows_motion(value)
 
     def _is_news(self, capability: str, value: PlainValue, *, is_moving: bool) -> bool:
         """Return whether a report says something new: a motor reports its position again and again on its way."""
@@ -330,7 +352,7 @@ class PendingCommand:
         others = [(one, seen) for one, seen in self._seen.items() if one not in self._fitting]
         words = [one for one, seen in others if isinstance(seen, str)]  # a position may be where it is stuck
         moving = [one for one in words if is_intermediate(one, self._wanted[one], self._seen[one])]
-        if others and all(one in self._seen_before or one in moving for one, _ in others):
+        if others and not self.has_faded and all(one in self._seen_before or one in moving for one, _ in others):
             return NoAnswer(now - self._began, command_id=name)  # since it was sent, or since it began to move
         if others:
             saw = ", ".join(f"{capability} is {value_text(value)}" for capability, value in others)
@@ -345,55 +367,3 @@ class PendingCommand:
             is_sure = self.echoes is NO_ECHOES
             return AlreadySo(command_id=name) if is_sure else Confirmed(waited, Evidence.ACKNOWLEDGED, command_id=name)
         return NoAnswer(now - self._began, command_id=name)
-
-
-@final
-class PendingCommands:
-    """The newest command of each capability of a part that waits for its outcome; their number is ``len()``."""
-
-    def __init__(self) -> None:
-        self._newest: dict[_Place, PendingCommand] = {}
-
-    def __len__(self) -> int:
-        return len(self._newest)
-
-    def has_any(self, places: Iterable[_Place]) -> bool:
-        """Return whether a command for one of *places* waits: a device, a part and a capability each."""
-        return bool(self._newest) and any(one in self._newest for one in places)
-
-    def wants_otherwise(self, command: IssuedCommand) -> bool:
-        """Return whether a command that waits would change what *command* sets."""
-        for capability, value in command.settings.items() if self._newest else ():
-            older = self._newest.get((*command.place, capability))
-            if older is not None and changes(capability, older.command.settings[capability], capability, value):
-                return True
-        return False
-
-    def put(self, pending: PendingCommand) -> None:
-        """Add *pending*, and let it take the place of older ones."""
-        self.supersede(pending.command)
-        for place in pending.command.places:
-            self._newest[place] = pending
-
-    def remove(self, pending: PendingCommand) -> None:
-        """Forget *pending*; a newer one stays."""
-        for place in pending.command.places:
-            if self._newest.get(place) is pending:
-                del self._newest[place]
-
-    def supersede(self, command: IssuedCommand) -> None:
-        """End the older commands for what *command* sets, and those whose values it changes.
-
-        A level that is sent again would turn on a lamp that *command* turned off, and a position would open what it
-        closed.
-        """
-        if not self._newest:
-            return
-        device, part = command.place
-        for capability, value in command.settings.items():
-            for other in related(capability):
-                older = self._newest.get((device, part, other))
-                if older is None:
-                    continue
-                if other == capability or changes(other, older.command.settings[other], capability, value):
-                    older.supersede(command.id)

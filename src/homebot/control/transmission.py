@@ -99,7 +99,8 @@ class Transmission:
             began, until = end - lasts, min(clock.monotonic() + interval, end)
             while not pending.is_over and (left := pending.waits_until(until, began) - clock.monotonic()) > 0:
                 await changed.wait(left)
-            if pending.is_over or pending.moved_at is not None or pending.gives_up(clock.monotonic()):
+            is_on_its_way = pending.moved_at is not None and not pending.has_faded  # what stopped to fade is told again
+            if pending.is_over or is_on_its_way or pending.gives_up(clock.monotonic()):
                 break
         return await self._outcome(pending, changed, end)
 

@@ -1,0 +1,93 @@
+"""Outcomes of dimmers with a ramp of their own, of which the command says nothing; in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import anyio
+import pytest
+from tests.control.conftest import Behaviour, Home, OpenHome
+
+from homebot.devices.gateway_messages import Command
+from homebot.devices.handles import Light
+from homebot.devices.outcomes import Confirmed, Contradicted, Outcome
+from homebot.devices.value import PlainValue
+
+pytestmark = pytest.mark.virtual_time
+
+Told: TypeAlias = Callable[[float], dict[str, PlainValue]]
+
+
+def on_and_level(level: float) -> dict[str, PlainValue]:
+    """What Z-Wave JS UI reports of a dimmer."""
+    return {"on_off": level > 0, "level": level}
+
+
+def level_alone(level: float) -> dict[str, PlainValue]:
+    return {"level": level}
+
+
+def ramp(begin: float, seconds: float, told: Told, *, stuck_at: float | None = None) -> Behaviour:
+    """Fade within so many seconds, with a report for each; another command on the way begins the ramp anew."""
+    now_at, ramps = [begin], [0]
+
+    async def behaviour(home: Home, command: Command) -> None:
+        value = command.value.plain()
+        goal = value if isinstance(value, float) else 100.0 if value else 0.0
+        ramps[0] += 1
+        home.tasks.start_soon(fade, home, command.key, goal, ramps[0])
+
+    async def fade(home: Home, key: str, goal: float, number: int) -> None:
+        start, steps = now_at[0], int(seconds)
+        for step in range(1, steps + 1):
+            await anyio.sleep(1.0)
+            if number != ramps[0]:
+                return
+            level = start + (goal - start) * step / steps
+            now_at[0] = level if stuck_at is None else max(level, stuck_at)
+            await home.gateway.devices.report(key, told(now_at[0]))
+
+    return behaviour
+
+
+async def commanded(
+    open_home: OpenHome, begin: float, setting: tuple[str, PlainValue], behaviour: Behaviour
+) -> tuple[Outcome, int]:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        lamp = await home.handle(Light)
+        await home.gateway.devices.report("lamp", on_and_level(begin))
+        await anyio.sleep(1)
+        home.behaviours["lamp"] = behaviour
+        return await lamp.command(*setting), len(home.commands)
+
+
+@pytest.mark.parametrize("seconds", [4.0, 8.0, 20.0])
+@pytest.mark.parametrize("told", [on_and_level, level_alone])
+async def test_a_dimmer_on_its_way_to_a_level_is_not_told_again(
+    open_home: OpenHome, seconds: float, told: Told
+) -> None:
+    outcome, sendings = await commanded(open_home, 100.0, ("level", 20.0), ramp(100.0, seconds, told))
+    assert isinstance(outcome, Confirmed)
+    assert (round(outcome.latency), sendings) == (seconds, 1)
+
+
+@pytest.mark.parametrize("seconds", [4.0, 8.0, 20.0])
+async def test_a_dimmer_that_is_on_until_it_is_dark_obeyed(open_home: OpenHome, seconds: float) -> None:
+    outcome, sendings = await commanded(open_home, 99.0, ("on_off", False), ramp(99.0, seconds, on_and_level))
+    assert isinstance(outcome, Confirmed)
+    assert (round(outcome.latency), sendings) == (seconds, 1)
+
+
+async def test_a_dimmer_that_is_off_fades_up_from_nothing(open_home: OpenHome) -> None:
+    outcome, sendings = await commanded(open_home, 0.0, ("level", 80.0), ramp(0.0, 8.0, on_and_level))
+    assert isinstance(outcome, Confirmed)
+    assert (round(outcome.latency), sendings) == (8, 1)
+
+
+async def test_a_dimmer_that_gets_stuck_on_its_way_is_told_again_and_contradicted(open_home: OpenHome) -> None:
+    behaviour = ramp(100.0, 8.0, on_and_level, stuck_at=60.0)
+    outcome, sendings = await commanded(open_home, 100.0, ("level", 20.0), behaviour)
+    assert isinstance(outcome, Contradicted)
+    assert (outcome.saw, sendings > 1) == ("level is 60", True)
