@@ -29,7 +29,7 @@ class Client:
         self.frames: list[tuple[float, JsonObject]] = []
         self.is_gone = False
 
-    async def send(self, text: str) -> None:
+    async def send(self, text: str | bytes) -> None:
         if self.is_gone:
             raise LinkError("gone")
         self.frames.append((round(anyio.current_time() - self.started, 3), json.loads(text)))

@@ -24,7 +24,7 @@ class Client:
         self.takes = anyio.Event()
         self.is_cut = False
 
-    async def send(self, text: str) -> None:
+    async def send(self, text: str | bytes) -> None:
         await self.takes.wait()
         frame = json.loads(text)
         self.got.append(frame.get("id", frame.get("topic")))

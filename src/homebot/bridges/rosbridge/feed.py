@@ -10,12 +10,15 @@ import asyncio
 
 from homebot.bridges.rosbridge.backlog import Backlog, FeedQueue
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.protocol import Frame, Identifier, SubscribeOperation, publish_frame
+from homebot.bridges.rosbridge.protocol import Compression, Frame, Identifier, SubscribeOperation, publish_frame
 from homebot.graph import DurabilityPolicy, EntityKind, Graph, Node, QoSProfile, ReliabilityPolicy
 from homebot.graph.subscription import key_of
+from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 
 __all__ = ["Feed"]
+
+_BINARY: frozenset[Compression] = frozenset({"cbor", "cbor-raw"})
 
 
 class Feed:
@@ -64,7 +67,7 @@ class Feed:
             while (kept := late.take()) is not None:
                 self._queue.append(kept)
 
-    def take(self) -> Frame | None:
+    def take(self) -> Frame | bytes | None:
         """Return the frame of the oldest waiting message, if there is one; the outbox asks again after others' turn."""
         message = self._subscription.take()
         if message is None or not self.requests:
@@ -74,7 +77,7 @@ class Feed:
             self._rest = asyncio.get_running_loop().call_later(throttle / 1000, self._end_rest)
         elif len(self._queue):
             self._outbox.ready(self)
-        return publish_frame(self._topic, message, lost)
+        return self._frame(message, lost)
 
     def close(self) -> None:
         """Leave the topic; nothing more is sent. Twice is fine."""
@@ -83,6 +86,18 @@ class Feed:
         self._subscription.close()
         if self._rest is not None:
             self._rest.cancel()
+
+    def _frame(self, message: Message, lost: int) -> Frame | bytes:
+        """Return the frame of *message* in the most compact form that a request of the client asks for."""
+        asked = {op.compression for op in self.requests.values()}
+        if asked.isdisjoint(_BINARY):
+            return publish_frame(self._topic, message, lost)
+        from homebot.bridges.rosbridge import binary_frames  # noqa: PLC0415 - loaded with the first such request
+
+        if "cbor-raw" in asked:
+            now = Time.from_seconds(self._node.graph.clock.now())
+            return binary_frames.publish_cbor_raw(self._topic, message, now, lost)
+        return binary_frames.publish_cbor(self._topic, message, lost)
 
     def _note_arrival(self) -> None:
         if self._rest is None:

@@ -23,8 +23,8 @@ _ANSWER_FACTOR = 4
 class MessageSource(Protocol):
     """A topic that has messages for the client."""
 
-    def take(self) -> Frame | None:
-        """Return the next frame; None where there is none (any more)."""
+    def take(self) -> Frame | bytes | None:
+        """Return the next frame, in CBOR where it is bytes; None where there is none (any more)."""
         ...
 
 
@@ -33,7 +33,7 @@ class Outbox:
     """The frames on their way to one client.
 
     Args:
-        send: Takes text to the client, waiting until there is room for it; LinkError when the client is gone.
+        send: Takes a frame to the client, waiting until there is room for it; LinkError when the client is gone.
         cut: Ends the connection at once.
         turns: When work may be done.
         limit: Bytes of answers that may wait; with more the client is not read from, with four times as much it is
@@ -41,7 +41,7 @@ class Outbox:
     """
 
     def __init__(
-        self, send: Callable[[str], Awaitable[None]], cut: Callable[[], None], turns: Turns, limit: int
+        self, send: Callable[[str | bytes], Awaitable[None]], cut: Callable[[], None], turns: Turns, limit: int
     ) -> None:
         self._send = send
         self._cut = cut
@@ -101,7 +101,7 @@ class Outbox:
     async def _send_message(self, source: MessageSource) -> None:
         frame = source.take()
         if frame is not None:
-            await self._send(encode_frame(frame))
+            await self._send(frame if isinstance(frame, bytes) else encode_frame(frame))
 
     async def _send_answer(self) -> None:
         text = self._answers.popleft()

@@ -1,4 +1,4 @@
-"""The frames of rosbridge v2: JSON text in, typed operations out, and the frames that go back. No I/O.
+"""The frames of rosbridge v2: JSON text in, typed operations out, and the JSON that goes back. No I/O.
 
 A sender gets its failures in ``status`` frames, unless it asked with ``set_level`` for none; calls and goals are
 answered in any case.
@@ -25,6 +25,7 @@ __all__ = [
     "AdvertiseService",
     "AuthOperation",
     "CallService",
+    "Compression",
     "Frame",
     "FrameError",
     "Identifier",
@@ -50,6 +51,7 @@ __all__ = [
 
 Identifier: TypeAlias = "str | int | None"
 Level: TypeAlias = Literal["none", "error", "warning", "info"]
+Compression: TypeAlias = Literal["none", "png", "cbor", "cbor-raw"]
 Frame: TypeAlias = "JsonObject | str"
 """A frame on its way to a client: a JSON object, or its text where it was written at once."""
 
@@ -139,7 +141,8 @@ class SubscribeOperation(Operation, ops=("subscribe",)):
     Attributes:
         throttle_rate: Least milliseconds between two messages.
         queue_length: Messages that wait while throttled, the oldest dropped first; 0 drops what comes meanwhile.
-        compression: How messages should come. This door sends JSON, which clients take as well.
+        compression: How messages should come: as JSON, in CBOR, or (``cbor-raw``) as ROS 2 writes them. This door sends
+            JSON for ``png``, which clients take as well.
         fragment_size: Largest frame that the client wants; this door sends each message in one.
     """
 
@@ -147,7 +150,7 @@ class SubscribeOperation(Operation, ops=("subscribe",)):
     type: str = ""
     throttle_rate: Milliseconds = 0
     queue_length: Annotated[int, Field(ge=0)] = 0
-    compression: Literal["none", "png", "cbor"] = "none"
+    compression: Compression = "none"
     fragment_size: int | None = None
 
 

@@ -224,10 +224,10 @@ class Door:
         from homebot.bridges.rosbridge.access import ClientAccess  # noqa: PLC0415 - loaded with the first client
         from homebot.bridges.rosbridge.session import ClientSession  # noqa: PLC0415 - likewise
 
-        async def send(text: str) -> None:
+        async def send(frame: str | bytes) -> None:
             with anyio.move_on_after(self._settings.stall_timeout) as limit:
                 try:
-                    await connection.send(text)
+                    await connection.send(frame)
                 except ConnectionClosed as exc:
                     raise LinkError("the client is gone") from exc
             if limit.cancelled_caught:

@@ -62,7 +62,7 @@ class ClientSession:
         shared: What it shares with other clients.
         access: Who it is, and what it may do.
         client: What to call the client in the log.
-        send: Takes text to the client, waiting until there is room for it; LinkError when the client is gone.
+        send: Takes a frame to the client, waiting until there is room for it; LinkError when the client is gone.
         cut: Ends the connection at once.
 
     Attributes:
@@ -74,7 +74,7 @@ class ClientSession:
         shared: SharedState,
         access: ClientAccess,
         client: str,
-        send: Callable[[str], Awaitable[None]],
+        send: Callable[[str | bytes], Awaitable[None]],
         cut: Callable[[], None],
     ) -> None:
         self.refused = 0
@@ -205,7 +205,7 @@ class ClientSession:
     def _subscribe(self, op: SubscribeOperation, holdings: _Holdings) -> None:
         if (remark := holdings.subscriptions.subscribe(op)) is not None:
             self._remark(*remark, op.id)
-        if op.compression != "none":
+        if op.compression == "png":
             text = f"compression {op.compression} is not supported: messages of {op.topic} are sent as JSON"
             self._remark("warning", text, op.id)
         if op.fragment_size is not None:

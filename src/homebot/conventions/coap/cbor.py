@@ -13,7 +13,7 @@ import struct
 from homebot.conventions.payload import MAX_STATE_BYTES
 from homebot.errors import WireError
 
-__all__ = ["decode_cbor", "encode_cbor"]
+__all__ = ["cbor_head", "decode_cbor", "encode_cbor"]
 
 _MAX_DEPTH = 32
 _MAX_ITEMS = 10_000
@@ -52,7 +52,7 @@ def encode_cbor(document: object) -> bytes:
         case bool():
             return b"\xf5" if document else b"\xf4"
         case int() if -(2**64) <= document < 2**64:
-            return _head(0, document) if document >= 0 else _head(1, -1 - document)
+            return cbor_head(0, document) if document >= 0 else cbor_head(1, -1 - document)
         case int() | float():
             number = float(document)
             try:
@@ -63,17 +63,18 @@ def encode_cbor(document: object) -> bytes:
             return b"\xfa" + short if is_exact else b"\xfb" + struct.pack(">d", number)
         case str():
             encoded = document.encode(errors="replace")
-            return _head(3, len(encoded)) + encoded
+            return cbor_head(3, len(encoded)) + encoded
         case list() | tuple():
-            return _head(4, len(document)) + b"".join(map(encode_cbor, document))
+            return cbor_head(4, len(document)) + b"".join(map(encode_cbor, document))
         case dict():
             pairs = (encode_cbor(key) + encode_cbor(value) for key, value in document.items())
-            return _head(5, len(document)) + b"".join(pairs)
+            return cbor_head(5, len(document)) + b"".join(pairs)
         case _:
             raise TypeError(f"CBOR of a {type(document).__name__} is not supported")
 
 
-def _head(major: int, number: int) -> bytes:
+def cbor_head(major: int, number: int) -> bytes:
+    """Return the first bytes of an item: its *major* type and a *number*, such as its length (RFC 8949, section 3)."""
     for code, layout, limit in ((24, ">B", 2**8), (25, ">H", 2**16), (26, ">I", 2**32), (27, ">Q", 2**64)):
         if number < 24:
             return bytes([major << 5 | number])
