@@ -77,6 +77,7 @@ def configure_logging(
     if isinstance(out, QueuedText):
         out.queue.loss_text = partial(_loss_line, renderer)
     _take_in_stdlib_lines()
+    writer = LineWriter(out)
     structlog.configure(
         processors=[
             structlog.processors.add_log_level,
@@ -87,7 +88,7 @@ def configure_logging(
             renderer,
         ],
         wrapper_class=structlog.make_filtering_bound_logger(_LEVELS[level]),
-        logger_factory=lambda *_: LineWriter(out),
+        logger_factory=lambda *_: writer,
         cache_logger_on_first_use=False,
     )
 
