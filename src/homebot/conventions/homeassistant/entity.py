@@ -11,12 +11,12 @@ from functools import partial
 from typing import TypeVar
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer, push_writer
-from homebot.conventions.description import AutoExpiry, Publications
+from homebot.conventions.description import AutoExpiry, DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
 from homebot.conventions.part_builder import PartBuilder
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, meaning_reader, read_number, shown
-from homebot.devices.part import Category
+from homebot.devices.part import Capability, Category
 from homebot.errors import WireError
 
 __all__ = ["Entity", "Scale"]
@@ -175,6 +175,19 @@ class Entity(PartBuilder[StateMessage]):
         self.add_capability(name, readable=False, writer=push_writer(name, lambda: command.publish(payload)))
         self.add_commands(command)
 
+    def build(self) -> DescribedPart:
+        """Return the finished part, with its echoes marked: states that may only repeat the command.
+
+        These are of all that can be set where the config is ``optimistic``, and where every state topic is a command
+        topic too: whatever is published there is a command.
+
+        Source: Home Assistant core 2025.4, ``components/mqtt``: with ``optimistic`` a command is taken for the new
+            state.
+        """
+        if self._config.flag("optimistic") or (self._readers and self._readers.keys() <= self._writes.keys()):
+            self._capabilities = {name: _echoed(one) for name, one in self._capabilities.items()}
+        return super().build()
+
     def _add_reader(
         self,
         source: ValueSource | None,
@@ -189,6 +202,11 @@ class Entity(PartBuilder[StateMessage]):
         self.read_from(source.topic, partial(_read_raw, source.encoding))
         self.add_capability("raw")
         return False
+
+
+def _echoed(capability: Capability) -> Capability:
+    is_echoed = capability.readable and capability.settable
+    return capability.model_copy(update={"echoed": True}).slimmed() if is_echoed else capability
 
 
 _CATEGORIES: Mapping[str, Category] = {"": "", "config": "config", "diagnostic": "diagnostic"}

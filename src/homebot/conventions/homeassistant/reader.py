@@ -19,7 +19,6 @@ from homebot.conventions.homeassistant.announcement import Announced, read_annou
 from homebot.conventions.homeassistant.components import BUILDERS, builder_of
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.device import DeviceInfo, DeviceReader, read_availability
-from homebot.conventions.homeassistant.echoes import with_echoes
 from homebot.conventions.homeassistant.topics import DEVICE, ConfigTopic, parse_config_topic
 from homebot.conventions.payload import clean_text
 from homebot.errors import WireError
@@ -63,7 +62,7 @@ class HomeAssistantReader:
                 continue
             config = DiscoveryConfig(component.platform, component.discovery_id, component.fields)
             try:
-                part = with_echoes(builder_of(component.platform)(config), config)
+                part = builder_of(component.platform)(config)
                 if where.component == DEVICE:
                     part = replace(part, availability=read_availability(config))
             except WireError as error:
