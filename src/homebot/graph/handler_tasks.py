@@ -22,8 +22,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast, final
 import anyio
 
 from homebot.errors import ServiceGoneError, ServiceTimeoutError
-from homebot.graph.handler_steps import IS_DUE, NOT_BEGUN, Handling, RemainingSteps
-from homebot.graph.handler_wait import HandlerWait
+from homebot.graph.handler_steps import IS_DUE, NOT_BEGUN, HandlerWait, Handling, RemainingSteps
 from homebot.isolation import is_cancelled, is_end_of, uncancel
 from homebot.time_limits import TimeLimits
 
