@@ -25,7 +25,7 @@ from homebot.gateways.mdns.zeroconf_network import MdnsNetwork
 from homebot.graph import Graph, Node, Publisher
 from homebot.installation import INSTALLATION_FILE, Installation
 
-KEPT = json.dumps({"id": "0123456789abcdef", "names": {}})
+KEPT = json.dumps({"id": f"{os.getpid():016x}", "names": {}})
 NAME = f"robot {os.getpid()}"
 ANY = "0.0.0.0"  # noqa: S104
 DOOR = NetworkService(service_type="_rosbridge._tcp", addresses=(ANY,), port=9090)
