@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import fcntl
-import tempfile
+import os
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from pathlib import Path
 
 import anyio.to_thread
 
@@ -15,7 +14,13 @@ __all__ = ["alone_on_loopback"]
 
 @asynccontextmanager
 async def alone_on_loopback() -> AsyncIterator[None]:
-    """Wait until no other test is inside such a block, also in another process."""
-    with Path(tempfile.gettempdir(), "homebot-tests-loopback.lock").open("w") as file:
-        await anyio.to_thread.run_sync(fcntl.flock, file, fcntl.LOCK_EX, abandon_on_cancel=True)
+    """Wait until no other test is inside such a block, also in another process, of whichever user.
+
+    The lock is on the root folder: a file in /tmp could only be opened by the user whose tests came first.
+    """
+    opened = os.open("/", os.O_RDONLY)
+    try:
+        await anyio.to_thread.run_sync(fcntl.flock, opened, fcntl.LOCK_EX, abandon_on_cancel=True)
         yield
+    finally:
+        os.close(opened)
