@@ -203,3 +203,19 @@ async def test_a_sensor_refuses(open_home: OpenHome) -> None:
         home.put("lux", "light_sensor", readable=("illuminance",))
         answer = await command(home, "lux", "on")
         assert (answer.success, answer.outcome) == (False, "refused")
+
+
+async def test_what_only_the_fan_can_is_not_for_its_lamp(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        fan = simple_part("fan", settable=("on_off", "fan_speed")).model_copy(update={"id": "fan"})
+        lamps = [simple_part("light", settable=("on_off",)).model_copy(update={"id": name}) for name in ("a", "b")]
+        home.gateway.devices.put(GatewayDevice("unit", "Unit", (fan, *lamps)), "the test says so")
+        home.behaviours["unit"] = ignore
+        for words, parts in (
+            (("set", {"fan_speed": "40"}), ["fan"]),
+            (("on", {}), ["a", "b", "fan"]),
+        ):
+            answer = await command(home, "unit", *words)
+            assert [one.part for one in answer.results] == parts
+        answer = await command(home, "unit", "set", {"level": "40"})
+        assert (answer.outcome, len(answer.results)) == ("refused", 3)

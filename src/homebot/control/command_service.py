@@ -23,7 +23,7 @@ from homebot.devices.query import And, HasText, NameIs, Or, PartFacets, Query, f
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.terms import FactIs
 from homebot.devices.services import FindDevicesRequest, QueryDevicesRequest
-from homebot.devices.value import Value
+from homebot.devices.value import PlainValue, Value
 from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.folding import fold
 from homebot.graph import Node
@@ -40,6 +40,8 @@ Perform: TypeAlias = Callable[[CommandRequest], Awaitable[CommandResult]]
 """Carries out the command to one part."""
 
 _Target: TypeAlias = tuple[Device, tuple[DevicePart, ...]]
+_Spoken: TypeAlias = dict[str, PlainValue] | RefusedError
+"""The values by capability that a part is to have, or why it cannot have them."""
 
 
 class _NoTargetError(Exception):
@@ -69,8 +71,8 @@ class CommandService:
         commanded: list[CommandedPart] = []
         async with anyio.create_task_group() as tasks:
             for device, parts in targets:
-                for part in parts:
-                    tasks.start_soon(self._command, request, device, part, commanded)
+                for part, spoken in _spoken(request, device, parts):
+                    tasks.start_soon(self._command, request, device, part, spoken, commanded)
         commanded.sort(key=lambda one: (one.device, one.part))
         outcomes = tuple(outcome_of(one.result) for one in commanded)
         worst_one = commanded[outcomes.index(worst(outcomes))]
@@ -83,19 +85,21 @@ class CommandService:
         )
 
     async def _command(
-        self, request: CommandDevicesRequest, device: Device, part: DevicePart, commanded: list[CommandedPart]
+        self,
+        request: CommandDevicesRequest,
+        device: Device,
+        part: DevicePart,
+        spoken: _Spoken,
+        commanded: list[CommandedPart],
     ) -> None:
-        name = f"{device.name} {part.part.name}" if part.part.name and len(device.parts) > 1 else device.name
-        try:
-            settings = spoken_settings(request.command, request.values, part.part, name)
-        except RefusedError as exc:
-            result = result_of(Refused("device", f"{exc.what}: {exc.reason}"))
+        if isinstance(spoken, RefusedError):
+            result = result_of(Refused("device", f"{spoken.what}: {spoken.reason}"))
         else:
             result = await self._perform(
                 CommandRequest(
                     device=device.id,
                     part=part.id,
-                    settings=tuple(Setting(capability=name, value=Value.of(value)) for name, value in settings.items()),
+                    settings=tuple(Setting(capability=name, value=Value.of(value)) for name, value in spoken.items()),
                     transition=request.transition,
                     code=request.code,
                     issuer=request.issuer or UNNAMED_CLIENT,
@@ -105,7 +109,7 @@ class CommandService:
             )
             if result.outcome == "no_answer" and device.reachable.state == "no":
                 result = result.with_checked(text=f"{result.text}; {device.reachable.why}")
-        commanded.append(CommandedPart(device=device.id, name=name, part=part.id, result=result))
+        commanded.append(CommandedPart(device=device.id, name=_name(device, part), part=part.id, result=result))
 
     async def _targets(self, target: str) -> list[_Target]:
         """Return the parts that are meant, those of each device together.
@@ -150,6 +154,27 @@ class CommandService:
 
     async def _devices(self, query: Query) -> tuple[Device, ...]:
         return (await self._find.call(FindDevicesRequest(query=query_terms(query)))).devices
+
+
+def _spoken(
+    request: CommandDevicesRequest, device: Device, parts: tuple[DevicePart, ...]
+) -> list[tuple[DevicePart, _Spoken]]:
+    """Return what *request* sets at each of *parts*, or why it cannot.
+
+    Parts that cannot are left out where one of another type can: a speed is for the fan, and not for its lamp.
+    """
+    found: list[tuple[DevicePart, _Spoken]] = []
+    for part in parts:
+        try:
+            found.append((part, spoken_settings(request.command, request.values, part.part, _name(device, part))))
+        except RefusedError as exc:
+            found.append((part, exc))
+    able = {part.part.service_type for part, spoken in found if not isinstance(spoken, RefusedError)}
+    return [one for one in found if not able or one[0].part.service_type in able]
+
+
+def _name(device: Device, part: DevicePart) -> str:
+    return f"{device.name} {part.part.name}" if part.part.name and len(device.parts) > 1 else device.name
 
 
 def _is_spelled(query: Query, words: tuple[str, ...]) -> bool:
