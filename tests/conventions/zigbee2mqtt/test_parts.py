@@ -208,6 +208,17 @@ def test_a_child_lock_is_a_setting_and_no_lock() -> None:
     assert told(lock, "on_off", value=True) == {"child_lock": "LOCK"}
 
 
+@pytest.mark.parametrize("key", ["child_lock", "keypad_lockout"])
+def test_what_older_versions_of_zigbee2mqtt_expose_as_a_lock_of_keys_is_a_setting_too(key: str) -> None:
+    state = feature("binary", "state", 3, key=key, value_on="LOCK", value_off="UNLOCK")
+    lock = only({"type": "lock", "features": [state]})
+    part = lock.part
+    assert (part.id, part.service_type, part.category, names(lock)) == (key, "x_setting", "config", ["on_off"])
+    assert part.name == key.replace("_", " ").capitalize()
+    assert dict(lock.codec.read(TOPIC, json.dumps({key: "LOCK"}).encode(), retained=False)) == {"on_off": True}
+    assert told(lock, "on_off", value=False) == {key: "UNLOCK"}
+
+
 def test_a_fan_with_words_has_percents() -> None:
     mode = feature("enum", "mode", key="fan_mode", values=["off", "low", "medium", "high", "on", "auto"])
     fan = only(

@@ -1,6 +1,6 @@
 """The component ``lock``. Pure.
 
-Source: Home Assistant core 2025.4, ``components/mqtt/lock.py``.
+Source: Home Assistant core 2025.4, ``components/mqtt/lock.py``; Zigbee2MQTT 1.42, ``lib/extension/homeassistant.ts``.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from homebot.conventions.command_values import require_option
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.homeassistant.topics import CommandTopic
 from homebot.conventions.payload import NO_READINGS, Readings, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import WrongCodeError
@@ -20,11 +21,14 @@ _STATES = ("unlocked", "locked", "unlocking", "open", "locking", "opening", "jam
 
 
 def build_lock(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a door lock. One that wants a code is commanded with one, and judges it itself.
+    """Describe a door lock, or a setting where it only keeps children from the keys of a device.
 
-    Of the config's ``code_format`` nothing is checked but that it is there: it is a stranger's regular expression.
+    A door lock that wants a code is commanded with one, and judges it itself. Of the config's ``code_format`` nothing
+    is checked but that it is there: it is a stranger's regular expression.
     """
     command = config.required_command()
+    if config.discovery_id.rpartition("/")[2] in _KEY_LOCKS:
+        return _key_lock(config, command)
     states: dict[str, str | None] = {config.text(f"state_{state}", state.upper()): state for state in _STATES}
     states[config.text("payload_reset", "None")] = None
     payloads = {"locked": config.text("payload_lock", "LOCK"), "unlocked": config.text("payload_unlock", "UNLOCK")}
@@ -44,4 +48,23 @@ def build_lock(config: DiscoveryConfig) -> DescribedPart:
     entity = Entity(config, "door_lock")
     entity.add_coded_capability("lock", write, readable=entity.read_text_from(config.source("state_topic"), read))
     entity.add_commands(command)
+    return entity.build()
+
+
+_KEY_LOCKS = frozenset({"child_lock", "keypad_lock"})
+"""What Zigbee2MQTT calls those of its locks that lock no door."""
+
+
+def _key_lock(config: DiscoveryConfig, command: CommandTopic) -> DescribedPart:
+    payloads = {True: config.text("payload_lock", "LOCK"), False: config.text("payload_unlock", "UNLOCK")}
+    states: dict[str, bool | None] = {
+        config.text("state_unlocked") or payloads[False]: False,
+        config.text("state_locked") or payloads[True]: True,
+        config.text("payload_reset", "None"): None,
+    }
+    entity = Entity(
+        DiscoveryConfig(config.component, config.discovery_id, {"entity_category": "config", **config.values}),
+        "x_setting",
+    )
+    entity.add_flag("on_off", config.source("state_topic"), command, payloads, states)
     return entity.build()

@@ -6,6 +6,7 @@ Source: zigbee2mqtt.io, Usage > Exposes.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import with_own_ids
@@ -58,7 +59,7 @@ _MOST_PARTS = 500
 def _described(device: BridgeDevice, whole: Zigbee2MqttTopics, exposes: tuple[Expose, ...]) -> Iterable[DescribedPart]:
     beside = _beside(exposes)
     has_thermometer = any(one.name in ("temperature", "local_temperature") and one.is_published for one in exposes)
-    for expose in exposes:
+    for expose in map(_key_lock_as_setting, exposes):
         topics = whole.of(expose)
         if expose.type in SPECIFIC_TYPES:
             yield _specific(device, topics, expose, beside)
@@ -73,6 +74,18 @@ def _described(device: BridgeDevice, whole: Zigbee2MqttTopics, exposes: tuple[Ex
         yield from (part for one in rest if (part := build_generic(topics, one)) is not None)
     if device.has_updates and exposes:
         yield _update(whole)
+
+
+_KEY_LOCKS = ("child_lock", "keypad_lockout")
+
+
+def _key_lock_as_setting(expose: Expose) -> Expose:
+    """Return the setting in place of a lock that only locks the keys of a device, as older versions expose it."""
+    state = expose.feature("state") if expose.type == "lock" else None
+    if state is None or not state.key.startswith(_KEY_LOCKS):
+        return expose
+    label = expose.label or state.key.replace("_", " ").capitalize()
+    return replace(state, name=state.key, label=label, category=expose.category)
 
 
 def _beside(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
