@@ -10,13 +10,14 @@ from homebot.control.held_values import COLORS, END_POSITIONS, POWERS, STOPPED, 
 from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.client_rights import is_client
+from homebot.devices.part import Part
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
 
 if TYPE_CHECKING:
     from homebot.devices.client_rights import ClientRights
 
-__all__ = ["POWER", "IssuedCommand"]
+__all__ = ["POWER", "IssuedCommand", "zero_as_off"]
 
 _ALWAYS_SENT: Final = frozenset({("movement", STOPPED), ("valve", STOPPED), ("lock", "open"), ("vacuum", "spot")})
 _LIT: Final = POWERS | COLORS
@@ -24,6 +25,9 @@ _LIT: Final = POWERS | COLORS
 
 _MOTIONS: Final = frozenset({"movement", "position", "tilt"})
 """What sends something with a motor on its way."""
+
+_LEVELS: Final = ("level", "fan_speed")
+"""Of these 0 is off."""
 
 POWER: Final = "power_state"
 """Stands for whether a part is on, in the place of a capability."""
@@ -133,3 +137,16 @@ class IssuedCommand:
         if movement in END_POSITIONS and "position" in told and found.keys().isdisjoint({"movement", "position"}):
             found["position"] = END_POSITIONS[movement]
         return found
+
+
+def zero_as_off(settings: Mapping[str, PlainValue], part: Part) -> Mapping[str, PlainValue]:
+    """Return *settings* with ``on_off`` false in place of a level or a speed of 0, where *part* takes that.
+
+    Most lamps that are off report the brightness that they will have, so that they would never report a level of 0.
+    """
+    if settings.get("level") != 0.0 and settings.get("fan_speed") != 0.0:
+        return settings  # as nearly always
+    if not any(one.name == "on_off" and one.settable for one in part.capabilities):
+        return settings
+    others = {name: value for name, value in settings.items() if name not in _LEVELS or value != 0.0}
+    return {**others, "on_off": False}  # at last, as to set a colour turns most lamps on

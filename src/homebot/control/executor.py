@@ -11,7 +11,7 @@ from typing import Final, TypeAlias, final
 import anyio
 
 from homebot.control.client_commands import POLICY, client_refusal
-from homebot.control.command import IssuedCommand
+from homebot.control.command import IssuedCommand, zero_as_off
 from homebot.control.echoes import NO_ECHOES, EchoHistory, ExpectedEchoes
 from homebot.control.gateway_watch import GatewayWatch
 from homebot.control.held_values import changes, related
@@ -28,7 +28,6 @@ from homebot.control.settling import Settling
 from homebot.control.transmission import Signal, Transmission
 from homebot.control.value_text import value_text
 from homebot.control.witnesses import WitnessVerification
-from homebot.control.zero_level import zero_as_off
 from homebot.devices import FIND_DEVICES, Device, DevicePart, FindDevices
 from homebot.devices.command_messages import CommandRequest, CommandResult
 from homebot.devices.command_results import result_of

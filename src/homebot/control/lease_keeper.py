@@ -11,6 +11,7 @@ from typing import Final, final
 import anyio
 from anyio.abc import TaskGroup
 
+from homebot.control.command import zero_as_off
 from homebot.control.executor import CommandExecutor
 from homebot.control.held_parts import held_part
 from homebot.control.held_values import STOPPED
@@ -20,9 +21,9 @@ from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, 
 from homebot.control.missing_part import missing_part
 from homebot.control.report_watch import ReportWatch
 from homebot.control.value_text import value_text
-from homebot.control.zero_level import held_zero_as_off
+from homebot.devices import DevicePart
 from homebot.devices.capabilities import MOMENTARY
-from homebot.devices.command_messages import CommandRequest, CommandResult
+from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
 from homebot.devices.command_results import outcome_of, result_of
 from homebot.devices.lease_messages import (
     EndLeasesRequest,
@@ -97,7 +98,7 @@ class LeaseKeeper:
         part = None if device is None else device.part(request.part)
         if device is None or part is None:
             return LeaseResponse(held=False, result=missing_part(request.device, request.part, device))
-        request = request.with_checked(setting=held_zero_as_off(request.setting, part.part))
+        request = request.with_checked(setting=_setting_of(request.setting, part))
         refused = self._executor.preview(_command_of(request), device, part)
         if refused is not None:  # before it holds: it would block others meanwhile
             return self._refused(request, refused.reason, refused.policy)
@@ -284,6 +285,12 @@ class LeaseKeeper:
     def _log(self, event: str, lease: Lease, text: str) -> None:
         device, part = lease.part
         self._node.log.info(event, message=f"{device}#{part} {text}" if part else f"{device} {text}", device=device)
+
+
+def _setting_of(wanted: Setting, part: DevicePart) -> Setting:
+    """Return what is held for *wanted*: off in place of a level of 0, as it is commanded."""
+    ((capability, value),) = zero_as_off({wanted.capability: wanted.value.plain()}, part.part).items()
+    return Setting.of(capability, value)
 
 
 def _command_of(request: HoldRequest) -> CommandRequest:
