@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from http import HTTPStatus
 from secrets import token_hex
-from typing import Final
+from typing import Final, NoReturn
 from urllib.parse import unquote
 
 import anyio
@@ -15,6 +15,7 @@ from anyio.abc import TaskStatus
 from homebot.addresses import is_loopback
 from homebot.bridges.admission import refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
+from homebot.bridges.thing_directory.cross_origin import PREFLIGHT, is_preflight, sharing_headers
 from homebot.bridges.thing_directory.documents import (
     BEARER,
     CHANGE_NAMES,
@@ -142,33 +143,42 @@ class ThingDirectoryBridge:
 
     async def _handle(self, exchange: HttpExchange) -> None:
         await self._turns.turn()
+        shared: Mapping[str, str] = {}
         try:
-            await self._admit(exchange)
-            request = self._request(exchange, await self._body(exchange))
-            if request.path[:1] == ("events",):
-                await self._send_events(exchange, request)
-                return
-            answer = await self._requests.answer(request)
+            self._check_origin(exchange)
+            shared = sharing_headers(exchange.headers("Origin"))
+            if is_preflight(exchange.method, exchange.headers("Access-Control-Request-Method")):
+                answer = PREFLIGHT
+            else:
+                await self._check_token(exchange)
+                request = self._request(exchange, await self._body(exchange))
+                if request.path[:1] == ("events",):
+                    await self._send_events(exchange, request, shared)
+                    return
+                answer = await self._requests.answer(request)
         except RequestError as exc:
             answer = exc.answer
-        headers = {"Cache-Control": "no-cache", "Server": "homebot", **answer.headers, **_typed(answer)}
+        headers = {"Cache-Control": "no-cache", "Server": "homebot", **shared, **answer.headers, **_typed(answer)}
         await exchange.answer(answer.status, headers, answer.body)
 
-    async def _admit(self, exchange: HttpExchange) -> None:
-        hosts, origins = exchange.headers("Host"), exchange.headers("Origin")
-        problem, status, headers = refusal(self._settings, hosts, origins), HTTPStatus.FORBIDDEN, {}
-        if problem is None:
-            if self._settings.token is None:
-                return
-            token = token_of(exchange.target, exchange.headers("Authorization"))
-            name = await self._tokens.check(exchange.address, token)
-            if name:
-                return
-            status, problem = HTTPStatus.UNAUTHORIZED, "a valid token is needed"
-            headers = {"WWW_Authenticate": "Bearer"}
-            if name is None:
-                status, problem = HTTPStatus.TOO_MANY_REQUESTS, "too many wrong tokens from this address"
-                headers = {"Retry_After": "1"}
+    def _check_origin(self, exchange: HttpExchange) -> None:
+        problem = refusal(self._settings, exchange.headers("Host"), exchange.headers("Origin"))
+        if problem is not None:
+            self._turn_away(exchange, HTTPStatus.FORBIDDEN, problem)
+
+    async def _check_token(self, exchange: HttpExchange) -> None:
+        if self._settings.token is None:
+            return
+        token = token_of(exchange.target, exchange.headers("Authorization"))
+        name = await self._tokens.check(exchange.address, token)
+        if name is None:
+            problem = "too many wrong tokens from this address"
+            self._turn_away(exchange, HTTPStatus.TOO_MANY_REQUESTS, problem, Retry_After="1")
+        if not name:
+            problem = "a valid token is needed"
+            self._turn_away(exchange, HTTPStatus.UNAUTHORIZED, problem, WWW_Authenticate="Bearer")
+
+    def _turn_away(self, exchange: HttpExchange, status: HTTPStatus, problem: str, **headers: str) -> NoReturn:
         self._server.counters.turned_away += 1
         self._error_log.log(
             f"rejected {exchange.address}",
@@ -199,7 +209,7 @@ class ThingDirectoryBridge:
             f"http://{exchange.headers('Host')[0]}",
         )
 
-    async def _send_events(self, exchange: HttpExchange, request: DirectoryRequest) -> None:
+    async def _send_events(self, exchange: HttpExchange, request: DirectoryRequest, shared: Mapping[str, str]) -> None:
         if request.method != "GET":
             raise RequestError(HTTPStatus.METHOD_NOT_ALLOWED, "events are read", Allow="GET")
         names = CHANGE_NAMES if len(request.path) == 1 else request.path[1:]
@@ -210,7 +220,7 @@ class ThingDirectoryBridge:
             tuple(names), request.query.get("diff", "").lower() == "true", last_id[-1] if last_id else "", request.base
         )
         await exchange.open_stream(
-            {"Content-Type": "text/event-stream", "Cache-Control": "no-store", "Server": "homebot"}
+            {"Content-Type": "text/event-stream", "Cache-Control": "no-store", "Server": "homebot", **shared}
         )
         await self._feed.run(wanted, exchange)
 
