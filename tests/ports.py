@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import socket
 
-__all__ = ["reserve_door", "reserve_port"]
+__all__ = ["reserve_datagram_port", "reserve_door", "reserve_port"]
 
 _reserved: list[socket.socket] = []
 
@@ -19,6 +19,20 @@ def reserve_port() -> int:
     reserved.bind(("127.0.0.1", 0))
     _reserved.append(reserved)
     port: int = reserved.getsockname()[1]
+    return port
+
+
+def reserve_datagram_port() -> int:
+    """Return a UDP port of 127.0.0.1 at which nobody listens, for a server that may share ports, as aiocoap's do.
+
+    Likewise kept until these tests end. What keeps it is connected, so that no datagram of others comes to it.
+    """
+    reserved = socket.socket(type=socket.SOCK_DGRAM)
+    reserved.bind(("127.0.0.1", 0))
+    port: int = reserved.getsockname()[1]
+    reserved.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)  # after it has a port of its own
+    reserved.connect(("127.0.0.1", port))
+    _reserved.append(reserved)
     return port
 
 

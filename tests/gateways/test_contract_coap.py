@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import socket
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 
@@ -13,18 +12,13 @@ from aiocoap import resource
 from aiocoap.cli.rd import StandaloneResourceDirectory
 from anyio.abc import TaskGroup, TaskStatus
 from tests.gateways.contract import GatewayContract, Lamp
+from tests.ports import reserve_datagram_port
 
 from homebot.gateways import Gateway
 from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
 from homebot.graph import Node
 from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 async def serve(port: int, site: resource.Site | None, *, task_status: TaskStatus[None]) -> None:
@@ -114,7 +108,7 @@ class CoapLamp(Lamp):
                 del request
                 return aiocoap.Message(payload=b"{" + b"?" * 900, content_format=50)
 
-        site, strangers, port = resource.Site(), [Stranger() for _ in range(20)], free_port()
+        site, strangers, port = resource.Site(), [Stranger() for _ in range(20)], reserve_datagram_port()
         site.add_resource([".well-known", "core"], resource.WKCResource(site.get_resources_as_linkheader))
         for number, stranger in enumerate(strangers):
             site.add_resource([f"t{number}"], stranger)
@@ -158,7 +152,7 @@ class TestCoapGateway(GatewayContract):
     @asynccontextmanager
     async def lamp(self) -> AsyncIterator[Lamp]:
         async with anyio.create_task_group() as tasks:
-            lamp = CoapLamp(free_port(), Background(tasks))
+            lamp = CoapLamp(reserve_datagram_port(), Background(tasks))
             await lamp.mend_link()
             yield lamp
             await lamp.world.end()

@@ -13,8 +13,8 @@ import pytest
 from aiocoap import resource
 from aiocoap.credentials import CredentialsMap
 from aiocoap.oscore_sitewrapper import OscoreSiteWrapper
-from tests.gateways.test_contract_coap import free_port
 from tests.patience import PATIENCE
+from tests.ports import reserve_datagram_port
 
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.coap.aiocoap_client import MAX_BODY, CoapClient
@@ -54,7 +54,7 @@ async def server(value: resource.Resource, port: int, credentials: CredentialsMa
 
 async def test_a_device_is_reached_although_the_network_refuses_others_at_that_moment() -> None:
     """Linux tells the next sender of what is refused, whomever it sends to."""
-    async with server(Value(b"21"), free_port()) as uri, CoapClient.open(5.0, ()) as client:
+    async with server(Value(b"21"), reserve_datagram_port()) as uri, CoapClient.open(5.0, ()) as client:
         answers: list[bytes] = []
 
         async def ask_nobody(port: int) -> None:
@@ -67,14 +67,14 @@ async def test_a_device_is_reached_although_the_network_refuses_others_at_that_m
         for _ in range(5):
             async with anyio.create_task_group() as tasks:
                 for _ in range(10):
-                    tasks.start_soon(ask_nobody, free_port())
+                    tasks.start_soon(ask_nobody, reserve_datagram_port())
                     tasks.start_soon(ask)
         assert answers == [b"21"] * 50
 
 
 async def test_a_long_answer_is_put_together_of_its_blocks_up_to_a_limit() -> None:
     value = Value(bytes(range(256)) * 40)
-    async with server(value, free_port()) as uri, CoapClient.open(5.0, ()) as client:
+    async with server(value, reserve_datagram_port()) as uri, CoapClient.open(5.0, ()) as client:
         assert (await client.request("GET", uri)).payload == value.payload
         value.payload = b"x" * (MAX_BODY + 1)
         with pytest.raises(WireError, match="is longer than 262144 bytes"):
@@ -93,14 +93,14 @@ async def test_an_answer_of_empty_blocks_without_end_is_refused() -> None:
             return aiocoap.Message(payload=b"", block2=(number, True, 6))
 
     asked: list[aiocoap.Message] = []
-    async with server(Endless(), free_port()) as uri, CoapClient.open(5.0, ()) as client:
+    async with server(Endless(), reserve_datagram_port()) as uri, CoapClient.open(5.0, ()) as client:
         with anyio.fail_after(PATIENCE), pytest.raises(WireError, match="not full and not the last"):
             await client.request("GET", uri)
     assert len(asked) == 1
 
 
 async def test_what_is_not_there_or_not_possible_is_said_in_words() -> None:
-    port = free_port()
+    port = reserve_datagram_port()
     async with server(Value(b"1"), port) as uri, CoapClient.open(5.0, ()) as client:
         with pytest.raises(RefusedError, match=r"4\.04 Not Found"):
             await client.request("GET", f"{uri}/x")
@@ -119,7 +119,7 @@ async def test_what_is_not_there_or_not_possible_is_said_in_words() -> None:
 
 async def test_an_observation_is_registered_again_when_its_last_state_is_too_old() -> None:
     """A server that was restarted knows of no observation, and tells nobody of its new state."""
-    port = free_port()
+    port = reserve_datagram_port()
     async with CoapClient.open(5.0, ()) as client, aclosing(client.observe(f"coap://127.0.0.1:{port}/value")) as states:
         async with server(Value(b"old", max_age=1), port):
             assert (await anext(states)).payload == b"old"
@@ -129,7 +129,7 @@ async def test_an_observation_is_registered_again_when_its_last_state_is_too_old
 
 
 async def test_a_server_that_went_away_ends_the_observation_as_a_broken_link() -> None:
-    port = free_port()
+    port = reserve_datagram_port()
     async with CoapClient.open(1.0, ()) as client, aclosing(client.observe(f"coap://127.0.0.1:{port}/value")) as states:
         async with server(Value(b"old", max_age=1), port):
             await anext(states)
@@ -143,7 +143,7 @@ async def test_what_cannot_be_observed_is_refused() -> None:
             del request
             return aiocoap.Message(payload=b"1")
 
-    async with server(Plain(), free_port()) as uri, CoapClient.open(5.0, ()) as client:
+    async with server(Plain(), reserve_datagram_port()) as uri, CoapClient.open(5.0, ()) as client:
         with pytest.raises(RefusedError, match="it cannot be observed"):
             await anext(client.observe(uri))
 
@@ -163,7 +163,7 @@ async def test_a_request_is_secured_by_an_oscore_context(tmp_path: Path) -> None
     credentials = CredentialsMap()
     credentials.load_from_dict({":ours": {"oscore": {"basedir": f"{theirs}/"}}})
     value = Value(b"secret")
-    async with server(value, free_port(), credentials) as uri:
+    async with server(value, reserve_datagram_port(), credentials) as uri:
         async with CoapClient.open(5.0, [CoapCredentials(uri=f"{uri}*", oscore=ours)]) as client:
             assert (await client.request("GET", uri)).payload == b"secret"
             assert value.authenticated == [":ours"]

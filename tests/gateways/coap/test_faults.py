@@ -10,7 +10,7 @@ import anyio
 from aiocoap import resource
 from tests.gateways.coap.test_gateway import device, post
 from tests.gateways.coap.watched import watched_gateway
-from tests.gateways.test_contract_coap import free_port
+from tests.ports import reserve_datagram_port
 
 from homebot.conventions.coap.registry import MAX_PER_HOST
 from homebot.house.coap_devices import CoapDevice
@@ -61,7 +61,7 @@ async def test_a_lamp_that_leaves_while_it_is_told_is_unreachable_and_the_others
 
 
 async def test_ten_thousand_fake_registrations_take_no_more_room_than_is_allowed() -> None:
-    port = free_port()
+    port = reserve_datagram_port()
     async with device() as lamp, watched_gateway(serve_directory=f"127.0.0.1:{port}", devices=[lamp.uri]) as watcher:
         await watcher.sighting(lambda one: bool(one.parts))
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
@@ -78,7 +78,7 @@ async def test_ten_thousand_fake_registrations_take_no_more_room_than_is_allowed
 
 
 async def test_datagrams_that_are_no_coap_change_nothing() -> None:
-    port, rng = free_port(), random.Random(1)  # noqa: S311 - noise
+    port, rng = reserve_datagram_port(), random.Random(1)  # noqa: S311 - noise
     async with watched_gateway(serve_directory=f"127.0.0.1:{port}") as watcher:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
             stranger.setblocking(False)

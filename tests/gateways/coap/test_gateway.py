@@ -9,8 +9,8 @@ import aiocoap
 import anyio
 import pytest
 from tests.gateways.coap.watched import watched_gateway
-from tests.gateways.test_contract_coap import free_port
 from tests.patience import PATIENCE
+from tests.ports import reserve_datagram_port
 
 from homebot.conventions.coap.registry import MAX_PER_HOST
 from homebot.devices.gateway_messages import REACHABLE
@@ -72,7 +72,7 @@ async def test_a_device_that_loses_its_power_is_unreachable_stays_and_comes_back
 
 
 async def test_a_device_that_is_not_there_yet_is_listed_and_unreachable() -> None:
-    uri = f"coap://127.0.0.1:{free_port()}"
+    uri = f"coap://127.0.0.1:{reserve_datagram_port()}"
     async with watched_gateway(devices=[uri]) as watcher:
         found = await watcher.sighting(lambda one: one.key == uri)
         assert (found.parts, found.confirmed) == ((), False)
@@ -81,7 +81,7 @@ async def test_a_device_that_is_not_there_yet_is_listed_and_unreachable() -> Non
 
 
 async def test_devices_register_at_homebot_itself_and_leave_by_name_and_reason() -> None:
-    port = free_port()
+    port = reserve_datagram_port()
     address = f"127.0.0.1:{port}"
     async with watched_gateway(serve_directory=address) as watcher, device(directory=f"coap://{address}") as lamp:
         found = await watcher.sighting(lambda one: bool(one.parts))
@@ -94,7 +94,7 @@ async def test_devices_register_at_homebot_itself_and_leave_by_name_and_reason()
 
 async def test_a_device_that_registers_simply_is_asked_for_its_links() -> None:
     """RFC 9176, section 5.1: it sends no links, which would not fit into one packet of its radio."""
-    address = f"127.0.0.1:{free_port()}"
+    address = f"127.0.0.1:{reserve_datagram_port()}"
     async with watched_gateway(serve_directory=address) as watcher, device() as lamp:
         with anyio.fail_after(PATIENCE):
             while (context := lamp._context) is None:  # noqa: ASYNC110 - it goes without a word
@@ -107,7 +107,7 @@ async def test_a_device_that_registers_simply_is_asked_for_its_links() -> None:
 
 
 async def test_a_simple_registration_of_a_device_that_has_no_links_is_counted() -> None:
-    address = f"127.0.0.1:{free_port()}"
+    address = f"127.0.0.1:{reserve_datagram_port()}"
     async with watched_gateway(serve_directory=address) as watcher:
         assert (await post(f"coap://{address}/.well-known/rd?ep=none", b"")).code.dotted == "2.04"
         with anyio.fail_after(PATIENCE):
@@ -117,7 +117,7 @@ async def test_a_simple_registration_of_a_device_that_has_no_links_is_counted() 
 
 
 async def test_a_registration_that_is_not_renewed_ends_with_its_lifetime() -> None:
-    address = f"127.0.0.1:{free_port()}"
+    address = f"127.0.0.1:{reserve_datagram_port()}"
     async with watched_gateway(serve_directory=address) as watcher:
         made = await post(f"coap://{address}/rd?ep=ghost&lt=1&base=coap://127.0.0.1:1", b"</a>")
         assert made.code.dotted == "2.01"
@@ -142,7 +142,7 @@ async def test_a_registration_that_is_not_renewed_ends_with_its_lifetime() -> No
 async def test_what_breaks_the_rules_of_the_directory_is_answered_so(
     path: str, payload: bytes | None, code: str
 ) -> None:
-    address = f"127.0.0.1:{free_port()}"
+    address = f"127.0.0.1:{reserve_datagram_port()}"
     async with watched_gateway(serve_directory=address):
         method = aiocoap.GET if payload is None else aiocoap.POST
         answer = await post(f"coap://{address}/{path}", payload or b"", method)
@@ -150,7 +150,7 @@ async def test_what_breaks_the_rules_of_the_directory_is_answered_so(
 
 
 async def test_a_flood_of_registrations_is_bounded_and_leaves_the_others_alone() -> None:
-    address = f"127.0.0.1:{free_port()}"
+    address = f"127.0.0.1:{reserve_datagram_port()}"
     async with device() as lamp, watched_gateway(serve_directory=address, devices=[lamp.uri]) as watcher:
         await watcher.sighting(lambda one: bool(one.parts))
         context = await aiocoap.Context.create_client_context(transports=["udp6"])
