@@ -297,7 +297,21 @@ async def test_the_log_is_on_rosout_too_while_it_runs() -> None:
     assert structlog.get_config()["processors"] == before
 
 
-@pytest.mark.parametrize(("host", "shown"), [("127.0.0.1", "127.0.0.1:"), ("::1", "[::1]:")])
+def has_ipv6() -> bool:
+    try:
+        with socket.create_server(("::1", 0), family=socket.AF_INET6):
+            return True
+    except OSError:
+        return False
+
+
+@pytest.mark.parametrize(
+    ("host", "shown"),
+    [
+        ("127.0.0.1", "127.0.0.1:"),
+        pytest.param("::1", "[::1]:", marks=pytest.mark.skipif(not has_ipv6(), reason="this machine has no IPv6")),
+    ],
+)
 async def test_the_greeting_says_where_tools_come_in(host: str, shown: str) -> None:
     """In the spelling of --door."""
     with capture_logs() as lines:
