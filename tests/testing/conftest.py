@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pytest
 
 
 @pytest.fixture(autouse=True)
-def _inner_runs_are_the_same_everywhere(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whatever options the outer run was given by the environment, and if a plug-in that shuffles is installed."""
-    monkeypatch.setenv("PYTEST_ADDOPTS", "-p no:randomly")
+def _inner_runs_keep_their_order(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Also where a plug-in that shuffles is installed: the tests read what an inner run says, in its order."""
+    if "pytester" in request.fixturenames:
+        request.getfixturevalue("pytester")  # it removes these options when it is made
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTEST_ADDOPTS", "-p no:randomly")
+        yield
