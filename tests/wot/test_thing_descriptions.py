@@ -69,14 +69,14 @@ def test_a_device_becomes_a_description_with_the_topics_to_read_and_write() -> N
         device(LAMP, area="Kitchen", identifiers=("eui64:00158d0001abcdef",), facts=(fact,)), MqttForms(BROKERS)
     )
     heard = {
-        "href": "mqtt://broker:1883",
+        "href": "mqtt://broker:1883/zigbee2mqtt/lamp",
         "contentType": "application/vnd.homebot.zigbee2mqtt",
         "op": ["observeproperty", "unobserveproperty"],
         "mqv:controlPacket": "subscribe",
         "mqv:filter": "zigbee2mqtt/lamp",
     }
     told = {
-        "href": "mqtt://broker:1883",
+        "href": "mqtt://broker:1883/zigbee2mqtt/lamp/set",
         "contentType": "application/vnd.homebot.zigbee2mqtt",
         "op": "writeproperty",
         "mqv:controlPacket": "publish",
@@ -117,6 +117,27 @@ def test_a_device_becomes_a_description_with_the_topics_to_read_and_write() -> N
         "homebot:identifiers": ["eui64:00158d0001abcdef"],
         "homebot:facts": {"model": "X1"},
     }
+
+
+@pytest.mark.parametrize(
+    ("topic", "path"),
+    [
+        ("home/l/out", "/home/l/out"),
+        ("Küche 1/?#%", "/K%C3%BCche%201/%3F%23%25"),
+        ("/absolute//twice/", "//absolute//twice/"),
+        ("a+b/$x", "/a+b/$x"),
+    ],
+)
+def test_the_topic_is_in_the_path_of_the_address_too_for_consumers_that_look_there_alone(topic: str, path: str) -> None:
+    """Node-wot 0.9 is one: without a path it subscribes to an empty filter, for which a broker ends the connection."""
+    endpoint = Endpoint(gateway="mqtt", key="k", address=topic, command_address="")
+    made = to_thing(device(endpoints=(endpoint,)), MqttForms({"mqtt": "mqtt://broker:1883/"}))
+    (affordance,) = json.loads(json.dumps(made))["properties"].values()
+    (form,) = affordance["forms"]
+    assert (form["href"], form["mqv:filter"]) == (f"mqtt://broker:1883{path}", topic)
+    del form["mqv:filter"]
+    (meant,) = parts_of(read_thing(made | {"properties": {"state": affordance}}), MQTT)
+    assert meant.part.reads == (topic,)
 
 
 def test_a_device_without_parts_is_described_by_its_words() -> None:

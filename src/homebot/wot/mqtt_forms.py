@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Final
+from urllib.parse import quote
 
 from homebot.devices.device import DevicePart, Endpoint, Route
 from homebot.devices.names import read_text_address
@@ -14,6 +15,7 @@ __all__ = ["MqttForms", "own_content_type"]
 
 _NO_ROUTE: Final = Route(gateway="", key="", part="")
 _LOCAL: Final = "mqtt://localhost:1883"
+_IN_PATH: Final = "/!$&'()*+,:;=@"  # RFC 3986, section 3.3
 
 
 def own_content_type(convention: str) -> str:
@@ -57,17 +59,21 @@ class MqttForms:
 
 
 def _form(broker: str, content: str, *, observed: str = "", written: str = "") -> dict[str, object]:
-    """Return a form to observe rather than to read: whether the broker retains it is not known."""
+    """Return a form to observe rather than to read: whether the broker retains it is not known.
+
+    The topic is in the address as well: consumers such as node-wot look for it there alone.
+    """
+    href = f"{broker.rstrip('/')}/{quote(observed or written, safe=_IN_PATH)}"
     if observed:
         return {
-            "href": broker,
+            "href": href,
             "contentType": content,
             "op": ["observeproperty", "unobserveproperty"],
             "mqv:controlPacket": "subscribe",
             "mqv:filter": observed,
         }
     return {
-        "href": broker,
+        "href": href,
         "contentType": content,
         "op": "writeproperty",
         "mqv:controlPacket": "publish",
