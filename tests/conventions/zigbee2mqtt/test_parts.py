@@ -161,6 +161,11 @@ COVER = {"type": "cover", "features": [feature("enum", "state", 3, values=["OPEN
         ({"state": "OPEN", "position": 30, "moving": "DOWN"}, {"movement": "closing", "position": 30.0}),
         ({"state": "CLOSE", "position": 0, "moving": "DOWN"}, {"movement": "closed", "position": 0.0}),
         ({"state": "OPEN", "moving": "STOP"}, {"movement": "open"}),
+        ({"state": "CLOSE", "position": 100, "running": True}, {"movement": "closing", "position": 100.0}),
+        ({"state": "CLOSE", "position": 0, "running": True}, {"movement": "closed", "position": 0.0}),
+        ({"state": "OPEN", "position": 0, "running": True}, {"movement": "opening", "position": 0.0}),
+        ({"state": "OPEN", "position": 60, "running": True}, {"position": 60.0}),  # it may go either way
+        ({"state": "CLOSE", "position": 30, "running": False}, {"movement": "closed", "position": 30.0}),
         ({"state": None}, {"movement": None}),
         ({"position": 130}, {"position": 100.0}),
     ],

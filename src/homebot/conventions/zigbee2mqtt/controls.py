@@ -58,7 +58,8 @@ class _Movement:
     """Reads where the cover is or goes.
 
     A motor's word is often left standing when the cover has arrived, so an end that state and position agree on counts
-    before it.
+    before it. Where a motor only tells that it runs, the state may be where it goes (Tuya TS0601 covers) or where it is
+    (Aqara curtains): it counts at the end that it names, and before only where it can be nothing but the direction.
     """
 
     state: str
@@ -74,11 +75,21 @@ class _Movement:
         at = _STATES.get(state) if isinstance(state, str) else None
         turns = message.get(self.motor.key) if self.motor is not None else None
         direction = _DIRECTIONS.get(turns.lower()) if isinstance(turns, str) else None
+        if direction is None and at is not None and message.get(_RUNNING) is True:
+            return self._read_running(at, finite_number(message.get(self.position)))
         if direction is None or (self.position and message.get(self.position) == _ENDS.get(at or "")):
             return NO_READINGS if at is None else {"movement": at}
         return {"movement": direction}
 
+    def _read_running(self, at: str, position: float | None) -> Readings:
+        if position is None or at not in _ENDS or position == _ENDS[at]:
+            return {"movement": at}
+        if at == "closed":
+            return {"movement": "closing"}
+        return {"movement": "opening"} if position == _ENDS["closed"] else NO_READINGS
 
+
+_RUNNING = "running"
 _STATES: Mapping[str, str] = {"OPEN": "open", "CLOSE": "closed", "STOP": "stopped"}
 _COMMANDS: Mapping[str, str] = {"open": "OPEN", "closed": "CLOSE", "stopped": "STOP"}
 _ENDS: Mapping[str, int] = {"open": 100, "closed": 0}
