@@ -196,7 +196,7 @@ class IdentityGraph:
         if len(found) > MAX_IDENTIFIERS:
             self.cut += 1
             found = found[:MAX_IDENTIFIERS]
-        is_own = sighting.whole_device or not _are_specific(found)
+        is_own = sighting.whole_device or not any(map(_is_specific_word, found))
         if place := _own_topic(sighting):
             found = tuple(dict.fromkeys((*found, f"id:{place}")))
         if given := self._decisions.identifiers(key):
@@ -283,10 +283,6 @@ def _own_topic(sighting: Sighting) -> str:
         if level and all(topic.startswith(f"{before}{level}") for topic in topics):
             return f"{before}/{name}"
     return ""
-
-
-def _are_specific(identifiers: tuple[str, ...]) -> bool:
-    return bool(identifiers) and (_is_specific_word(identifiers[0]) or any(map(_is_specific_word, identifiers)))
 
 
 def _is_specific_word(identifier: str) -> bool:
