@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.devices import Device, Sighting
-from homebot.devices.approval import is_approved
+from homebot.devices.always_ask import is_approved
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import parse_query
 from homebot.devices.taught_room import without_taught_room

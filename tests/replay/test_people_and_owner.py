@@ -10,7 +10,7 @@ import pytest
 from tests.apps.houses import flat, lamp, motion
 from tests.replay.recorded_days import APPS, MemorySink, diff_of, recording_of, replayed, texts
 
-from homebot.devices.approval import is_approved
+from homebot.devices.always_ask import is_approved
 from homebot.devices.approval_messages import ApproveDeviceRequest
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, Setting
 from homebot.devices.lease_messages import EndLeasesRequest, HolderRequest, HoldRequest

@@ -67,7 +67,7 @@ def device_json(device: DeviceRecord, waiting: Container[str] = ()) -> dict[str,
 
 
 def _is_approved(device: DeviceRecord) -> bool:
-    """Return whether the owner approved *device*, as :func:`homebot.devices.approval.is_approved`."""
+    """Return whether the owner approved *device*, as :func:`homebot.devices.always_ask.is_approved`."""
     return any(
         one["name"] == "approved" and one["convention"] == OWNER and not one["gateway"] for one in device["facts"]
     )

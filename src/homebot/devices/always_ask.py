@@ -1,18 +1,26 @@
 """Devices that a person has to allow by name: who commands them by mistake lets somebody in, floods or burns. Pure.
 
+What may drive them is the owner's to approve.
+
 A switch or plug that drives such a device is known by its name alone, where that has an English word for it, or by the
 tag ``always_ask``, which the owner may give to any device.
 """
 
 from __future__ import annotations
 
+from typing import Final
+
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.names import OWNER
 from homebot.folding import fold, words_of
 
-__all__ = ["ALWAYS_ASK", "always_asks", "is_declared"]
+__all__ = ["ALWAYS_ASK", "APPROVED", "always_asks", "is_approved", "is_declared", "waits_for_approval"]
 
 ALWAYS_ASK = frozenset({"closure", "door_lock", "water_heater", "water_valve", "x_alarm_panel"})
 """Device types of the class: garage doors and gates, locks, boilers, valves, alarm panels."""
+
+APPROVED: Final = "approved"
+"""The name of the fact by which the owner states that a device that can hurt may be driven."""
 
 _CAPABILITIES = frozenset({"alarm", "lock", "valve", "water_heater_mode"})
 _OVENS = frozenset({"cooker", "cooktop", "hob", "kiln", "oven", "stove"})
@@ -42,6 +50,19 @@ def is_declared(part: DevicePart) -> bool:
     for one in told.capabilities:  # noqa: SIM110 - a generator would cost each announcement more
         if one.name in _CAPABILITIES and one.settable:
             return True
+    return False
+
+
+def is_approved(device: Device) -> bool:
+    """Return whether the owner approved *device*; what it announces of itself does not count."""
+    return any(one.name == APPROVED and one.convention == OWNER and not one.gateway for one in device.facts)
+
+
+def waits_for_approval(device: Device) -> bool:
+    """Return whether a part of *device* can hurt and the owner has not approved it."""
+    for part in device.parts:  # a generator would cost each announcement more
+        if always_asks(device, part):
+            return not is_approved(device)
     return False
 
 

@@ -19,7 +19,7 @@ from typing import TypeAlias, final
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from homebot.config import UNNAMED
-from homebot.devices.approval import APPROVED
+from homebot.devices.always_ask import APPROVED
 from homebot.discovery.house_rooms import HouseRooms
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import ConfigError, RefusedError, WireError

@@ -13,8 +13,7 @@ from homebot.control import Control, ControlSettings
 from homebot.control.policies import Policies, Verdict
 from homebot.control.policies.approval import judge_approval
 from homebot.devices import FIND_DEVICES, Fact, FindDevices
-from homebot.devices.always_ask import always_asks
-from homebot.devices.approval import waits_for_approval
+from homebot.devices.always_ask import always_asks, waits_for_approval
 from homebot.devices.approval_messages import ApproveDevice, GetUnapproved
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
 from homebot.devices.handles import DoorLock, Light

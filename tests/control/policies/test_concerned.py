@@ -19,7 +19,7 @@ from homebot.control.policies.interlock import InterlockRule, judge_interlocks
 from homebot.control.policies.presence_guard import judge_presence
 from homebot.control.policies.quiet_hours import judge_quiet_hours
 from homebot.devices import Fact
-from homebot.devices.approval import APPROVED
+from homebot.devices.always_ask import APPROVED
 from homebot.devices.names import OWNER
 from homebot.messages import Time
 

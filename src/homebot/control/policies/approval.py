@@ -9,8 +9,7 @@ from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.safe_side import is_safe
 from homebot.control.policies.verdict import FactUsed, Verdict
-from homebot.devices.always_ask import always_asks
-from homebot.devices.approval import APPROVED, is_approved
+from homebot.devices.always_ask import APPROVED, always_asks, is_approved
 
 __all__ = ["concerns_approval", "judge_approval"]
 

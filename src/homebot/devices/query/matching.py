@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from homebot.devices.approval import waits_for_approval
+from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.query.facets import Facets, facets_of
 from homebot.devices.query.terms import (

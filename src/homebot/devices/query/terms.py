@@ -169,7 +169,7 @@ class IsDisputed:
 
 @dataclass(frozen=True, slots=True)
 class IsUnapproved:
-    """A device that can hurt and that the owner has not approved; see :mod:`homebot.devices.approval`."""
+    """A device that can hurt and that the owner has not approved; see :mod:`homebot.devices.always_ask`."""
 
 
 @dataclass(frozen=True, slots=True)
