@@ -57,6 +57,8 @@ def test_a_message_is_told_in_one_word(readings: dict[str, PlainValue], said: st
     ("said", "thing", "meant"),
     [
         ("off", part("level", "on_off"), ("on_off", False)),
+        ("close", part("tilt"), ("tilt", 0.0)),
+        ("open", part("tilt", "position"), ("position", 100.0)),
         ("0.4", part("on_off", "level"), ("level", 40.0)),
         ("0", part("on_off", "level"), ("on_off", False)),
         ("2700 K", part("color_temperature"), ("color_temperature", 2700.0)),

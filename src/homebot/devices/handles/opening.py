@@ -71,9 +71,10 @@ class _Opening(Handle):
         return await self.command("position", position)
 
     async def _move(self, movement: str, position: float) -> Outcome:
-        if self.can(self.moves_by) or not self.can("position"):
-            return await self.command(self.moves_by, movement)
-        return await self.command("position", position)
+        for capability in () if self.can(self.moves_by) else ("position", "tilt"):  # some have slats alone
+            if self.can(capability):
+                return await self.command(capability, position)
+        return await self.command(self.moves_by, movement)
 
 
 class WindowCovering(_Opening):

@@ -17,8 +17,8 @@ __all__ = ["accepts_text", "decode_command", "encode_command", "main_part"]
 _PHRASES: Mapping[str, tuple[tuple[str, PlainValue], ...]] = {
     "on": (("on_off", True),),
     "off": (("on_off", False),),
-    "open": (("movement", "open"), ("valve", "open"), ("position", 100.0), ("lock", "open")),
-    "close": (("movement", "closed"), ("valve", "closed"), ("position", 0.0)),
+    "open": (("movement", "open"), ("valve", "open"), ("position", 100.0), ("tilt", 100.0), ("lock", "open")),
+    "close": (("movement", "closed"), ("valve", "closed"), ("position", 0.0), ("tilt", 0.0)),
     "stop": (("movement", "stopped"), ("valve", "stopped")),
     "lock": (("lock", "locked"),),
     "unlock": (("lock", "unlocked"),),
