@@ -84,6 +84,36 @@ async def test_a_blind_that_gets_stuck_on_its_way_is_contradicted(open_home: Ope
     assert outcome.saw == "movement is open"
 
 
+OBSTRUCTED: list[Step] = [(0.1, {"movement": "closing"}), (3.0, {"movement": "stopped", "position": 62.0})]
+"""As Shelly's covers report an obstacle, or that somebody stopped them at the wall."""
+
+
+@pytest.mark.parametrize(
+    ("setting", "saw"), [(("movement", "closed"), "movement is stopped"), (("position", 20.0), "position is 62")]
+)
+async def test_a_blind_that_stopped_on_its_way_is_contradicted_without_a_minute(
+    open_home: OpenHome, setting: tuple[str, PlainValue], saw: str
+) -> None:
+    began = anyio.current_time()
+    outcome, sendings = await commanded(open_home, setting, *OBSTRUCTED)
+    assert isinstance(outcome, Contradicted)
+    assert (outcome.saw, sendings, round(anyio.current_time() - began)) == (saw, 1, 14)
+
+
+async def test_a_blind_that_goes_on_after_it_stopped_is_waited_for(open_home: OpenHome) -> None:
+    goes_on: list[Step] = [(9.0, {"movement": "closing"}), (40.0, {"movement": "closed", "position": 0.0})]
+    outcome, sendings = await commanded(open_home, ("movement", "closed"), *OBSTRUCTED, *goes_on)
+    assert isinstance(outcome, Confirmed)
+    assert (round(outcome.latency), sendings) == (40, 1)
+
+
+async def test_a_blind_that_tells_where_it_stopped_later_is_waited_for(open_home: OpenHome) -> None:
+    moves: list[Step] = [(0.1, {"movement": "closing"}), (20.0, {"movement": "stopped"}), (26.0, {"position": 20.0})]
+    outcome, _ = await commanded(open_home, ("position", 20.0), *moves)
+    assert isinstance(outcome, Confirmed)
+    assert round(outcome.latency) == 26
+
+
 async def test_a_blind_that_never_reports_has_a_minute(open_home: OpenHome) -> None:
     outcome, sendings = await commanded(open_home, ("movement", "closed"))
     assert isinstance(outcome, NoAnswer)

@@ -8,7 +8,7 @@ from typing import Final, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.echoes import FAST, NO_ECHOES, ExpectedEchoes
-from homebot.control.held_values import departs
+from homebot.control.held_values import STOPPED, departs
 from homebot.control.level_watch import LevelWatch
 from homebot.control.motion_watch import MotionWatch
 from homebot.control.tolerance import fits, is_intermediate, is_same
@@ -31,7 +31,7 @@ _MOST_NOTED: Final = 20
 """Reports of one command that are worth a note, should a device report one value after the other."""
 
 _SAME: Final = 0.01
-"""Seconds within which further reports are those of other routes for the same message."""
+"""Seconds within which further reports are those of the same message, by this or by other routes."""
 
 _NOTHING: Final = object()
 
@@ -42,6 +42,9 @@ _MOVES_FOR: Final = 60.0
 
 _FADES_FOR: Final = 6.0
 """Seconds that a dimmer gets from its last sign of fading until it is told again."""
+
+_STANDS_FOR: Final = 10.0
+"""Seconds that a motor which reports that it stopped on its way gets to go on, or to report where it is."""
 
 _LONGEST: Final = 300.0
 """Seconds from sending after which no sign of moving helps any more."""
@@ -96,6 +99,7 @@ class PendingCommand:
         self.superseded_by = ""
         self.sendings = 0
         self.told_otherwise_at = -math.inf
+        self._stopped_at = -math.inf
         self._answers: dict[str, float] = {}
         self._refusal = ""
         self._before = before
@@ -158,8 +162,15 @@ class PendingCommand:
         """Return when waiting ends, by the rule at *until*: later on its way, sooner where only echoes come."""
         if self.moved_at is None:
             return until if self.echoes is NO_ECHOES else min(until, self._gives_up_at())
-        moves_for = _MOVES_FOR if self._fade is None else _FADES_FOR
-        return min(max(until, self.moved_at + moves_for), began + _LONGEST)
+        ends_at = self.moved_at + (_MOVES_FOR if self._fade is None else _FADES_FOR)
+        if self.has_stopped:
+            ends_at = self._stopped_at + _STANDS_FOR
+        return min(max(until, ends_at), began + _LONGEST)
+
+    @property
+    def has_stopped(self) -> bool:
+        """True if it is a motor that was seen on its way, and then reported that it stopped."""
+        return self.moved_at is not None and self.moved_at - self._stopped_at <= _SAME  # of one message
 
     @property
     def has_faded(self) -> bool:
@@ -180,11 +191,16 @@ class PendingCommand:
 
     def take(self, capability: str, value: PlainValue, now: float) -> bool:
         """Take in a live report of the part at *now*; return whether it is worth a note."""
-        if capability not in self._wanted:
-            if self._shows_motion(capability, value):
-                self.moved_at = now
-                self._wake()
-            return False
+        if value == STOPPED:
+            self._stopped_at = now
+        if capability in self._wanted:
+            return self._take_wanted(capability, value, now)
+        if self._shows_motion(capability, value):
+            self.moved_at = now
+            self._wake()
+        return False
+
+    def _take_wanted(self, capability: str, value: PlainValue, now: float) -> bool:
         wanted = self._wanted[capability]
         is_met = fits(capability, wanted, value)
         if is_met and self._before.get(capability, _NOTHING) == value:

@@ -102,7 +102,7 @@ class Transmission:
             is_on_its_way = pending.moved_at is not None and not pending.has_faded  # what stopped to fade is told again
             if pending.is_over or is_on_its_way or pending.gives_up(clock.monotonic()):
                 break
-        return await self._outcome(pending, changed, end)
+        return await self._outcome(pending, changed, clock.monotonic() if pending.has_stopped else end)
 
     async def _may_repeat(self, pending: PendingCommand, changed: Signal, end: float) -> bool:
         """Return whether to send it again, once that is known: where the connection was lost, it may have been obeyed.
