@@ -7,11 +7,11 @@ from typing import TypeAlias
 
 import anyio
 import pytest
-from tests.control.conftest import Behaviour, Home, OpenHome
+from tests.control.conftest import Behaviour, Home, OpenHome, ignore
 
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
-from homebot.devices.outcomes import Confirmed, Contradicted, Outcome
+from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
 
 pytestmark = pytest.mark.virtual_time
@@ -91,3 +91,44 @@ async def test_a_dimmer_that_gets_stuck_on_its_way_is_told_again_and_contradicte
     outcome, sendings = await commanded(open_home, 100.0, ("level", 20.0), behaviour)
     assert isinstance(outcome, Contradicted)
     assert (outcome.saw, sendings > 1) == ("level is 60", True)
+
+
+async def test_a_dimmer_that_reports_the_end_of_its_ramp_alone_is_told_once_after_it_gave_no_answer(
+    open_home: OpenHome,
+) -> None:
+    """Its ramp takes longer than it is waited for before a repetition, which begins it anew."""
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        lamp = await home.handle(Light)
+        ramps: list[int] = []
+
+        async def fade(home: Home, command: Command) -> None:
+            ramps.append(number := len(ramps))
+            home.tasks.start_soon(end, command, number)
+
+        async def end(command: Command, number: int) -> None:
+            await anyio.sleep(6)
+            if number == len(ramps) - 1:
+                await home.report("lamp", command.capability, command.value.plain())
+
+        home.behaviours["lamp"] = fade
+        found: list[tuple[type[Outcome], int]] = []
+        for on in (True, False, True, False):
+            before = len(ramps)
+            outcome = await (lamp.turn_on() if on else lamp.turn_off())
+            found.append((type(outcome), len(ramps) - before))
+            await anyio.sleep(60)
+        assert found == [(NoAnswer, 3), (Confirmed, 1), (Confirmed, 1), (Confirmed, 1)]
+
+
+async def test_a_deaf_dimmer_is_told_three_times_again_after_it_was_told_once(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        lamp = await home.handle(Light)
+        home.behaviours["lamp"] = ignore
+        sendings: list[int] = []
+        for _ in range(3):
+            before = len(home.commands)
+            assert isinstance(await lamp.turn_on(), NoAnswer)
+            sendings.append(len(home.commands) - before)
+        assert sendings == [3, 1, 3]

@@ -29,6 +29,20 @@ class ResponseTimes:
     def __init__(self, first: float) -> None:
         self._first = first
         self._known: OrderedDict[tuple[str, str], deque[float]] = OrderedDict()
+        self._silent: OrderedDict[str, None] = OrderedDict()
+
+    def note_silence(self, target: str, *, is_silent: bool) -> None:
+        """Note whether *target* answered none of several sendings, which may be why: :meth:`is_silent`."""
+        if is_silent:
+            self._silent[target] = None
+            if len(self._silent) > _MOST:
+                self._silent.popitem(last=False)
+        elif self._silent:
+            self._silent.pop(target, None)
+
+    def is_silent(self, target: str) -> bool:
+        """Return whether *target* answered none of several sendings the last time."""
+        return target in self._silent
 
     def note(self, target: str, capability: str, seconds: float, *, sendings: int = 1) -> None:
         """Note how long an answer took, in seconds from the first of so many *sendings*.

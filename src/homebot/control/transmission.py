@@ -72,7 +72,8 @@ class Transmission:
     async def run(self, pending: PendingCommand, changed: Signal) -> Outcome:
         """Send a command, again where no answer comes, and return its outcome once it is known."""
         command, clock = pending.command, self._clock
-        tries = 1 if command.is_momentary else 1 + self._settings.retries
+        is_single = command.is_momentary or self.times.is_silent(command.target)
+        tries = 1 if is_single else 1 + self._settings.retries
         limit, longest = self.times.expected(command.target, command.settings)
         answers_within = longest + command.transition
         interval = max((limit + command.transition) / tries, answers_within + _SPARE)
@@ -102,7 +103,20 @@ class Transmission:
             is_on_its_way = pending.moved_at is not None and not pending.has_faded  # what stopped to fade is told again
             if pending.is_over or is_on_its_way or pending.gives_up(clock.monotonic()):
                 break
-        return await self._outcome(pending, changed, clock.monotonic() if pending.has_stopped else end)
+        outcome = await self._outcome(pending, changed, clock.monotonic() if pending.has_stopped else end)
+        if isinstance(outcome, NoAnswer) or is_single:
+            self._note_silence(pending, outcome)
+        return outcome
+
+    def _note_silence(self, pending: PendingCommand, outcome: Outcome) -> None:
+        """Note a dimmer that answered nothing: each repetition may have begun its ramp anew, so it is told once then.
+
+        If it answers that, it is known how long it takes; else it is told three times again.
+        """
+        command = pending.command
+        has_ramp = any(one.name == "level" and one.settable for one in command.part.part.capabilities)
+        is_silent = isinstance(outcome, NoAnswer) and pending.sendings > 1 and has_ramp
+        self.times.note_silence(command.target, is_silent=is_silent)
 
     async def _may_repeat(self, pending: PendingCommand, changed: Signal, end: float) -> bool:
         """Return whether to send it again, once that is known: where the connection was lost, it may have been obeyed.
