@@ -16,7 +16,6 @@ from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.base import Gateway
 from homebot.graph import Subscription
-from homebot.graph.handler_steps import RemainingSteps
 
 __all__ = ["CommandServer", "FindPart", "Perform"]
 
@@ -80,19 +79,11 @@ class CommandServer:
         return _ACCEPTED
 
     async def _perform_in_time(self, command: Command, perform: Perform) -> None:
-        """Carry *command* out unless it expires before, as while a radio connects: nothing happens late.
-
-        Most networks have it after the first step; to limit that one would take longer than the step.
-        """
-        work = perform(command)
-        try:
-            waits_for = work.send(None)
-        except StopIteration:
-            return
+        """Carry *command* out unless it expires before, as while a radio connects: nothing happens late."""
         limit = asyncio.timeout(command.expires_after)
         try:
             async with limit:
-                await RemainingSteps(work, waits_for)
+                await perform(command)
         except TimeoutError as exc:
             if not limit.expired():
                 raise
