@@ -71,6 +71,17 @@ def test_a_bridge_whose_list_does_not_come_is_in_trouble() -> None:
     assert convention.problems() == ()
 
 
+def test_a_bridge_that_publishes_each_value_alone_is_in_trouble_until_it_is_set_up_otherwise() -> None:
+    convention = bridge("zigbee2mqtt")
+    convention.take("zigbee2mqtt/bridge/devices", b"[]", retained=True)
+    info(convention, {"advanced": {"output": "attribute"}})
+    (trouble,) = convention.problems()
+    assert trouble.startswith("zigbee2mqtt publishes each value on a topic of its own")
+    for output in ("attribute_and_json", "json"):
+        info(convention, {"advanced": {"output": output}})
+        assert convention.problems() == ()
+
+
 def test_it_listens_to_the_two_topics_of_each_bridge_and_not_to_groups() -> None:
     assert bridge("zigbee2mqtt", "attic/z2m").filters() == (
         "zigbee2mqtt/bridge/info",

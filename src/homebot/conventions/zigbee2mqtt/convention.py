@@ -54,7 +54,7 @@ class Zigbee2Mqtt(LazyConvention[Zigbee2MqttSettings, "Zigbee2MqttReader"]):
         return tuple(f"{base}/bridge/#" for base in self.settings.bases)
 
     def problems(self) -> tuple[str, ...]:
-        """Return which bridges reported how they are set up, but not which devices they have: both are retained."""
+        """Return which bridges do not say which devices they have, or publish states in a form that is not read."""
         return self.reader.problems() if self.is_loaded else ()
 
     def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[AnnouncementEvent | None]:

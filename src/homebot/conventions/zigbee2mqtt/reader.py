@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
 from homebot.conventions.long_json import parse_list
-from homebot.conventions.payload import clean_text, parse_object, shown
+from homebot.conventions.payload import as_fields, clean_text, parse_object, shown
 from homebot.conventions.zigbee2mqtt.bridge_device import (
     AvailabilityRule,
     BridgeDevice,
@@ -47,6 +47,7 @@ class Zigbee2MqttReader:
         self.rejected = 0
         self._devices: dict[str, dict[str, _KnownDevice]] = {base: {} for base in bases}
         self._rules = {base: AvailabilityRule() for base in bases}
+        self._without_json: set[str] = set()
         self._listless = dict.fromkeys(bases, False)  # no list came yet; whether what is beside it did
 
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
@@ -64,12 +65,21 @@ class Zigbee2MqttReader:
             yield from self._take_info(base, payload)
 
     def problems(self) -> tuple[str, ...]:
-        """Return which bridges reported how they are set up, but not which devices they have: both are retained."""
-        return tuple(
+        """Return which bridges are set up so that they cannot be used.
+
+        They reported how they are set up, but not which devices they have, although both are retained; or they publish
+        states in a form that is not read.
+        """
+        listless = tuple(
             f"{base}/bridge/info came, but {base}/bridge/devices did not: a list that is larger than max_announcement "
             "is dropped silently by the broker"
             for base, has_info in self._listless.items()
             if has_info
+        )
+        return *listless, *(
+            f"{base} publishes each value on a topic of its own, which homebot does not read: set 'advanced.output' of "
+            "Zigbee2MQTT to json or attribute_and_json"
+            for base in sorted(self._without_json)
         )
 
     def _take_devices(self, base: str, topic: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
@@ -141,7 +151,10 @@ class Zigbee2MqttReader:
         """Take how the bridge is set up, and describe anew the devices whose availability is reported otherwise now."""
         if base in self._listless:
             self._listless[base] = True
-        rule = read_availability_rule(parse_object(payload, MAX_BRIDGE_BYTES))
+        info = parse_object(payload, MAX_BRIDGE_BYTES)
+        rule = read_availability_rule(info)
+        is_without_json = as_fields(as_fields(info.get("config")).get("advanced")).get("output") == "attribute"
+        (self._without_json.add if is_without_json else self._without_json.discard)(base)
         if rule == self._rules[base]:
             return
         self._rules[base] = rule
