@@ -11,7 +11,6 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import suppress
 from typing import TextIO
 
 import pytest
@@ -27,6 +26,7 @@ class Pipe:
 
     def __init__(self) -> None:
         self.reads, self.writes = os.pipe()
+        self._is_unread = False
 
     def read(self, size: int = 1 << 20) -> bytes:
         return os.read(self.reads, size)
@@ -37,10 +37,15 @@ class Pipe:
             found += self.read()
         return found
 
+    def stop_reading(self) -> None:
+        """Let nobody be there who will ever read it."""
+        if not self._is_unread:
+            os.close(self.reads)
+        self._is_unread = True
+
     def close(self) -> None:
-        for descriptor in (self.reads, self.writes):
-            with suppress(OSError):
-                os.close(descriptor)
+        self.stop_reading()
+        os.close(self.writes)
 
 
 @pytest.fixture
@@ -93,7 +98,7 @@ def test_a_computer_that_stands_still_takes_no_time_from_what_is_written_at_the_
 
 def test_a_reader_that_has_gone_costs_nothing_more(pipe: Pipe) -> None:
     queue = OutputQueue(pipe.writes)
-    os.close(pipe.reads)
+    pipe.stop_reading()
     for _ in range(1000):
         queue.put("x" * 1000)
     assert queue.drain(30)
@@ -139,9 +144,13 @@ def test_leaving_the_block_takes_no_longer_than_the_last_chance(pipe: Pipe, monk
     monkeypatch.setattr(sys, "stderr", stream)
     started = time.monotonic()
     with queued_output():
+        assert isinstance(sys.stderr, QueuedText)
+        queue = sys.stderr.queue
         for _ in range(10_000):
             sys.stderr.write("nobody reads this\n" * 10)
     assert time.monotonic() - started < 30
+    pipe.stop_reading()
+    assert queue.drain(PATIENCE)  # else it writes to what is opened next, which gets the number of the pipe
 
 
 def test_a_stream_without_a_file_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
