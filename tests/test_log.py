@@ -29,7 +29,8 @@ class Terminal(io.StringIO):
 
 
 @pytest.fixture(autouse=True)
-def _default_logging_again() -> Iterator[None]:
+def _default_logging_again(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.delenv("NO_COLOR", raising=False)
     root = logging.getLogger()
     handlers = list(root.handlers)
     yield
