@@ -219,3 +219,43 @@ async def test_what_only_the_fan_can_is_not_for_its_lamp(open_home: OpenHome) ->
             assert [one.part for one in answer.results] == parts
         answer = await command(home, "unit", "set", {"level": "40"})
         assert (answer.outcome, len(answer.results)) == ("refused", 3)
+
+
+def put_relays(home: Home, key: str, names: Mapping[str, str]) -> None:
+    parts = [
+        simple_part("switch", settable=("on_off",)).model_copy(update={"id": part, "name": name})
+        for part, name in names.items()
+    ]
+    home.gateway.devices.put(GatewayDevice(key, key.title(), tuple(parts)), "the test says so")
+    home.behaviours[key] = ignore
+
+
+@pytest.mark.parametrize(
+    ("target", "parts"),
+    [
+        ("Heater", ["r4"]),
+        ("garden tap", ["r3"]),
+        ("Pump", ["r1"]),  # a type as well, of which there is none
+        ("Garden light", ["r2"]),
+        ("garden", ["r2", "r3"]),
+        ("garden switch", ["r2", "r3"]),
+        ("relays", ["r1", "r2", "r3", "r4"]),
+        ("switch", ["r1", "r2", "r3", "r4"]),
+    ],
+)
+async def test_one_of_several_relays_is_called_by_its_own_name(
+    open_home: OpenHome, target: str, parts: list[str]
+) -> None:
+    async with open_home() as home:
+        put_relays(home, "relays", {"r1": "Pump", "r2": "Garden light", "r3": "Garden tap", "r4": "Heater"})
+        answer = await command(home, target, "on")
+        assert [one.part for one in answer.results] == parts
+
+
+async def test_parts_of_several_devices_with_one_name_are_told_apart_by_their_ids(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        put_relays(home, "one", {"r1": "Heater", "r2": "Lamp"})
+        put_relays(home, "two", {"r1": "Heater"})
+        answer = await command(home, "Heater", "on")
+        assert (answer.success, answer.results) == (False, ())
+        assert answer.message == "2 devices have a part called Heater; give the id of one: one#r1, two#r1"

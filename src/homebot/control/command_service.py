@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Iterable
+from itertools import chain
 from typing import Final, TypeAlias, final
 
 import anyio
@@ -25,7 +26,7 @@ from homebot.devices.query.terms import FactIs
 from homebot.devices.services import FindDevicesRequest, QueryDevicesRequest
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import RefusedError, ServiceError, UsageError
-from homebot.folding import fold
+from homebot.folding import fold, words_of
 from homebot.graph import Node
 
 __all__ = ["MOST_DEVICES", "CommandService", "Perform"]
@@ -134,11 +135,31 @@ class CommandService:
             return [(called[0], _main_parts(called[0]))]
         return await self._fitting(target)
 
+    async def _named_part(self, text: str) -> list[_Target]:
+        """Return the parts of a device that are called *text*, such as one of four relays.
+
+        Raises:
+            _NoTargetError: Several devices have such parts.
+            ServiceError: The directory does not answer.
+        """
+        words, name = words_of(text), fold(text)
+        devices = await self._devices(And(tuple(map(HasText, words)))) if words else ()
+        named = [(one, tuple(part for part in _controls(one.parts) if fold(part.part.name) == name)) for one in devices]
+        found = [(device, parts) for device, parts in named if parts]
+        if len(found) > 1:
+            ids = ", ".join(f"{device.id}#{parts[0].id}" for device, parts in found[:10])
+            raise _NoTargetError(f"{len(found)} devices have a part called {text}; give the id of one: {ids}")
+        return found
+
     async def _fitting(self, text: str) -> list[_Target]:
         query = parse_query(text)
+        if _texts(query) and (named := await self._named_part(text)):
+            return named
         answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
         if not answer.success:
             raise _NoTargetError(answer.message)
+        if not answer.total and (named := await self._named_part(text)):
+            return named
         if not answer.total:
             raise _NoTargetError(f"no device fits {text!r}; `homebot find` shows what does")
         if answer.total > MOST_DEVICES:
@@ -205,7 +226,10 @@ def _main_parts(device: Device) -> tuple[DevicePart, ...]:
 
 
 def _parts(device: Device, query: Query) -> tuple[DevicePart, ...]:
-    """Return those of its main parts that fit the query by themselves, where any does."""
+    """Return those of its main parts that fit the query by themselves, where any does.
+
+    A word that is in the names of parts, and not in what the device is called, means these.
+    """
     main = _main_parts(device)
     facets = PartFacets(device)
     found: list[DevicePart] = []
@@ -213,7 +237,19 @@ def _parts(device: Device, query: Query) -> tuple[DevicePart, ...]:
         facets.part = part
         if fits(query, facets):
             found.append(part)
-    return tuple(found) or main
+    meant = found or list(main)
+    called = set(chain.from_iterable(map(words_of, (device.id, device.name, *device.names, device.area, *device.tags))))
+    for word in _texts(query):
+        if not any(one.startswith(word) for one in called):
+            named = [one for one in meant if any(own.startswith(word) for own in words_of(one.part.name))]
+            meant = named or meant
+    return tuple(meant)
+
+
+def _texts(query: Query) -> tuple[str, ...]:
+    """Return the words that a device must have."""
+    terms = query.terms if isinstance(query, And) else (query,)
+    return tuple(one.text for one in terms if isinstance(one, HasText))
 
 
 def _controls(parts: Iterable[DevicePart]) -> tuple[DevicePart, ...]:
