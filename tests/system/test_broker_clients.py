@@ -6,11 +6,14 @@ import shutil
 import subprocess
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 
 import anyio
 import pytest
 from anyio.abc import Process
+from tests.mqtt.client.mosquitto_broker import MOSQUITTO, until_it_answers
 from tests.patience import PATIENCE
+from tests.ports import reserve_port
 
 from homebot.mqtt.broker import Broker
 
@@ -106,6 +109,46 @@ async def test_a_session_is_kept_while_its_client_is_away(broker: Broker) -> Non
     command = ["mosquitto_sub", "-p", str(broker.port), "-V", "mqttv311", *stay, "-C", "1", "-R", "-W", "10"]
     result = await anyio.run_process(command)
     assert result.stdout == b"while away\n"
+
+
+@asynccontextmanager
+async def bridge(broker: Broker, folder: Path, version: str) -> AsyncIterator[int]:
+    """A Mosquitto that bridges ``home/#`` both ways, with nothing else configured; gives its port."""
+    port = reserve_port()
+    (folder / "mosquitto.conf").write_text(
+        f"listener {port} 127.0.0.1\nuser root\nallow_anonymous true\nconnection homebot\n"
+        f"address 127.0.0.1:{broker.port}\nbridge_protocol_version {version}\ntopic home/# both 1\n"
+    )
+    command = [str(MOSQUITTO), "-c", str(folder / "mosquitto.conf")]
+    async with await anyio.open_process(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+        try:
+            await until_it_answers(port)
+            yield port
+        finally:
+            process.kill()
+
+
+@pytest.mark.skipif(MOSQUITTO is None, reason="mosquitto is not installed")
+@pytest.mark.parametrize("version", ["mqttv31", "mqttv311", "mqttv50"])
+async def test_a_mosquitto_that_bridges_both_ways_gets_and_gives_each_message_once(
+    broker: Broker, tmp_path: Path, version: str
+) -> None:
+    async with bridge(broker, tmp_path, version) as port, listener(broker, "-t", "home/#") as here:
+        await publish(broker, "-t", "home/mark", "-m", "bridged", "-r")
+        assert await lines(here, 1) == ["home/mark 0 0 bridged"]
+        command = ["mosquitto_sub", "-p", str(port), "-t", "home/#", "-F", "%t %p"]
+        async with await anyio.open_process(command) as there:
+            assert await lines(there, 1) == ["home/mark bridged"]
+            await publish(broker, "-t", "home/a", "-m", "1", "-q", "1", "-r")
+            assert await lines(there, 1) == ["home/a 1"]
+            assert await lines(here, 1) == ["home/a 0 0 1"]
+            for topic, payload in (("home/b", "2"), ("home/c", "3")):
+                await anyio.run_process(["mosquitto_pub", "-p", str(port), "-t", topic, "-m", payload, "-q", "1"])
+                assert await lines(there, 1) == [f"{topic} {payload}"]
+                assert await lines(here, 1) == [f"{topic} 0 0 {payload}"]
+            there.kill()
+        kept = ["mosquitto_sub", "-p", str(port), "-t", "home/a", "-C", "1", "-W", "10", "-F", "%r %p"]
+        assert (await anyio.run_process(kept)).stdout == b"1 1\n"
 
 
 async def test_a_request_gets_its_response(broker: Broker) -> None:

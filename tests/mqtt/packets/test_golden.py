@@ -36,6 +36,8 @@ V31, V311, V5 = ProtocolVersion.V31, ProtocolVersion.V311, ProtocolVersion.V5
 GOLDEN: list[tuple[ProtocolVersion, str, Packet]] = [
     (V31, "10 0f 00 06 4d 51 49 73 64 70 03 02 00 3c 00 01 61", Connect("a", V31)),
     (V311, "10 0d 00 04 4d 51 54 54 04 02 00 3c 00 01 61", Connect("a", V311)),
+    (V31, "10 0f 00 06 4d 51 49 73 64 70 83 02 00 3c 00 01 61", Connect("a", V31, is_bridge=True)),
+    (V311, "10 0d 00 04 4d 51 54 54 84 02 00 3c 00 01 61", Connect("a", V311, is_bridge=True)),
     (V5, "10 0e 00 04 4d 51 54 54 05 02 00 3c 00 00 01 61", Connect("a")),
     (
         V311,
@@ -131,6 +133,7 @@ def test_mqtt_3_1_has_no_session_present_flag() -> None:
         (Publish("a", properties=Properties(message_expiry_interval=-1)), V5),
         (Publish("a", properties=Properties(subscription_identifiers=(2**28,))), V5),
         (Connect("a", V311, password=b"p"), V311),
+        (Connect("a", V5, is_bridge=True), V5),
         (Subscribe(1, ()), V5),
         (Unsubscribe(1, ()), V5),
         (Auth(), V311),

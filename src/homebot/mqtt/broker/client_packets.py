@@ -48,6 +48,7 @@ class ClientPackets:
         on_disconnect: Called when the client takes its leave, with whether its will is to be published; it calls
             :meth:`stop`.
         on_failure: The same for what it must not have sent, where that had to wait before it was looked at.
+        is_bridge: Whether the client is another broker.
     """
 
     def __init__(
@@ -57,6 +58,8 @@ class ClientPackets:
         outbound: Outbound,
         on_disconnect: Callable[[bool], None],
         on_failure: Callable[[PacketError], None],
+        *,
+        is_bridge: bool = False,
     ) -> None:
         self._state = state
         self._session = session
@@ -66,7 +69,7 @@ class ClientPackets:
         self._stopped = False
         self._inbound = Inbound(state, session, outbound)
         self._holding = Backpressure(state, outbound.link, self._go_on)
-        self._filters = FilterRequests(state, session, outbound, self._holding, self._resume)
+        self._filters = FilterRequests(state, session, outbound, self._holding, self._resume, is_bridge=is_bridge)
 
     @property
     def reading(self) -> bool:

@@ -11,7 +11,7 @@ from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.retained import Replay, RetainedMessages
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.state import BrokerState
-from homebot.mqtt.packets import ReasonCode, Suback, Subscribe, Unsuback, Unsubscribe
+from homebot.mqtt.packets import FilterRequest, ReasonCode, Suback, Subscribe, Unsuback, Unsubscribe
 
 __all__ = ["FilterRequests"]
 
@@ -26,6 +26,8 @@ class FilterRequests:
         outbound: Where the answers go.
         holding: Where all that comes waits while a packet is under way.
         go_on: Called when a packet that took long is done.
+        is_bridge: Whether the client is another broker, which is not sent what it published itself, and is told what is
+            retained; before MQTT 5 it cannot ask for that.
     """
 
     def __init__(
@@ -35,12 +37,15 @@ class FilterRequests:
         outbound: Outbound,
         holding: Backpressure,
         go_on: Callable[[], None],
+        *,
+        is_bridge: bool = False,
     ) -> None:
         self._state = state
         self._session = session
         self._outbound = outbound
         self._holding = holding
         self._resume = go_on
+        self._is_bridge = is_bridge
         self._current: _Subscribing | _Unsubscribing | None = None
 
     @property
@@ -50,6 +55,8 @@ class FilterRequests:
 
     def subscribe(self, packet: Subscribe) -> None:
         """Begin with a SUBSCRIBE."""
+        if self._is_bridge:
+            packet = packet._replace(filters=tuple(map(_of_bridge, packet.filters)))
         self._current = _Subscribing(self._session, packet, self._state.exchange.retained)
         self._go_on()
 
@@ -79,6 +86,11 @@ class FilterRequests:
         if session.congested and not session.overrun:
             self._holding.wait_for((session,))
         self._resume()
+
+
+def _of_bridge(request: FilterRequest) -> FilterRequest:
+    is_shared = request.filter.startswith("$share/")
+    return request._replace(no_local=not is_shared, retain_as_published=True)
 
 
 @final

@@ -262,7 +262,7 @@ class Peer:
             wanted.max_packet_size,
             wanted.alias_maximum,
         )
-        packets = ClientPackets(state, session, outbound, self._leave, self._fail)
+        packets = ClientPackets(state, session, outbound, self._leave, self._fail, is_bridge=packet.is_bridge)
         self._client = _Client(wanted, session, outbound, packets, packet.will)
         self._log.client_id = wanted.client_id
         state.peers[wanted.client_id] = self

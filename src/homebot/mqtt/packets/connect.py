@@ -67,6 +67,8 @@ class Connect:
         keep_alive: The longest silence of the client, in seconds; 0 is no limit.
         username: None where absent.
         password: None where absent; never in the representation.
+        is_bridge: Whether another broker asks, which says so in the highest bit of the protocol level, as Mosquitto and
+            others do before MQTT 5; no standard has it.
     """
 
     client_id: str = ""
@@ -77,6 +79,7 @@ class Connect:
     password: bytes | None = field(default=None, repr=False)
     will: Will | None = None
     properties: Properties = NO_PROPERTIES
+    is_bridge: bool = False
 
 
 class Connack(NamedTuple):
@@ -95,7 +98,7 @@ def decode_connect(body: bytes) -> Connect:
             will topic that is not a topic name.
     """
     cursor = Cursor(body)
-    version = _decode_protocol(cursor)
+    version, is_bridge = _decode_protocol(cursor)
     flags = cursor.uint8()
     _check_flags(flags, version, body)
     keep_alive = cursor.uint16()
@@ -107,21 +110,24 @@ def decode_connect(body: bytes) -> Connect:
     password = cursor.binary() if flags & _PASSWORD else None
     cursor.finish()
     clean = bool(flags & _CLEAN_START)
-    return Connect(client_id, version, clean, keep_alive, username, password, will, properties)
+    return Connect(client_id, version, clean, keep_alive, username, password, will, properties, is_bridge)
 
 
 def encode_connect(packet: Connect) -> bytes:
     """Encode the whole packet.
 
     Raises:
-        UsageError: A field does not fit its type, or there is a password without a user before MQTT 5.
+        UsageError: A field does not fit its type, there is a password without a user before MQTT 5, or a bridge speaks
+            MQTT 5.
     """
     is_v5 = packet.version is ProtocolVersion.V5
     if packet.password is not None and packet.username is None and not is_v5:
         raise UsageError("before MQTT 5 a password needs a user name")
+    if packet.is_bridge and is_v5:
+        raise UsageError("a bridge says that it is one before MQTT 5 alone")
     flags = (_CLEAN_START if packet.clean_start else 0) | (_USERNAME if packet.username is not None else 0)
     flags |= _PASSWORD if packet.password is not None else 0
-    body = encode_text(_NAMES[packet.version]) + packet.version.to_bytes(1, "big")
+    body = encode_text(_NAMES[packet.version]) + (packet.version | packet.is_bridge * _BRIDGE).to_bytes(1, "big")
     tail = encode_properties(packet.properties, PacketType.CONNECT) if is_v5 else b""
     tail += encode_text(packet.client_id)
     will = packet.will
@@ -174,6 +180,7 @@ _WILL = 0x04
 _WILL_RETAIN = 0x20
 _PASSWORD = 0x40
 _USERNAME = 0x80
+_BRIDGE = 0x80  # of the protocol level
 
 _NAMES = {ProtocolVersion.V31: "MQIsdp", ProtocolVersion.V311: "MQTT", ProtocolVersion.V5: "MQTT"}
 
@@ -193,13 +200,15 @@ _TO_V3 = {code: number for number, code in _FROM_V3.items()} | {
 _V5_REASONS = by_number(ReasonCode.SUCCESS, *FAILURES)
 
 
-def _decode_protocol(cursor: Cursor) -> ProtocolVersion:
+def _decode_protocol(cursor: Cursor) -> tuple[ProtocolVersion, bool]:
+    """Return the version, and whether a bridge asks."""
     name = cursor.binary()
     level = cursor.uint8()
-    if name == b"MQTT" and level in (4, 5):
-        return ProtocolVersion(level)
-    if name == b"MQIsdp" and level == ProtocolVersion.V31:
-        return ProtocolVersion.V31
+    if name == b"MQTT" and level == ProtocolVersion.V5:
+        return ProtocolVersion.V5, False
+    version = {b"MQTT": ProtocolVersion.V311, b"MQIsdp": ProtocolVersion.V31}.get(name)
+    if version is not None and level & ~_BRIDGE == version:
+        return version, bool(level & _BRIDGE)
     raise PacketError(
         f"protocol {name[:16]!r} level {level} is not MQTT 3.1, 3.1.1 or 5",
         cursor.body,

@@ -141,11 +141,13 @@ def meet(stranger: Stranger) -> Meet:
         clean: bool = True,
         keep_alive: int = 0,
         will: Will | None = None,
+        is_bridge: bool = False,
         **properties: object,
     ) -> Talker:
         talker = Talker(stranger(version))
         wanted = Properties(**properties)  # type: ignore[arg-type] # names of properties
-        talker.send(Connect(client_id, version, clean, keep_alive, will=will, properties=wanted))
+        connect = Connect(client_id, version, clean, keep_alive, will=will, properties=wanted, is_bridge=is_bridge)
+        talker.send(connect)
         return talker
 
     return make
