@@ -25,6 +25,9 @@ LOOPBACK = "127.0.0.1"
 SERVICE_TYPE = f"_hb{os.getpid()}._tcp.local."
 """Another for each process: those that run at the same time hear each other."""
 
+HOST = f"hall-{os.getpid()}.local."
+"""Likewise: what one says of a computer of this name is in the cache of all."""
+
 DRIVER = f"{__name__}:LampDriver"
 
 
@@ -42,7 +45,7 @@ class Publisher:
         properties: Mapping[str, str | bytes] | bytes | None = None,
         *,
         service_type: str = SERVICE_TYPE,
-        host: str = "hall.local.",
+        host: str = HOST,
         ttl: int = 120,
     ) -> str:
         """Announce a service, or another description of it; return its full name."""

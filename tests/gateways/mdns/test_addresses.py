@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ipaddress
 
+from tests.gateways.mdns.lamp import HOST
 from tests.gateways.mdns.packets import AAAA, address, answer, pointer, record, service, text
 from zeroconf._protocol.incoming import DNSIncoming
 from zeroconf.asyncio import AsyncZeroconf
@@ -13,7 +14,6 @@ from homebot.gateways.mdns.zeroconf_network import MAX_ADDRESSES, MdnsNetwork
 
 LAMP = "_lamp._tcp.local."
 NAME = f"Hall.{LAMP}"
-HOST = "hall.local."
 FIRST = int(ipaddress.IPv6Address("2001:db8::1"))
 
 

@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager, contextmanager
 
 import anyio
 import pytest
-from tests.gateways.mdns.lamp import DRIVER, LOOPBACK, SERVICE_TYPE, LampServer, Publisher, publisher
+from tests.gateways.mdns.lamp import DRIVER, HOST, LOOPBACK, SERVICE_TYPE, LampServer, Publisher, publisher
 from tests.gateways.mdns.packets import AAAA, address, answer, pointer, record, service, text
 from tests.patience import PATIENCE
 
@@ -110,7 +110,7 @@ async def test_a_device_has_the_facts_of_its_driver_and_those_of_its_service() -
         assert sighting.service_type == "light"
         found = facts(sighting)
         assert (found["model"], found["sw_version"], found["txt_mac"]) == ("Lamp 1", "2.1", "A8032ABE54DC")
-        assert (found["host"], found["port"], found["ip_address"]) == ("hall.local", str(lamp.port), LOOPBACK)
+        assert (found["host"], found["port"], found["ip_address"]) == (HOST.removesuffix("."), str(lamp.port), LOOPBACK)
         assert "mac:a8032abe54dc" in sighting.identifiers
         assert sighting.expires_at.to_seconds() - sighting.seen_at.to_seconds() == pytest.approx(135, abs=1)
 
@@ -187,9 +187,9 @@ async def test_a_txt_record_that_breaks_the_rules_is_counted_and_read_as_far_as_
         with stranger() as send:
             send(
                 pointer(SERVICE_TYPE, KEY),
-                service(KEY, "hall.local.", 80),
+                service(KEY, HOST, 80),
                 text(KEY, b"\x07model=x\x04=abc\x03a\xff=\x05bin=\xfe\xffcut"),
-                address("hall.local.", LOOPBACK),
+                address(HOST, LOOPBACK),
             )
         found = facts(await home.seen())
         assert (found["model"], found["txt_bin"]) == ("x", "\\xfe")
@@ -214,11 +214,11 @@ async def test_a_service_whose_addresses_are_not_its_own_is_not_listed() -> None
 async def test_the_health_service_counts_the_dropped_addresses_of_a_host() -> None:
     async with house(drivers={}) as home:
         many = (
-            record("hall.local.", AAAA, socket.inet_pton(socket.AF_INET6, f"2001:db8::{one:x}"), unique=False)
+            record(HOST, AAAA, socket.inet_pton(socket.AF_INET6, f"2001:db8::{one:x}"), unique=False)
             for one in range(1, MAX_ADDRESSES + 10)
         )
         with stranger() as send:
-            send(pointer(SERVICE_TYPE, KEY), service(KEY, "hall.local.", 80), text(KEY, b"\0"), *many)
+            send(pointer(SERVICE_TYPE, KEY), service(KEY, HOST, 80), text(KEY, b"\0"), *many)
         await home.seen()
         assert (await home.counted())["addresses_refused"] == 9
 
