@@ -7,7 +7,7 @@ import random
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from homebot.conventions.coap.cbor import decode_cbor, encode_cbor
+from homebot.conventions.cbor import decode_cbor, encode_cbor
 from homebot.conventions.coap.endpoint import endpoint_of_link
 from homebot.conventions.coap.link_format import parse_links
 from homebot.errors import RefusedError, WireError

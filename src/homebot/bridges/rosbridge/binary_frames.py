@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import struct
 
-from homebot.conventions.coap.cbor import cbor_head, encode_cbor
+from homebot.conventions.cbor import cbor_head, encode_cbor
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.cdr import message_to_cdr
 from homebot.messages.definition import FieldDefinition, fields_of

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from homebot.conventions.coap.cbor import decode_cbor, encode_cbor
+from homebot.conventions.cbor import decode_cbor, encode_cbor
 from homebot.conventions.payload import parse_json, shown
 from homebot.errors import WireError
 from homebot.wot.payload import PayloadFormat, basic_formats, media_type

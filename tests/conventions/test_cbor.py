@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.conventions.coap.cbor import decode_cbor, encode_cbor
+from homebot.conventions.cbor import decode_cbor, encode_cbor
 from homebot.errors import WireError
 
 
