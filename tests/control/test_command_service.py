@@ -259,3 +259,10 @@ async def test_parts_of_several_devices_with_one_name_are_told_apart_by_their_id
         answer = await command(home, "Heater", "on")
         assert (answer.success, answer.results) == (False, ())
         assert answer.message == "2 devices have a part called Heater; give the id of one: one#r1, two#r1"
+
+
+async def test_relays_without_names_are_told_apart_by_their_ids(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        put_relays(home, "relays", {"r1": "", "r2": ""})
+        answer = await command(home, "relays", "on")
+        assert [one.name for one in answer.results] == ["Relays #r1", "Relays #r2"]

@@ -195,7 +195,10 @@ def _spoken(
 
 
 def _name(device: Device, part: DevicePart) -> str:
-    return f"{device.name} {part.part.name}" if part.part.name and len(device.parts) > 1 else device.name
+    """Return what people call *part*: with its id where it has no name, and is one of several that take commands."""
+    if part.part.name:
+        return f"{device.name} {part.part.name}" if len(device.parts) > 1 else device.name
+    return f"{device.name} #{part.id}" if len(_controls(device.parts)) > 1 else device.name
 
 
 def _is_spelled(query: Query, words: tuple[str, ...]) -> bool:
