@@ -52,7 +52,7 @@ async def test_a_lamp_that_was_on_before_is_turned_off() -> None:
 
 async def test_a_lamp_that_does_not_obey_is_told_about_and_turned_off_again_some_minutes_later() -> None:
     commands, messages = await told(flat(lamp=lamp("hall", faults={"deaf": {}})), "on", wait="11m")
-    assert commands == ["off"] * 11  # three tries each time, the first again where its heartbeat says on meanwhile
+    assert commands == ["off"] * 9  # three tries, one as it may be fading, three; again where a heartbeat says on
     assert "lamp: no answer within 10 s" in messages
     assert sum(one.startswith("lamp: ") for one in messages) == 3
 
