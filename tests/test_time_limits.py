@@ -95,3 +95,15 @@ async def test_nothing_of_a_wait_that_is_over_is_held() -> None:
     gc.collect()
 
     assert held() is None
+
+
+async def test_no_wait_ends_before_its_time_although_the_loop_rings_early() -> None:
+    """Two that wait again for what is left, a step of the clock apart, would wake each other without end."""
+    limits, ended = TimeLimits(), list[bool]()
+    at = now() + 10.0
+    asyncio.get_running_loop().call_at(math.nextafter(at, 0.0), lambda: None)
+    limits.set(10.0, lambda: ended.append(now() >= at))
+
+    await anyio.sleep(20)
+
+    assert ended == [True]

@@ -60,7 +60,7 @@ class TimeLimits:
         self._timer = asyncio.get_running_loop().call_at(at, self._ring, context=Context())
 
     def _ring(self) -> None:
-        heap, ends, now = self._heap, self._ends, self._rings_at  # the loop may ring a little early
+        heap, ends, now = self._heap, self._ends, asyncio.get_running_loop().time()  # it may ring a little early
         self._rings_at, self._timer = math.inf, None
         try:
             while heap and (heap[0][0] <= now or heap[0][1] not in ends):
