@@ -31,8 +31,8 @@ HEADINGS = (
     "traffic each",
     "memory each",
 )
-PATIENCE = 150.0
-"""Seconds that deaths are waited for: a little longer than the longest rule, the 120 s of an SRV record and 3 s."""
+PATIENCE = 330.0
+"""Seconds that deaths are waited for: a little longer than the longest rule, five minutes of a sensor on a battery."""
 
 ALONE = "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo"
 
