@@ -84,6 +84,7 @@ class GroundTruth(WorldLog):
         self._said: dict[str, str] = {}
         self._pressed: dict[str, float] = {}
         self._switched: dict[str, float] = {}
+        self._told_last: dict[str, str] = {}  # what the last command since a hand was there makes a device report
         self._began = 0.0
 
     def begin(self) -> None:
@@ -106,12 +107,15 @@ class GroundTruth(WorldLog):
             self._told[event.who].power_at = event.at
         if event.verb == "switch":
             self._pressed[event.who] = event.at
+            self._told_last.pop(event.who, None)
         if event.verb == "says":
-            if event.what != self._said.get(event.who) and self._pressed.get(event.who) == event.at:
+            is_by_hand = self._pressed.get(event.who) == event.at and self._told_last.get(event.who) != event.what
+            if event.what != self._said.get(event.who) and is_by_hand:
                 self._switched[event.who] = event.at
             self._said[event.who] = event.what
         if event.verb == "told":
             self.commands.append(self._seen(event))
+            self._told_last[event.who] = _reported_after(event.what)
 
     def _seen(self, event: Event) -> TruthfulCommand:
         placed = self._world.devices[event.who]
@@ -178,6 +182,14 @@ class GroundTruth(WorldLog):
             return now - told.at > 1.0
         is_known = bool(told.word)  # homebot has never heard of one that had no power from the beginning
         return is_known and now >= told.silence_known_from(self._world.devices[name], self._began)
+
+
+def _reported_after(command: str) -> str:
+    """Return what a lamp reports after *command*; of another device the command, which is what most report."""
+    brightness = to_number(command)
+    if brightness is None:
+        return command
+    return "on" if brightness > 0 else "off"
 
 
 def is_off(command: TruthfulCommand) -> bool:
