@@ -74,7 +74,7 @@ def homebot() -> Iterator[Homebot]:
     log = []
     for line in process.stderr:
         log.append(line)
-        if "lights/roomlights405 is off" in line:
+        if "lights/roomlights405 is on: turned it off" in line:
             break
     broker = re.search(r"mqtt://\S+?:\d+", "".join(log))
     assert broker is not None

@@ -112,7 +112,7 @@ def is_free(port: int) -> bool:
 def test_a_signal_stops_it_in_order(start: Start, number: signal.Signals) -> None:
     """Exit code 0, no traceback, and nothing is left that could hold a port."""
     run = start()
-    run.until("roomlights405 is off")
+    run.until("roomlights405 is on: turned it off")
     assert not is_free(run.port)
     assert not run.has_left_nothing()
 
@@ -282,7 +282,7 @@ def test_what_crashes_and_what_blocks_is_left_behind_and_the_exit_code_says_so(s
     assert blocking.stop(within=CUT_OFF_WITHIN) == 1
     assert "not everything stopped in time; exiting anyway" in blocking.log[-1]
 
-    crashing.until("roomlights405 is off")
+    crashing.until("roomlights405 is on: turned it off")
     crashing.until("crashing crashed 5 times within a minute and will not be restarted: RuntimeError: ouch")
     assert crashing.stop() == 1
 

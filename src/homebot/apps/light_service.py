@@ -11,7 +11,6 @@ from homebot.devices import Device, RawMessage
 from homebot.devices.current_trigger import current_trigger
 from homebot.devices.handles import HandleChange, Light
 from homebot.graph import Node
-from homebot.log import LogLimit
 from homebot.messages import Time
 
 __all__ = ["LightService"]
@@ -24,15 +23,15 @@ class LightService(RoomApp):
     def __init__(self, node: Node, settings: BaseModel) -> None:
         super().__init__(node, settings)
         self._answered: dict[Light, Time] = {}  # the newest report of each, which comes as a change and as a text
-        self._lines = LogLimit(node.graph.clock)
+        self._turning_off: set[Light] = set()
         self.watch(self.devices.follow(Light), self._take)
         node.create_timer(LOOKS_AGAIN, self._look_again)
 
     def _take(self, change: HandleChange[Light]) -> None:
         if change.kind == "appeared":
             self.listen(change.handle.device, partial(self._hear, change.handle.device))
-        if change.handle.on is False and change.kind != "removed":
-            self._log("is_off", change.handle, "is off")
+        if change.handle.on is False and change.kind != "removed" and change.handle not in self._turning_off:
+            self.log_limited("light_service.is_off", change.handle, "is off")
         self._start(change.handle)
 
     def _hear(self, device: Device, message: RawMessage) -> None:
@@ -51,9 +50,7 @@ class LightService(RoomApp):
             self.start_task(partial(self._turn_off, lamp))
 
     async def _turn_off(self, lamp: Light) -> None:
+        self._turning_off.add(lamp)
         if await self.attempt(lamp, lamp.turn_off):
-            self._log("turned_off", lamp, "is on: turned it off")
-
-    def _log(self, event: str, lamp: Light, text: str) -> None:
-        if self._lines.allows(f"{event} {lamp.id}") is not None:
-            self.node.log.info(f"light_service.{event}", message=f"{lamp.id} {text}", device=lamp.device.id)
+            self.log_limited("light_service.turned_off", lamp, "is on: turned it off")
+        self._turning_off.discard(lamp)

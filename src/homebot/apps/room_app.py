@@ -17,6 +17,7 @@ from homebot.devices.handles import FollowHandles, Handle, HandleChange
 from homebot.errors import RefusedError, ServiceError
 from homebot.folding import fold
 from homebot.graph import Node
+from homebot.log import LogLimit
 
 if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
@@ -51,6 +52,7 @@ class RoomApp(App):
         self._watchers: list[Callable[[], Coroutine[object, object, None]]] = []
         self._tasks: TaskGroup | None = None
         self._scopes: dict[str, anyio.CancelScope] = {}
+        self._log_limit = LogLimit(node.graph.clock)
         if named := [("rooms", room) for room in rooms]:
             from homebot.devices.configured_names import ConfiguredNames  # noqa: PLC0415 - few apps name rooms
             from homebot.devices.health import GetHealth  # noqa: PLC0415 - as above
@@ -130,6 +132,11 @@ class RoomApp(App):
             problem = outcome.text
         self.node.log.warning("app.command_failed", message=f"{handle.name}: {problem}", device=handle.device.id)
         return False
+
+    def log_limited(self, event: str, handle: Handle, text: str) -> None:
+        """Log *text* about *handle*, at most once in 10 s for each event of each handle."""
+        if self._log_limit.allows(f"{event} {handle.id}") is not None:
+            self.node.log.info(event, message=f"{handle.id} {text}", device=handle.device.id)
 
     async def _run_task(self, room: str, function: Callable[[str], Awaitable[None]], scope: anyio.CancelScope) -> None:
         with scope:
