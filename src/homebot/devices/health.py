@@ -1,6 +1,7 @@
 """Health of gateways, the directory and the runtime: problems, counters, failures, quarantine."""
 
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import ClassVar, Self
 
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType, UInt32, UInt64
@@ -43,6 +44,11 @@ class Count(Message):
 
     name: str
     count: UInt64
+
+    @classmethod
+    def each(cls, counts: Mapping[str, int]) -> tuple[Self, ...]:
+        """Return one for each of *counts*, which are by name."""
+        return tuple(cls(name=name, count=count) for name, count in counts.items())
 
 
 class PartFailure(Message):

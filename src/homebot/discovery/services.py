@@ -227,6 +227,4 @@ class DirectoryServices:
             "index_file_damaged": self._persistence.damaged,
         }
         troubles = () if self._persistence.state in {"off", "ok"} else (self._persistence.state,)
-        return HealthResponse(
-            counts=tuple(Count(name=name, count=count) for name, count in counts.items()), troubles=troubles
-        )
+        return HealthResponse(counts=Count.each(counts), troubles=troubles)

@@ -52,7 +52,7 @@ class RuntimeHealth:
             "calls_refused": self._graph.service_counts.refused_calls,
         }
         return HealthResponse(
-            counts=tuple(Count(name=name, count=count) for name, count in counts.items()),
+            counts=Count.each(counts),
             troubles=tuple(self._problems()),
             failures=tuple(self._failures()),
         )

@@ -116,7 +116,7 @@ class Door:
             "clients_now": len(self._sessions),
         }
         return HealthResponse(
-            counts=tuple(Count(name=name, count=count) for name, count in counts.items()),
+            counts=Count.each(counts),
             troubles=self._tokens.problems(),
         )
 

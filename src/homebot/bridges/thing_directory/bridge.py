@@ -115,7 +115,7 @@ class ThingDirectoryBridge:
             "clients_now": self._server.client_count,
         }
         return HealthResponse(
-            counts=tuple(Count(name=name, count=count) for name, count in counts.items()),
+            counts=Count.each(counts),
             troubles=self._tokens.problems(),
         )
 

@@ -103,7 +103,7 @@ class CommandJournal:
         counts = {"journal_expired": store.dropped, "journal_failures": store.failures}
         counts |= {name: read() for name, read in self._counters.items()}
         return HealthResponse(
-            counts=tuple(Count(name=name, count=count) for name, count in counts.items()),
+            counts=Count.each(counts),
             troubles=(store.problem,) if store.problem else (),
         )
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-
-from homebot.devices.health import Count
+from dataclasses import dataclass
 
 __all__ = ["GatewayCounters"]
 
@@ -60,7 +58,3 @@ class GatewayCounters:
     asks_dropped: int = 0
     expiries_dropped: int = 0
     quarantines: int = 0
-
-    def counts(self) -> tuple[Count, ...]:
-        """Return all of them by name."""
-        return tuple(Count(name=one.name, count=getattr(self, one.name)) for one in fields(self))

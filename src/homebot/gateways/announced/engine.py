@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from typing import Generic, TypeVar
 
 from homebot.devices.health import Count, GetHealth, HealthResponse
@@ -131,10 +132,10 @@ class GatewayEngine(Generic[MessageT]):
         raise UnableError(str(refused)) from refused
 
     def _health(self, own: HealthResponse) -> HealthResponse:
-        counts = (
-            *self.counters.counts(),
-            Count(name="announcements_ignored", count=self.quarantine.waiting.dropped),
-            Count(name="offenders_dropped", count=self.quarantine.budgets.forgotten),
-            *own.counts,
-        )
-        return own.model_copy(update={"counts": counts, "quarantined": self.quarantine.quarantined()})
+        counts = {
+            **asdict(self.counters),
+            "announcements_ignored": self.quarantine.waiting.dropped,
+            "offenders_dropped": self.quarantine.budgets.forgotten,
+        }
+        quarantined = self.quarantine.quarantined()
+        return own.model_copy(update={"counts": (*Count.each(counts), *own.counts), "quarantined": quarantined})

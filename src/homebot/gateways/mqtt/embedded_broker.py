@@ -57,7 +57,7 @@ async def embedded_broker(graph: Graph, clock: Clock, *, ports: Sequence[int] = 
 def _health(broker: Broker, _request: HealthRequest) -> HealthResponse:
     lost = broker.losses
     return HealthResponse(
-        counts=tuple(Count(name=name, count=count) for name, count in asdict(broker.stats).items()),
+        counts=Count.each(asdict(broker.stats)),
         troubles=(f"in the last ten minutes it dropped {lost}",) if lost else (),
     )
 

@@ -7,7 +7,7 @@ do what takes time or must wait: subscribing, asking, and ending what ends by it
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Iterable, Iterator, Sequence
+from collections.abc import Awaitable, Iterator, Sequence
 from dataclasses import asdict
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
@@ -373,23 +373,21 @@ class AnnouncedDevices:
             received_at=self._reporter.stamp,
         )
 
-    def _response_counts(self) -> Iterable[tuple[str, int]]:
-        return () if self._responses is None else asdict(self._responses.counters).items()
-
     def _health(self) -> HealthResponse:
         lost = self._connection.counters
+        counts = {
+            "announcements_excess_bytes": self._registry.excess,
+            "announcements_memory_bytes": self._registry.memory,
+            "dropped_oversize": lost.dropped_oversize,
+            "dropped_overflow": lost.dropped_overflow,
+            "dropped_malformed": lost.dropped_malformed,
+            **({} if self._responses is None else asdict(self._responses.counters)),
+        }
         troubled = (one for one in self.conventions if isinstance(one, ProblemReportingConvention))
         troubles = tuple(trouble for one in troubled for trouble in one.problems())
         rivals = (self.lease.trouble,) if self.lease.trouble else ()
         return HealthResponse(
-            counts=(
-                Count(name="announcements_excess_bytes", count=self._registry.excess),
-                Count(name="announcements_memory_bytes", count=self._registry.memory),
-                Count(name="dropped_oversize", count=lost.dropped_oversize),
-                Count(name="dropped_overflow", count=lost.dropped_overflow),
-                Count(name="dropped_malformed", count=lost.dropped_malformed),
-                *(Count(name=name, count=count) for name, count in self._response_counts()),
-            ),
+            counts=Count.each(counts),
             troubles=(*rivals, *troubles),
             notes=self._connection.limits,
         )
