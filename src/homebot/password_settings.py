@@ -20,7 +20,7 @@ class PasswordSettings(BaseModel):
         password_env: Environment variable that holds the password.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     password_file: FilePath | None = None
     password_env: str | None = None

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from homebot.config import FilePath, check_secret_file, read_password
+from homebot.config import FilePath, check_secret_file
 from homebot.conventions.installed_conventions import any_announcing, check_tables, default_conventions
 from homebot.errors import HomebotError, UsageError
 from homebot.gateways.announced.registry import MAX_MEMORY
@@ -16,6 +16,7 @@ from homebot.gateways.base import Delivery
 from homebot.mqtt.client.choice import MqttClientName
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
+from homebot.password_settings import PasswordSettings
 from homebot.units import Seconds
 
 __all__ = ["EMBEDDED", "MqttGatewaySettings"]
@@ -34,7 +35,7 @@ INBOX_BYTES = 64 * 1024 * 1024
 """A house's announcements, all of which the broker sends at once; what it cannot get rid of soon, it drops."""
 
 
-class MqttGatewaySettings(BaseModel):
+class MqttGatewaySettings(PasswordSettings):
     """The settings of the MQTT gateway: its broker, and its treatment of messages.
 
     Attributes:
@@ -44,9 +45,6 @@ class MqttGatewaySettings(BaseModel):
             device a topic ``/gateway/NAME/received_data/<device>``.
         act: Whether commands are sent; false observes only. By default true for the embedded broker alone.
         user: Login name.
-        password_file: File whose first line is the password, for nobody else to read. Relative paths begin at the
-            folder of the configuration's file.
-        password_env: Environment variable that holds the password.
         ca_file: PEM file of the authorities to trust with ``mqtts``.
         cert_file: PEM file of this client's certificate.
         key_file: PEM file of its key.
@@ -78,8 +76,6 @@ class MqttGatewaySettings(BaseModel):
     delivery: Delivery = "inbox"
     act: bool | None = None
     user: str | None = None
-    password_file: FilePath | None = None
-    password_env: str | None = None
     ca_file: FilePath | None = None
     cert_file: FilePath | None = None
     key_file: FilePath | None = None
@@ -118,12 +114,6 @@ class MqttGatewaySettings(BaseModel):
         return root
 
     @model_validator(mode="after")
-    def _check_credentials(self) -> Self:
-        if self.password_file and self.password_env:
-            raise ValueError("give password_file or password_env, not both")
-        return self
-
-    @model_validator(mode="after")
     def _check_tables(self) -> Self:
         if problems := check_tables(self.conventions, self.tables):
             raise ValidationError.from_exception_data(type(self).__name__, problems)
@@ -137,7 +127,7 @@ class MqttGatewaySettings(BaseModel):
         """
         given = {
             "user": self.user,
-            "password": read_password(self.password_file, self.password_env),
+            "password": self.read_password(),
             "ca_file": self.ca_file,
             "cert_file": self.cert_file,
             "key_file": self.key_file,
