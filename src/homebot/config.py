@@ -30,7 +30,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, TypeAlias, TypeVar, get_args, get_origin
 
@@ -46,7 +47,7 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, PydanticSerializationError, to_json
 
-from homebot.errors import ConfigError, InvalidNameError, UsageError
+from homebot.errors import ConfigError, HomebotError, InvalidNameError, UsageError
 from homebot.file_access import readable_by_others, why_not_private, why_not_trusted
 from homebot.logger import get_logger
 from homebot.names import validate_node_name
@@ -68,6 +69,7 @@ __all__ = [
     "parse_settings",
     "read_password",
     "read_secret",
+    "value_errors",
 ]
 
 Table: TypeAlias = TomlTable
@@ -268,6 +270,15 @@ def read_password(password_file: Path | None, password_env: str | None, name: st
         except UsageError as exc:
             raise UsageError(f"{name}_file: {exc}") from exc
     return None
+
+
+@contextmanager
+def value_errors() -> Iterator[None]:
+    """Raise each error of homebot inside the block as a ValueError, which pydantic tells as that of a field."""
+    try:
+        yield
+    except HomebotError as exc:
+        raise ValueError(str(exc)) from exc
 
 
 def check_secret_file(path: Path, found: os.stat_result) -> None:

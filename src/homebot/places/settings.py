@@ -7,7 +7,7 @@ from typing import Annotated, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from homebot.config import parse_settings
+from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError, UsageError
 from homebot.folding import fold
 from homebot.places.facts import FactName, OwnerFact, Places
@@ -40,10 +40,8 @@ def check_name(text: str) -> str:
 
 
 def _name(text: str) -> str:
-    try:
+    with value_errors():
         return check_name(text)
-    except UsageError as exc:
-        raise ValueError(str(exc)) from exc
 
 
 def _name_or_none(text: str) -> str:

@@ -8,8 +8,8 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, mo
 
 from homebot.addresses import is_loopback
 from homebot.bridges.access_settings import AccessSettings, Count
+from homebot.config import value_errors
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_CLIENT, OWNER_CLIENT, ClientRights, read_scope
-from homebot.errors import UsageError
 
 __all__ = ["ClientToken", "DoorSettings", "Scope"]
 
@@ -17,10 +17,8 @@ _NAME: Final = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 
 def _checked(scope: tuple[str, ...]) -> tuple[str, ...]:
-    try:
+    with value_errors():
         read_scope(scope)
-    except UsageError as exc:
-        raise ValueError(str(exc)) from exc
     return scope
 
 

@@ -10,6 +10,7 @@ from typing import Annotated, TypeAlias, final
 from pydantic import GetCoreSchemaHandler, PlainSerializer, PlainValidator
 from pydantic_core import CoreSchema, core_schema
 
+from homebot.config import value_errors
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.known_value import known_value
@@ -105,10 +106,8 @@ def _validated(value: object) -> tuple[CommandPattern, ...]:
 
 
 def _read(value: object) -> CommandPattern:
-    try:
+    with value_errors():
         return read_pattern(value if isinstance(value, str) else repr(value))
-    except UsageError as exc:
-        raise ValueError(str(exc)) from exc
 
 
 def _texts(patterns: tuple[CommandPattern, ...]) -> list[str]:

@@ -2,15 +2,14 @@
 
 import os
 import secrets
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Self
 
 from pydantic import ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from homebot.config import FilePath, check_secret_file
+from homebot.config import FilePath, check_secret_file, value_errors
 from homebot.conventions.installed_conventions import any_announcing, check_tables, default_conventions
-from homebot.errors import HomebotError, UsageError
+from homebot.errors import UsageError
 from homebot.gateways.announced.registry import MAX_MEMORY
 from homebot.gateways.base import Delivery
 from homebot.mqtt.client.choice import MqttClientName
@@ -99,7 +98,8 @@ class MqttGatewaySettings(PasswordSettings):
     @classmethod
     def _check_url(cls, url: str) -> str:
         if url != EMBEDDED:
-            _as_value_error(lambda: MqttOptions.from_url(url))
+            with value_errors():
+                MqttOptions.from_url(url)
         return url
 
     @field_validator("root")
@@ -108,7 +108,8 @@ class MqttGatewaySettings(PasswordSettings):
         if root:
             if not {"#", "+"}.isdisjoint(root):
                 raise ValueError(f"must not contain '#' or '+', which are wildcards in topic filters, got {root!r}")
-            _as_value_error(lambda: validate_topic(root))
+            with value_errors():
+                validate_topic(root)
             if "" in root.split("/"):
                 raise ValueError("has an empty level: write it without a / at either end")
         return root
@@ -177,11 +178,3 @@ def _check_key_file(file: Path, found: os.stat_result) -> None:
         check_secret_file(file, found)
     except UsageError as exc:
         raise UsageError(f"key_file: {exc}") from exc
-
-
-def _as_value_error(check: Callable[[], object]) -> None:
-    """Run *check* so that pydantic sees its error."""
-    try:
-        check()
-    except HomebotError as exc:
-        raise ValueError(str(exc)) from exc
