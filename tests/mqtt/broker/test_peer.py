@@ -255,6 +255,29 @@ def test_a_policy_refuses_publishes_subscriptions_and_wills(
     assert client.take_only(Connack)[0].reason is denied
 
 
+@pytest.mark.parametrize("version", [V311, V5])
+def test_clients_publish_nothing_for_the_broker(join: Join, version: ProtocolVersion) -> None:
+    """Else one could pass for it: a version, an uptime, a load."""
+    listener, client = join("listener"), join("client", version=version)
+    listener.subscribe("$SYS/#")
+    for qos in (0, 1, 2):
+        client.publish("$SYS/broker/version", b"fake", qos=qos, packet_id=qos or None)
+    reason = ReasonCode.NOT_AUTHORIZED if version is V5 else ReasonCode.SUCCESS
+    assert client.take() == [Puback(1, reason), Pubrec(2, reason)]
+    assert listener.take() == []
+
+
+def test_a_bridge_may_say_that_it_is_connected(join: Join, stranger: Stranger) -> None:
+    """As Mosquitto's does where it is not told otherwise, and its will that it is not."""
+    state = "$SYS/broker/connection/hall/state"
+    listener, bridge = join("listener"), stranger()
+    listener.subscribe("$SYS/#")
+    bridge.send(Connect("hall", will=Will(state, b"0")))
+    assert bridge.take_only(Connack)[0].reason is ReasonCode.SUCCESS
+    bridge.publish(state, b"1", retain=True)
+    assert [(each.topic, each.payload) for each in listener.take_only(Publish)] == [(state, b"1")]
+
+
 def test_a_suback_comes_before_the_retained_messages(join: Join) -> None:
     client = join()
     client.publish("t", retain=True)

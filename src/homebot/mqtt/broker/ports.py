@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Protocol, final
+from typing import Final, Protocol, final
 
 from homebot.errors import UsageError
 from homebot.mqtt.packets import ReasonCode
+from homebot.mqtt.topics import topic_matches
 
 __all__ = ["BrokerPolicy", "ConnectionHandler", "RefusedFilters", "Transport", "policy_of"]
+
+_BRIDGE_STATE: Final = "$SYS/broker/connection/+/state"
 
 
 class Transport(Protocol):
@@ -94,7 +97,11 @@ class BrokerPolicy(Protocol):
 
 @final
 class RefusedFilters:
-    """Refuses subscriptions to some filters, as written, with 0x80, as an access list would."""
+    """Refuses subscriptions to some filters, as written, with 0x80, as an access list would.
+
+    Of the topics of the broker itself, those below ``$SYS``, clients may publish the one where a bridge says whether it
+    is connected, as at Mosquitto; MQTT 5.0, section 4.7.2, asks that clients exchange no messages there.
+    """
 
     def __init__(self, filters: Collection[str] = ()) -> None:
         self._filters = frozenset(filters)
@@ -104,7 +111,9 @@ class RefusedFilters:
         return ReasonCode.UNSPECIFIED_ERROR if filter in self._filters else ReasonCode.SUCCESS
 
     def publish(self, client_id: str, topic: str) -> ReasonCode:  # noqa: ARG002 - fills the port
-        """Return success."""
+        """Return 0x87 for the topics of the broker."""
+        if topic.startswith("$SYS/") and not topic_matches(_BRIDGE_STATE, topic):
+            return ReasonCode.NOT_AUTHORIZED
         return ReasonCode.SUCCESS
 
 
