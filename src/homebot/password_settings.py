@@ -31,10 +31,13 @@ class PasswordSettings(BaseModel):
             raise ValueError("give password_file or password_env, not both")
         return self
 
-    def read_password(self) -> SecretStr | None:
+    def read_password(self, table: str = "") -> SecretStr | None:
         """Return the password; None where none is named.
+
+        Args:
+            table: What stands before its keys, for errors: ``devices.hall.``
 
         Raises:
             UsageError: It cannot be read; names the key.
         """
-        return read_password(self.password_file, self.password_env)
+        return read_password(self.password_file, self.password_env, f"{table}password")

@@ -8,7 +8,6 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, SecretStr, model_validator
 
-from homebot.errors import UsageError
 from homebot.password_settings import PasswordSettings
 
 __all__ = ["HttpLoginSettings", "ThingLogin", "read_logins"]
@@ -73,10 +72,7 @@ def read_logins(credentials: Sequence[HttpLoginSettings]) -> tuple[ThingLogin, .
     """
     found = []
     for number, one in enumerate(credentials):
-        try:
-            password = one.read_password()
-        except UsageError as exc:
-            raise UsageError(f"credentials[{number}].{exc}") from exc
+        password = one.read_password(f"credentials[{number}].")
         if password is not None:
             hosts = frozenset({one.host.lower().removesuffix(".")})
             found.append(ThingLogin(hosts, one.scheme or "", one.user, password))

@@ -302,6 +302,9 @@ async def test_the_driver_checks_its_secrets_before_it_starts(tmp_path: Path) ->
     assert "short" not in str(caught.value)
     with pytest.raises(UsageError, match=r"^key_file: .* cannot be read"):
         EsphomeDriver.check(EsphomeSettings(key_file=tmp_path / "nowhere"))
+    own = EsphomeSecrets(password_file=tmp_path / "nowhere", allow_plaintext_at="10.0.0.7")
+    with pytest.raises(UsageError, match=r"^devices\.hall\.password_file: .* cannot be read"):
+        EsphomeDriver.check(EsphomeSettings(devices={"hall": own}))
 
 
 async def test_a_key_that_was_taken_away_is_refused_not_a_crash(tmp_path: Path) -> None:

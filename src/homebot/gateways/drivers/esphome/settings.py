@@ -5,7 +5,6 @@ from __future__ import annotations
 import binascii
 from collections.abc import Mapping
 from ipaddress import ip_address
-from pathlib import Path
 
 from pydantic import Field, SecretStr, field_validator, model_validator
 
@@ -63,7 +62,7 @@ class EsphomeSecrets(PasswordSettings):
             raise ValueError(PLAINTEXT_ADVICE)
         return self
 
-    def key(self, table: str) -> SecretStr | None:
+    def read_key(self, table: str) -> SecretStr | None:
         """Return the encryption key; None where none is named.
 
         Args:
@@ -72,7 +71,7 @@ class EsphomeSecrets(PasswordSettings):
         Raises:
             UsageError: It cannot be read, or is none.
         """
-        key = _read(table, "key", self.key_file, self.key_env)
+        key = read_password(self.key_file, self.key_env, f"{table}key")
         if key is not None:
             try:
                 size = len(binascii.a2b_base64(key.get_secret_value(), strict_mode=True))
@@ -81,14 +80,6 @@ class EsphomeSecrets(PasswordSettings):
             if size != _KEY_BYTES:
                 raise UsageError(f"{table}key: it is not 32 bytes in base64, as ESPHome makes them")
         return key
-
-    def password(self, table: str) -> SecretStr | None:
-        """Return the password; None where none is named.
-
-        Raises:
-            UsageError: It cannot be read.
-        """
-        return _read(table, "password", self.password_file, self.password_env)
 
 
 class EsphomeSettings(EsphomeSecrets, DriverSettings):
@@ -124,7 +115,7 @@ class EsphomeSettings(EsphomeSecrets, DriverSettings):
         """
         own = self.devices.get(device)
         secrets, table = (self, "") if own is None else (own, f"devices.{device}.")
-        return secrets.key(table), secrets.password(table)
+        return secrets.read_key(table), secrets.read_password(table)
 
     def addresses_of(self, device: str, found: tuple[str, ...]) -> tuple[str, ...]:
         """Return the addresses among *found* at which a device may be connected to: all, unless its table names one.
@@ -151,10 +142,3 @@ PASSWORD_ADVICE = (
     f' [{_TABLE}.devices."{{0}}"] as password_file'
 )
 """What to do where a device does not let homebot in; ``{0}`` stands for its name."""
-
-
-def _read(table: str, name: str, file: Path | None, variable: str | None) -> SecretStr | None:
-    try:
-        return read_password(file, variable, name)
-    except UsageError as exc:
-        raise UsageError(f"{table}{exc}") from exc

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 from pydantic import Field, SecretStr
 
-from homebot.errors import UsageError
 from homebot.gateways.drivers.base import DriverSettings
 from homebot.password_settings import PasswordSettings
 
@@ -40,8 +39,5 @@ class ShellyDriverSettings(PasswordSettings, DriverSettings):
         """
         for name, own in self.devices.items():
             if name.casefold() == device_id.casefold():
-                try:
-                    return own.read_password()
-                except UsageError as exc:
-                    raise UsageError(f"devices.{name}.{exc}") from exc
+                return own.read_password(f"devices.{name}.")
         return self.read_password()
