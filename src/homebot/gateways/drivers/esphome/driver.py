@@ -49,10 +49,10 @@ class EsphomeDriver(Driver):
 
     service_types: ClassVar[frozenset[str]] = frozenset({"_esphomelib._tcp.local."})
     Settings: ClassVar[type[DriverSettings]] = EsphomeSettings
+    settings: EsphomeSettings
 
     def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
         super().__init__(service, settings, host)
-        self._settings = settings if isinstance(settings, EsphomeSettings) else EsphomeSettings()
         self._connection: EsphomeConnection | None = None
         self._device: EsphomeDevice | None = None
 
@@ -105,7 +105,7 @@ class EsphomeDriver(Driver):
         connected = await to_thread.run_sync(_load)
 
         service, (key, password) = self.service, self._secrets()
-        addresses = self._settings.addresses_of(service.name, service.addresses)
+        addresses = self.settings.addresses_of(service.name, service.addresses)
         async with connected(service.name, addresses, service.port, key, password) as connection:
             device = EsphomeDevice(*await connection.describe())
             if device.left_out:
@@ -143,13 +143,13 @@ class EsphomeDriver(Driver):
         """
         name = self.service.name
         try:
-            key, password = self._settings.secrets_of(name)
+            key, password = self.settings.secrets_of(name)
         except UsageError as exc:  # they were there when the gateway started
             raise RefusedError(f"the connection to {name}", str(exc)) from exc
         encrypts = "api_encryption" in self.service.properties
         if encrypts and key is None:
             raise RefusedError(f"the connection to {name}", f"it wants encryption; {KEY_ADVICE.format(name)}")
-        is_own = name in self._settings.devices
+        is_own = name in self.settings.devices
         if key is not None and not (encrypts or is_own):
             return None, None
         return key, password

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from homebot.extras import check_extra
-from homebot.gateways.drivers.base import DriverHost, DriverSession, DriverSettings, FoundService, SessionDriver
+from homebot.gateways.drivers.base import DriverSession, DriverSettings, SessionDriver
 from homebot.gateways.drivers.shelly.settings import ShellyDriverSettings
 
 __all__ = ["ShellyDriver"]
@@ -19,10 +19,7 @@ class ShellyDriver(SessionDriver):
 
     service_types: ClassVar[frozenset[str]] = frozenset({"_shelly._tcp.local."})
     Settings: ClassVar[type[DriverSettings]] = ShellyDriverSettings
-
-    def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
-        super().__init__(service, settings, host)
-        self._settings = settings if isinstance(settings, ShellyDriverSettings) else ShellyDriverSettings()
+    settings: ShellyDriverSettings
 
     @classmethod
     def check(cls, settings: DriverSettings) -> None:
@@ -35,4 +32,4 @@ class ShellyDriver(SessionDriver):
         """Return a session; this loads aiohttp."""
         from homebot.gateways.drivers.shelly.session import ShellySession  # noqa: PLC0415 - an extra
 
-        return ShellySession(self.service, self._settings, self.host)
+        return ShellySession(self.service, self.settings, self.host)

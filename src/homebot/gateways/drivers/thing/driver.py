@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Final
 
 from homebot.extras import check_extra
-from homebot.gateways.drivers.base import DriverHost, DriverSession, DriverSettings, FoundService, SessionDriver
+from homebot.gateways.drivers.base import DriverSession, DriverSettings, SessionDriver
 from homebot.gateways.drivers.thing.settings import ThingDriverSettings
 from homebot.gateways.things.http_credentials import read_logins
 
@@ -27,10 +27,7 @@ class ThingDriver(SessionDriver):
     service_types: ClassVar[frozenset[str]] = frozenset({"_wot._tcp.local.", WEB_THING})
     Settings: ClassVar[type[DriverSettings]] = ThingDriverSettings
     must_describe: ClassVar[bool] = True
-
-    def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
-        super().__init__(service, settings, host)
-        self._settings = settings if isinstance(settings, ThingDriverSettings) else ThingDriverSettings()
+    settings: ThingDriverSettings
 
     @classmethod
     def check(cls, settings: DriverSettings) -> None:
@@ -43,7 +40,7 @@ class ThingDriver(SessionDriver):
         """Return a session; this loads aiohttp."""
         from homebot.gateways.drivers.thing.session import ThingSession  # noqa: PLC0415 - an extra
 
-        return ThingSession(self.service, self._settings, self.host, must_describe=self.must_describe)
+        return ThingSession(self.service, self.settings, self.host, must_describe=self.must_describe)
 
 
 class HttpThingDriver(ThingDriver):
