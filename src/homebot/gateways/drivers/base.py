@@ -18,6 +18,7 @@ from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError
+from homebot.extras import check_extra
 from homebot.gateways.announced.gateway_device import GatewayDevice
 
 __all__ = ["Driver", "DriverHost", "DriverSession", "DriverSettings", "FoundService", "SessionDriver"]
@@ -27,6 +28,13 @@ class DriverSettings(BaseModel):
     """The table of a driver, ``[gateways.mdns.drivers.NAME]``; a driver's own model derives from it."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    def check_secrets(self) -> None:
+        """Read the secrets that it names, if any, before anything is started.
+
+        Raises:
+            UsageError: One cannot be read; names the key.
+        """
 
 
 class DriverHost(Protocol):
@@ -74,23 +82,27 @@ class Driver(ABC):
     Attributes:
         service_types: The DNS-SD service types that it is for: ``_shelly._tcp.local.``
         Settings: The model of its table.
+        libraries: The top-level modules that it needs of homebot's extra ``mdns``.
     """
 
     service_types: ClassVar[frozenset[str]]
     Settings: ClassVar[type[DriverSettings]] = DriverSettings
+    libraries: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
         self.service = service
         self.settings = settings
         self.host = host
 
-    @classmethod  # noqa: B027 - no duty: most need nothing
+    @classmethod
     def check(cls, settings: DriverSettings) -> None:
-        """Look for what the driver needs before anything is started, such as libraries.
+        """Look for what the driver needs before anything is started: its libraries, and its secrets.
 
         Raises:
             UsageError: It could not work; says what to do.
         """
+        check_extra("it", "mdns", *cls.libraries)
+        settings.check_secrets()
 
     @abstractmethod
     async def run(self) -> None:

@@ -14,7 +14,6 @@ from pydantic import SecretStr
 from homebot.conventions.esphome import EsphomeDevice, Fields
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, UsageError
-from homebot.extras import check_extra
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import Driver, DriverHost, DriverSettings, FoundService
 from homebot.gateways.drivers.esphome.settings import KEY_ADVICE, EsphomeSettings
@@ -49,23 +48,13 @@ class EsphomeDriver(Driver):
 
     service_types: ClassVar[frozenset[str]] = frozenset({"_esphomelib._tcp.local."})
     Settings: ClassVar[type[DriverSettings]] = EsphomeSettings
+    libraries: ClassVar[tuple[str, ...]] = ("aioesphomeapi",)
     settings: EsphomeSettings
 
     def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
         super().__init__(service, settings, host)
         self._connection: EsphomeConnection | None = None
         self._device: EsphomeDevice | None = None
-
-    @classmethod
-    def check(cls, settings: DriverSettings) -> None:
-        """Check that the library is installed and the secrets can be read.
-
-        Raises:
-            UsageError: Something is missing; says what to do.
-        """
-        check_extra('the driver "esphome"', "mdns", "aioesphomeapi")
-        if isinstance(settings, EsphomeSettings):
-            settings.check_secrets()
 
     async def run(self) -> None:
         """Connect, describe the device, and report what it says, until cancelled.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from homebot.extras import check_extra
 from homebot.gateways.drivers.base import DriverSession, DriverSettings, SessionDriver
 from homebot.gateways.drivers.shelly.settings import ShellyDriverSettings
 
@@ -19,14 +18,8 @@ class ShellyDriver(SessionDriver):
 
     service_types: ClassVar[frozenset[str]] = frozenset({"_shelly._tcp.local."})
     Settings: ClassVar[type[DriverSettings]] = ShellyDriverSettings
+    libraries: ClassVar[tuple[str, ...]] = ("aiohttp",)
     settings: ShellyDriverSettings
-
-    @classmethod
-    def check(cls, settings: DriverSettings) -> None:
-        """Check that aiohttp is installed and the passwords can be read."""
-        check_extra('the driver "shelly"', "mdns", "aiohttp")
-        if isinstance(settings, ShellyDriverSettings):
-            settings.read_passwords()
 
     def open_session(self) -> DriverSession:
         """Return a session; this loads aiohttp."""

@@ -21,11 +21,11 @@ class ShellyDriverSettings(PasswordSettings, DriverSettings):
 
     devices: Mapping[str, PasswordSettings] = Field(default_factory=dict)
 
-    def read_passwords(self) -> None:
-        """See whether all passwords can be read.
+    def check_secrets(self) -> None:
+        """Read all passwords once.
 
         Raises:
-            UsageError: One cannot; names the key.
+            UsageError: One cannot be read; names the key.
         """
         self.read_password()
         for device_id in self.devices:

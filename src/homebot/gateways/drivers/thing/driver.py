@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar, Final
 
-from homebot.extras import check_extra
 from homebot.gateways.drivers.base import DriverSession, DriverSettings, SessionDriver
 from homebot.gateways.drivers.thing.settings import ThingDriverSettings
-from homebot.gateways.things.http_credentials import read_logins
 
 __all__ = ["WEB_THING", "HttpThingDriver", "ThingDriver"]
 
@@ -26,15 +24,9 @@ class ThingDriver(SessionDriver):
 
     service_types: ClassVar[frozenset[str]] = frozenset({"_wot._tcp.local.", WEB_THING})
     Settings: ClassVar[type[DriverSettings]] = ThingDriverSettings
+    libraries: ClassVar[tuple[str, ...]] = ("aiohttp",)
     must_describe: ClassVar[bool] = True
     settings: ThingDriverSettings
-
-    @classmethod
-    def check(cls, settings: DriverSettings) -> None:
-        """Check that aiohttp is installed and the passwords can be read."""
-        check_extra('the driver "thing"', "mdns", "aiohttp")
-        if isinstance(settings, ThingDriverSettings):
-            read_logins(settings.credentials)
 
     def open_session(self) -> DriverSession:
         """Return a session; this loads aiohttp."""

@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from homebot.gateways.drivers.base import DriverSettings
-from homebot.gateways.things.http_credentials import HttpLoginSettings
+from homebot.gateways.things.http_credentials import HttpLoginSettings, read_logins
 from homebot.units import Seconds
 
 __all__ = ["ThingDriverSettings"]
@@ -23,3 +23,11 @@ class ThingDriverSettings(DriverSettings):
 
     credentials: tuple[HttpLoginSettings, ...] = ()
     poll_every: Annotated[Seconds, Field(ge=1.0)] = 30.0
+
+    def check_secrets(self) -> None:
+        """Read all credentials once.
+
+        Raises:
+            UsageError: A password cannot be read; names the key.
+        """
+        read_logins(self.credentials)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from homebot.extras import check_extra
-from homebot.gateways.drivers.base import DriverSession, DriverSettings, SessionDriver
+from homebot.gateways.drivers.base import DriverSession, SessionDriver
 
 __all__ = ["WledDriver"]
 
@@ -17,12 +16,7 @@ class WledDriver(SessionDriver):
     """
 
     service_types: ClassVar[frozenset[str]] = frozenset({"_wled._tcp.local."})
-
-    @classmethod
-    def check(cls, settings: DriverSettings) -> None:
-        """Check that aiohttp is installed."""
-        del settings
-        check_extra('the driver "wled"', "mdns", "aiohttp")
+    libraries: ClassVar[tuple[str, ...]] = ("aiohttp",)
 
     def open_session(self) -> DriverSession:
         """Return a session; this loads aiohttp."""
