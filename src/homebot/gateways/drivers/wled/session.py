@@ -56,7 +56,7 @@ class WledSession:
     def __init__(self, service: FoundService, host: DriverHost) -> None:
         self._service = service
         self._host = host
-        self._client: HttpClient | None = None
+        self._client = HttpClient(max_bytes=MAX_BYTES, time_limit=ANSWER_WITHIN)
         self._origin = ""
         self._strip: WledStrip | None = None
         self._effects: tuple[str, ...] = ()
@@ -69,15 +69,11 @@ class WledSession:
             RefusedError: It does not let homebot in.
             WireError: It is no WLED, or breaks the rules.
         """
-        async with HttpClient(max_bytes=MAX_BYTES, time_limit=ANSWER_WITHIN) as client:
-            document = await self._probe(client)
-            self._client = client
-            try:
-                self._effects = effect_names(await self._ask(client, "/json/eff"))
-                await self._take(document)
-                await self._stay_connected(client)
-            finally:
-                self._client = None
+        async with self._client:
+            document = await self._probe()
+            self._effects = effect_names(await self._ask("/json/eff"))
+            await self._take(document)
+            await self._stay_connected()
 
     async def perform(self, command: Command) -> None:
         """Carry out a command; return when the controller has accepted it.
@@ -86,29 +82,28 @@ class WledSession:
             LinkError: There is no connection, or the controller is busy for too long.
             RefusedError: The part cannot do that, or the controller refuses.
         """
-        client, strip = self._client, self._strip
-        if client is None or strip is None:
+        if self._strip is None:
             raise LinkError(f"{self._service.name} is not connected")
-        state = strip.write(command.part, command.capability, command.value.plain(), command.transition)
-        answer = as_fields(await self._send(client, {**state, "v": True}))
+        state = self._strip.write(command.part, command.capability, command.value.plain(), command.transition)
+        answer = as_fields(await self._send({**state, "v": True}))
         if "error" in answer:
             raise RefusedError(
                 f"a command to {self._service.name}", f"the device answered error {answer['error']!s:.20}"
             )
-        if "on" in answer and self._strip is not None:
+        if "on" in answer:
             await self._publish(self._strip.with_state(answer))
 
-    async def _stay_connected(self, client: HttpClient) -> None:
+    async def _stay_connected(self) -> None:
         try:
-            async with client.websocket(f"{self._origin}/ws") as socket:
-                await self._live(client, socket)
+            async with self._client.websocket(f"{self._origin}/ws") as socket:
+                await self._live(socket)
         except RefusedError:
-            await self._poll(client, POLL)
+            await self._poll(POLL)
 
-    async def _live(self, client: HttpClient, socket: WebSocket) -> None:
+    async def _live(self, socket: WebSocket) -> None:
         with ungrouped():
             async with anyio.create_task_group() as tasks:
-                tasks.start_soon(self._poll, client, ASK_AGAIN)
+                tasks.start_soon(self._poll, ASK_AGAIN)
                 await socket.receive_all(self._receive, self._host.reject)
 
     async def _receive(self, payload: bytes) -> None:
@@ -117,26 +112,26 @@ class WledSession:
         if "state" in document or "info" in document:  # else it answers with success or error
             await self._take(document)
 
-    async def _poll(self, client: HttpClient, interval: float) -> None:
+    async def _poll(self, interval: float) -> None:
         while True:
             await anyio.sleep(interval)
-            await self._take(as_fields(await self._ask(client, "/json/si")))
+            await self._take(as_fields(await self._ask("/json/si")))
 
-    async def _probe(self, client: HttpClient) -> Fields:
+    async def _probe(self) -> Fields:
         """Find the address that answers, and return the first document."""
 
         async def ask(address: str) -> Fields:
             self._origin = http_origin(address, self._service.port)
-            return as_fields(await self._ask(client, "/json/si"))
+            return as_fields(await self._ask("/json/si"))
 
         return await first_answer(self._service.name, self._service.addresses, ask)
 
-    async def _ask(self, client: HttpClient, path: str) -> object:
-        return await _patiently(lambda: client.get_json(f"{self._origin}{path}"))
+    async def _ask(self, path: str) -> object:
+        return await _patiently(lambda: self._client.get_json(f"{self._origin}{path}"))
 
-    async def _send(self, client: HttpClient, state: Fields) -> object:
+    async def _send(self, state: Fields) -> object:
         """Send a state; it is absolute, so it can be sent again."""
-        return await _patiently(lambda: client.send_json("POST", f"{self._origin}/json/state", state))
+        return await _patiently(lambda: self._client.send_json("POST", f"{self._origin}/json/state", state))
 
     async def _take(self, document: Fields) -> None:
         await self._publish(WledStrip(document, self._effects))
