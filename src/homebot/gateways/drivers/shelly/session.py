@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import Final
 
 import anyio
 
 from homebot.conventions.description import DeviceAnnounced
-from homebot.conventions.payload import as_fields, clean_text, compact_json
+from homebot.conventions.payload import Readings, as_fields, clean_text, compact_json
 from homebot.conventions.shelly.gen2 import MAX_ANSWER_BYTES
 from homebot.conventions.shelly.gen2_component import Fields
 from homebot.conventions.shelly.gen2_device import is_prefix, text_of
@@ -76,11 +76,12 @@ class ShellySession:
             if not isinstance(device_id, str) or not is_prefix(device_id):
                 raise WireError(f"{self._service.name} does not answer like a Shelly device")
             async with client.websocket(f"{origin}/rpc", max_bytes=MAX_ANSWER_BYTES) as socket:
-                self._device = Gen2RpcDevice(device_id)
-                self._device.keep("info", about, len(compact_json(about)))
-                login = self._login(device_id, about)
-                self._rpc = RpcLink(socket, device_id, login, self._take_notification, self._host.reject)
-                await self._live(self._rpc)
+                self._device = device = Gen2RpcDevice(device_id)
+                device.keep("info", about, len(compact_json(about)))
+                login = self._login(device, device_id, about)
+                take = partial(self._take_notification, device)
+                self._rpc = RpcLink(socket, device_id, login, take, self._host.reject)
+                await self._live(device, self._rpc)
 
     async def perform(self, command: Command) -> None:
         """Carry out a command; return when the device has accepted it.
@@ -104,88 +105,79 @@ class ShellySession:
 
         return await first_answer(self._service.name, self._service.addresses, ask)
 
-    def _login(self, device_id: str, about: Fields) -> RpcLogin | None:
+    def _login(self, device: Gen2RpcDevice, device_id: str, about: Fields) -> RpcLogin | None:
         password = self._settings.password_of(device_id)
         if password is not None:
             return RpcLogin(password)
         if about.get("auth_en") is True:
-            self._describe()
+            self._describe(device)
             raise RefusedError(device_id, wants_password(has_one=False), 401)
         return None
 
-    async def _live(self, rpc: RpcLink) -> None:
+    async def _live(self, device: Gen2RpcDevice, rpc: RpcLink) -> None:
         try:
             with ungrouped():
                 async with anyio.create_task_group() as tasks:
                     tasks.start_soon(rpc.receive)
                     while True:
-                        await self._ask(rpc)
+                        await self._ask(device, rpc)
                         with anyio.move_on_after(ASK_AGAIN):
                             await self._setup_changed.wait()
         except (LinkError, PeerError) as exc:
             raise rpc.end or exc from None
 
-    async def _ask(self, rpc: RpcLink) -> None:
+    async def _ask(self, device: Gen2RpcDevice, rpc: RpcLink) -> None:
         self._setup_changed = anyio.Event()
         for kind, method in ANSWERS.items():
-            await rpc.call(method, on_answer=partial(self._take_answer, kind))
-        await self._ask_components(rpc)
+            await rpc.call(method, on_answer=partial(self._take_answer, device, kind))
+        await self._ask_components(device, rpc)
         await anyio.sleep(PAUSE)
 
-    async def _ask_components(self, rpc: RpcLink) -> None:
+    async def _ask_components(self, device: Gen2RpcDevice, rpc: RpcLink) -> None:
         """Ask for the components that were added to the device; older firmware has none."""
         self._offset = 0
         for _ in range(_PAGES):
             params = {"dynamic_only": True, "include": ["status", "config"], "offset": self._offset}
             try:
-                await rpc.call(COMPONENTS, params, self._take_components)
+                await rpc.call(COMPONENTS, params, partial(self._take_components, device))
             except RefusedError:
                 return
             if self._offset == 0:
                 return
 
-    async def _take_answer(self, kind: AnswerKind, answer: Fields, frame: bytes) -> None:
-        device = self._device
-        if device is None:
-            return
+    async def _take_answer(self, device: Gen2RpcDevice, kind: AnswerKind, answer: Fields, frame: bytes) -> None:
         device.keep(kind, answer, len(frame))
         if kind == "status":
-            self._describe()
-            for part, readings in device.read_status(frame):
-                await self._host.report(readings, part)
+            self._describe(device)
+            await self._report(device.read_status(frame))
 
-    async def _take_components(self, page: Fields, frame: bytes) -> None:
-        del frame
-        device = self._device
-        if device is None:
-            return
+    async def _take_components(self, device: Gen2RpcDevice, page: Fields, _frame: bytes) -> None:
         self._offset = device.keep_components(page)
         if self._offset == 0:
-            self._describe()
-            for part, readings in device.read_status(device.components_status()):
-                await self._host.report(readings, part)
+            self._describe(device)
+            await self._report(device.read_status(device.components_status()))
 
-    async def _take_notification(self, frame: Fields, payload: bytes) -> None:
-        if self._device is None or self._described is None:
+    async def _take_notification(self, device: Gen2RpcDevice, frame: Fields, payload: bytes) -> None:
+        if self._described is None:
             return
         await self._host.deliver_raw(payload)
-        for part, readings in self._device.read_notification(payload):
-            await self._host.report(readings, part)
+        await self._report(device.read_notification(payload))
         if is_news_of_setup(frame):
             self._setup_changed.set()
 
-    def _describe(self) -> None:
-        """Publish the description of the device, or that it is still there if nothing changed."""
-        if self._device is None:
-            return
-        news = self._device.describe()
-        if news is not None or self._described is None:
-            self._described = self._gateway_device(news, self._device.stale_after)
-        self._host.describe(self._described)
+    async def _report(self, of_parts: Iterable[tuple[str, Readings]]) -> None:
+        for part, readings in of_parts:
+            await self._host.report(readings, part)
 
-    def _gateway_device(self, news: DeviceAnnounced | None, stale_after: float) -> GatewayDevice:
-        if news is None:
-            return GatewayDevice(self._service.key, self._service.name)
+    def _describe(self, device: Gen2RpcDevice) -> None:
+        """Publish the description of the device, or that it is still there if nothing changed."""
+        news = device.describe()
+        if news is not None:
+            self._described = self._gateway_device(news, device.stale_after)
+        if self._described is not None:
+            self._host.describe(self._described)
+
+    def _gateway_device(self, news: DeviceAnnounced, stale_after: float) -> GatewayDevice:
         return GatewayDevice(
             key=self._service.key,
             name=news.name,
