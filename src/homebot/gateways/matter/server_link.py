@@ -9,11 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from typing import Final, Protocol
 
 import anyio
-import anyio.lowlevel
 
 from homebot.errors import LinkError, WireError
 from homebot.gateways.long_json import parse_long_json
@@ -27,6 +25,7 @@ from homebot.gateways.matter.server_messages import (
     error_of,
     read_frame,
 )
+from homebot.gateways.pending_calls import PendingCalls
 
 __all__ = ["MatterServerLink", "ServerSocket"]
 
@@ -50,12 +49,6 @@ class ServerSocket(Protocol):
 
     async def receive(self) -> str | bytes:
         """Wait for a message."""
-
-
-@dataclass(slots=True)
-class _WaitingCall:
-    answered: anyio.Event = field(default_factory=anyio.Event)
-    answer: ServerAnswer | None = None
 
 
 class MatterServerLink:
@@ -83,10 +76,8 @@ class MatterServerLink:
         self._on_nodes = on_nodes
         self._on_event = on_event
         self._on_invalid = on_invalid
-        self._waiting: dict[str, _WaitingCall] = {}
-        self._last_id = 0
+        self._calls = PendingCalls[ServerAnswer]("the Matter server")
         self._listening_id = ""
-        self._is_lost = False
 
     async def run(self) -> None:
         """Follow the server until the link is lost.
@@ -104,9 +95,7 @@ class MatterServerLink:
             while True:
                 await self._take_next()
         finally:
-            self._is_lost = True
-            for call in self._waiting.values():
-                call.answered.set()
+            self._calls.end()
 
     async def call(
         self,
@@ -130,28 +119,16 @@ class MatterServerLink:
             LinkError: The link is lost, there was no answer in time, or a device cannot be reached.
             RefusedError: The server or the device refuses.
         """
-        if self._is_lost:
-            raise LinkError("the connection to the Matter server was lost")
-        if len(self._waiting) >= MOST_CALLS:
+        if len(self._calls) >= MOST_CALLS:
             raise LinkError(f"{what}: {MOST_CALLS} commands are waiting for the Matter server already")
-        message_id = self._next_id()
-        call = self._waiting[message_id] = _WaitingCall()
-        try:
-            with _limit(within, f"it did not answer ({what})"):
-                await self._socket.send(command_frame(message_id, command, args))
-                await call.answered.wait()
-        finally:
-            del self._waiting[message_id]
-        if call.answer is None:
-            await anyio.lowlevel.checkpoint()  # where the caller is cancelled together with the link, it was not lost
-            raise LinkError("the connection to the Matter server was lost")
-        if call.answer.error_code is not None:
-            raise error_of(what, call.answer, is_secret=is_secret)
-        return call.answer.result
 
-    def _next_id(self) -> str:
-        self._last_id += 1
-        return str(self._last_id)
+        async def send(message_id: str) -> None:
+            await self._socket.send(command_frame(message_id, command, args))
+
+        answer = await self._calls.call(what, send, within)
+        if answer.error_code is not None:
+            raise error_of(what, answer, is_secret=is_secret)
+        return answer.result
 
     async def _greet(self) -> None:
         with _limit(GREETS_WITHIN, "it sent no greeting"):
@@ -160,7 +137,7 @@ class MatterServerLink:
             raise WireError("the server at this address is not a Matter server")
         frame.check()
         self.has_bluetooth = frame.has_bluetooth
-        self._listening_id = self._next_id()
+        self._listening_id = self._calls.new_id()
         await self._socket.send(command_frame(self._listening_id, "start_listening", {}))
 
     async def _take_next(self) -> bool:
@@ -182,10 +159,7 @@ class MatterServerLink:
                     raise error_of("the list of nodes", frame)
                 await self._on_nodes(frame.result)
                 return True
-            call = self._waiting.get(frame.message_id)
-            if call is not None:  # else it came too late
-                call.answer = frame
-                call.answered.set()
+            await self._calls.take(frame.message_id, frame)  # one that nobody waits for came too late
         return False
 
 

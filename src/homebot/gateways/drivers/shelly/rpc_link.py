@@ -10,11 +10,9 @@ Source: Shelly Gen2+ API, General: RPC Protocol (frames, common errors), RPC Cha
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
 import anyio
-import anyio.lowlevel
 
 from homebot.conventions.payload import as_fields, clean_text, compact_json, parse_object
 from homebot.conventions.shelly.gen2 import MAX_ANSWER_BYTES
@@ -23,6 +21,7 @@ from homebot.conventions.shelly.gen2_rpc import CLIENT
 from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.errors import HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.http_websocket import WebSocket
+from homebot.gateways.pending_calls import PendingCalls
 
 __all__ = ["RpcLink", "TakeFrame"]
 
@@ -35,13 +34,6 @@ TIME_LIMIT: Final = 15.0
 _UNAUTHORIZED = 401
 _LATER = frozenset({-104, -108, -114, 503})
 """Deadline exceeded, resource exhausted, unavailable."""
-
-
-@dataclass(slots=True)
-class _PendingCall:
-    on_answer: TakeFrame | None
-    answered: anyio.Event = field(default_factory=anyio.Event)
-    frame: Fields | None = None
 
 
 class RpcLink:
@@ -68,13 +60,11 @@ class RpcLink:
     ) -> None:
         self._socket = socket
         self._name = name
+        self._calls = PendingCalls[tuple[Fields, bytes]](name)
         self._login = login
         self._on_notification = on_notification
         self._on_invalid = on_invalid
-        self._pending: dict[int, _PendingCall] = {}
-        self._last_id = 0
         self._turns = anyio.Semaphore(3 if login is None else 1)
-        self._is_lost = False
         self.end: HomebotError | None = None
 
     async def receive(self) -> None:
@@ -90,9 +80,7 @@ class RpcLink:
             self.end = exc
             raise
         finally:
-            self._is_lost = True
-            for call in self._pending.values():
-                call.answered.set()
+            self._calls.end()
 
     async def call(self, method: str, params: Fields | None = None, on_answer: TakeFrame | None = None) -> Fields:
         """Call a method, and return its result.
@@ -118,28 +106,21 @@ class RpcLink:
         return as_fields(frame.get("result"))
 
     async def _exchange(self, method: str, params: Fields | None, on_answer: TakeFrame | None) -> Fields:
-        if self._is_lost:
-            await anyio.lowlevel.checkpoint()  # where the caller is cancelled together with the link, it was not lost
-            raise LinkError(f"the connection to {self._name} was lost")
-        self._last_id += 1
-        frame: dict[str, object] = {"id": self._last_id, "src": CLIENT, "method": method}
-        if params is not None:
-            frame["params"] = params
-        if self._login is not None and self._login.is_challenged:
-            frame["auth"] = self._login.sign()
-        call = self._pending[self._last_id] = _PendingCall(on_answer)
-        try:
-            with anyio.fail_after(TIME_LIMIT):
-                await self._socket.send(compact_json(frame))
-                await call.answered.wait()
-        except TimeoutError:
-            raise LinkError(f"{self._name} did not answer {method} within {TIME_LIMIT:g} s") from None
-        finally:
-            self._pending.pop(int(str(frame["id"])), None)
-        if call.frame is None:
-            await anyio.lowlevel.checkpoint()  # where the caller is cancelled together with the link, it was not lost
-            raise LinkError(f"the connection to {self._name} was lost")
-        return call.frame
+        async def send(call_id: str) -> None:
+            frame: dict[str, object] = {"id": int(call_id), "src": CLIENT, "method": method}
+            if params is not None:
+                frame["params"] = params
+            if self._login is not None and self._login.is_challenged:
+                frame["auth"] = self._login.sign()
+            await self._socket.send(compact_json(frame))
+
+        async def take(answer: tuple[Fields, bytes]) -> None:
+            frame, payload = answer
+            if on_answer is not None and isinstance(frame.get("result"), dict):
+                await on_answer(as_fields(frame["result"]), payload)
+
+        frame, _ = await self._calls.call(method, send, TIME_LIMIT, take)
+        return frame
 
     async def _take(self, payload: bytes) -> None:
         frame = parse_object(payload, MAX_ANSWER_BYTES)
@@ -149,15 +130,8 @@ class RpcLink:
             await self._on_notification(frame, payload)
             return
         number = frame.get("id")
-        call = self._pending.get(number) if isinstance(number, int) and not isinstance(number, bool) else None
-        if call is None or call.frame is not None:
+        if not isinstance(number, int) or not await self._calls.take(str(number), (frame, payload)):
             raise WireError("an answer belongs to no call")
-        call.frame = frame
-        try:
-            if call.on_answer is not None and isinstance(frame.get("result"), dict):
-                await call.on_answer(as_fields(frame["result"]), payload)
-        finally:
-            call.answered.set()
 
     def _error(self, method: str, error: Fields) -> RefusedError | LinkError:
         code, message = error.get("code"), error.get("message")

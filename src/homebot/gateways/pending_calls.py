@@ -1,0 +1,98 @@
+"""Calls over one link, each of which waits for its answer."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
+from itertools import count
+from typing import Generic, TypeVar
+
+import anyio
+import anyio.lowlevel
+
+from homebot.errors import LinkError
+
+__all__ = ["PendingCalls"]
+
+Answer = TypeVar("Answer")
+
+
+@dataclass(eq=False, slots=True)
+class _PendingCall(Generic[Answer]):
+    on_answer: Callable[[Answer], Awaitable[None]] | None
+    answered: anyio.Event = field(default_factory=anyio.Event)
+    answer: Answer | None = None
+
+
+class PendingCalls(Generic[Answer]):
+    """The calls over one link that wait for their answers; ids tell which answer belongs to which call.
+
+    Args:
+        peer: Who answers, for errors.
+    """
+
+    def __init__(self, peer: str) -> None:
+        self._peer = peer
+        self._pending: dict[str, _PendingCall[Answer]] = {}
+        self._numbers = count(1)
+        self._is_lost = False
+
+    def __len__(self) -> int:
+        return len(self._pending)
+
+    def new_id(self) -> str:
+        """Return an id that no other call has: a number as text."""
+        return str(next(self._numbers))
+
+    async def call(
+        self,
+        what: str,
+        send: Callable[[str], Awaitable[None]],
+        within: float,
+        on_answer: Callable[[Answer], Awaitable[None]] | None = None,
+    ) -> Answer:
+        """Send a call, and return its answer.
+
+        Args:
+            what: What is called, for errors.
+            send: Sends the call with its id.
+            within: Seconds for sending and the answer.
+            on_answer: Takes the answer before whoever brought it goes on.
+
+        Raises:
+            LinkError: The link is lost, or there was no answer in time.
+        """
+        if not self._is_lost:
+            call_id = self.new_id()
+            call = self._pending[call_id] = _PendingCall[Answer](on_answer)
+            try:
+                with anyio.fail_after(within):
+                    await send(call_id)
+                    await call.answered.wait()
+            except TimeoutError:
+                raise LinkError(f"{self._peer} did not answer {what} within {within:g} s") from None
+            finally:
+                del self._pending[call_id]
+            if call.answer is not None:
+                return call.answer
+        await anyio.lowlevel.checkpoint()  # where the caller is cancelled together with the link, it was not lost
+        raise LinkError(f"the connection to {self._peer} was lost")
+
+    async def take(self, call_id: str, answer: Answer) -> bool:
+        """Give a call its answer; return whether one of that id waits for it."""
+        call = self._pending.get(call_id)
+        if call is None or call.answer is not None:
+            return False
+        call.answer = answer
+        try:
+            if call.on_answer is not None:
+                await call.on_answer(answer)
+        finally:
+            call.answered.set()
+        return True
+
+    def end(self) -> None:
+        """Note that the link is lost: calls that wait fail, and so do later ones."""
+        self._is_lost = True
+        for call in self._pending.values():
+            call.answered.set()
