@@ -27,7 +27,7 @@ def test_what_is_subscribed_to_is_what_somebody_needs(steps: list[tuple[bool, st
             assert not subscribed.intersection(new)
             subscribed = subscribed.union(new).difference(old)
             assert subscribed == {name for name, count in users.items() if count}
-    assert len(wanted) == sum(1 for count in users.values() if count)
+    assert len(wanted.users) == sum(1 for count in users.values() if count)
 
 
 def test_no_more_is_taken_than_was_asked_for() -> None:

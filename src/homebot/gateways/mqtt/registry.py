@@ -81,7 +81,6 @@ class AnnouncementRegistry(DeviceRegistry):
             for topic_filter in convention.filters():
                 self._announcements.add(topic_filter, convention)
         self._readers: FilterIndex[AnnouncedPart | AvailabilityReader] = FilterIndex()
-        self._reader_counts: dict[str, int] = {}
         self._announcement_readers = lru_cache(_MAX_GROUPS)(TopicReaders)
         self._routes = _Routes(self._find)
         self.route = self._routes.__getitem__
@@ -96,7 +95,7 @@ class AnnouncementRegistry(DeviceRegistry):
         refused: list[WireError] = []
         readers: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
         for topic_filter, reader in _readings(stored):
-            count = self._reader_counts.get(topic_filter, 0)
+            count = self._topics.users.get(topic_filter, 0)
             if count >= self._limits.readers and isinstance(reader, AnnouncedPart):
                 refused.append(
                     WireError(f"topic {topic_filter!r} already has {self._limits.readers:,} readers, the limit")
@@ -107,7 +106,6 @@ class AnnouncementRegistry(DeviceRegistry):
             except WireError as exc:
                 refused.append(exc)
                 continue
-            self._reader_counts[topic_filter] = count + 1
             stored.subscriptions.append((topic_filter, reader))
             self._readers.add(topic_filter, reader)
             self._forget_routes(topic_filter)
@@ -141,10 +139,6 @@ class AnnouncementRegistry(DeviceRegistry):
             self._topics.leave(topic_filter)
             self._readers.remove(topic_filter, reader)
             self._forget_routes(topic_filter)
-            if self._reader_counts[topic_filter] == 1:
-                del self._reader_counts[topic_filter]
-            else:
-                self._reader_counts[topic_filter] -= 1
 
     def _forget_routes(self, topic_filter: str) -> None:
         if "+" in topic_filter or "#" in topic_filter:

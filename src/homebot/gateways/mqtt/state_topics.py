@@ -24,6 +24,9 @@ class StateTopics:
         announcements: Filters that are subscribed to in any case, at QoS 0.
         others: Filters that are, at a higher one.
         max_topics: How many filters may be in use.
+
+    Attributes:
+        users: How often each filter is needed.
     """
 
     def __init__(self, announcements: Iterable[str], others: Iterable[str] = (), max_topics: int = MAX_TOPICS) -> None:
@@ -33,7 +36,7 @@ class StateTopics:
         for one in (*self._announcements, *self._others):
             self._covering.add(one, one)
         self._max_topics = max_topics
-        self._users: dict[str, int] = {}
+        self.users: dict[str, int] = {}
         self._wanted: dict[str, None] = {}
         self._unwanted: dict[str, None] = {}
 
@@ -43,24 +46,24 @@ class StateTopics:
         Raises:
             WireError: It is no filter, longer than 1,000 characters, about other devices too, or one too many.
         """
-        users = self._users.get(topic_filter)
+        users = self.users.get(topic_filter)
         if users is None:
             self._check(topic_filter)
             if topic_filter in self._unwanted:
                 del self._unwanted[topic_filter]
             elif topic_filter not in self._others:
                 self._wanted[topic_filter] = None
-        self._users[topic_filter] = (users or 0) + 1
+        self.users[topic_filter] = (users or 0) + 1
 
     def leave(self, topic_filter: str) -> None:
         """Need *topic_filter* once less; one that nobody needs is passed over."""
-        users = self._users.get(topic_filter)
+        users = self.users.get(topic_filter)
         if users is None:
             return
         if users > 1:
-            self._users[topic_filter] = users - 1
+            self.users[topic_filter] = users - 1
             return
-        del self._users[topic_filter]
+        del self.users[topic_filter]
         if topic_filter in self._wanted:
             del self._wanted[topic_filter]
         elif topic_filter not in self._announcements and topic_filter not in self._others:
@@ -82,9 +85,6 @@ class StateTopics:
         """Return filters to unsubscribe from."""
         return _take(self._unwanted, at_most) if self._unwanted else ()
 
-    def __len__(self) -> int:
-        return len(self._users)
-
     def _check(self, topic_filter: str) -> None:
         if len(topic_filter) > LONGEST:
             raise WireError(f"a state topic of {len(topic_filter)} characters is over the limit of {LONGEST}")
@@ -94,7 +94,7 @@ class StateTopics:
             raise WireError(str(exc)) from None
         if topic_filter[0] in "+#$" and _asks_too_much(topic_filter):
             raise WireError(f"the state topic {topic_filter!r} does not belong to this device alone")
-        if len(self._users) >= self._max_topics:
+        if len(self.users) >= self._max_topics:
             raise WireError(f"state topic {topic_filter!r} exceeds the limit of {self._max_topics:,} state topics")
 
 
