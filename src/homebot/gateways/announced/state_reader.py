@@ -60,48 +60,32 @@ class StateReader:
         self._counters = counters
         self._record_failure = record_failure
 
-    async def read_availability(
-        self, address: str, payload: bytes, availability_readers: tuple[AvailabilityReader, ...], *, retained: bool
-    ) -> None:
-        """Take a message as one that tells whether devices can be reached; equal sources read it once."""
-        read: dict[int, bool | None] = {}
-        for number, availability_reader in enumerate(availability_readers, 1):
-            if number % _TURN == 0:
-                await anyio.lowlevel.checkpoint()
-            stored, part = availability_reader.stored, availability_reader.part
-            reachability = stored.reachability.get(part)
-            if reachability is None or self._devices.get(stored.key) is not stored:
-                continue
-            source = reachability.availability.sources[availability_reader.index]
-            if id(source) not in read:
-                read[id(source)] = self._read_source(source, stored, address, payload)
-            said = read[id(source)]
-            if said is not None:
-                if said and not retained:
-                    stored.heard_at = self._reporter.now
-                reachability.update(availability_reader.index, said, retained=retained)
-                self._report_reachable(stored, part, address, retained=retained)
-
     async def read(
         self,
         address: str,
         payload: bytes,
         announced_parts: tuple[AnnouncedPart, ...],
+        availability_readers: tuple[AvailabilityReader, ...] = (),
         *,
         retained: bool,
         wait_if_full: bool = True,
         longest: int = MAX_STATE_BYTES,
     ) -> None:
-        """Take a message as one in which parts tell their state; one that is too long is only counted.
+        """Take a message as one in which parts tell their state, and that tells whether devices can be reached.
 
         Args:
             address: Where it came.
-            payload: Its bytes.
+            payload: Its bytes; where they are too long for a state, that is only counted.
             announced_parts: Who speaks there, the parts of one device together.
+            availability_readers: Whose availability is told there.
             retained: Whether it was kept from before.
             wait_if_full: Whether to wait a moment for a full inbox.
-            longest: Bytes that it may have.
+            longest: Bytes that a state may have.
         """
+        if availability_readers:
+            await self._read_availability(address, payload, availability_readers, retained=retained)
+        if not announced_parts:
+            return
         if len(payload) > longest:
             self._counters.oversize += 1
             return
@@ -188,6 +172,28 @@ class StateReader:
         text = self._as_text(part, values, retained=retained)
         if text is not None:
             await self._listeners.deliver(text, wait_if_full=True)
+
+    async def _read_availability(
+        self, address: str, payload: bytes, availability_readers: tuple[AvailabilityReader, ...], *, retained: bool
+    ) -> None:
+        """Read whether devices can be reached; equal sources read it once."""
+        read: dict[int, bool | None] = {}
+        for number, availability_reader in enumerate(availability_readers, 1):
+            if number % _TURN == 0:
+                await anyio.lowlevel.checkpoint()
+            stored, part = availability_reader.stored, availability_reader.part
+            reachability = stored.reachability.get(part)
+            if reachability is None or self._devices.get(stored.key) is not stored:
+                continue
+            source = reachability.availability.sources[availability_reader.index]
+            if id(source) not in read:
+                read[id(source)] = self._read_source(source, stored, address, payload)
+            said = read[id(source)]
+            if said is not None:
+                if said and not retained:
+                    stored.heard_at = self._reporter.now
+                reachability.update(availability_reader.index, said, retained=retained)
+                self._report_reachable(stored, part, address, retained=retained)
 
     def _read_source(
         self, source: AvailabilitySource, stored: StoredAnnouncement, address: str, payload: bytes

@@ -188,20 +188,17 @@ class AnnouncedDevices:
         if raw:
             self.counters.received += 1
         self._keep(message)
-        if route.availability_readers:
-            await self._states.read_availability(topic, payload, route.availability_readers, retained=message.retain)
-        if route.announced_parts:
-            longest = MAX_LONG_STATE_BYTES if route.conventions else MAX_STATE_BYTES
-            await self._states.read(
-                topic,
-                payload,
-                route.announced_parts,
-                retained=message.retain,
-                wait_if_full=message.qos > 0,
-                longest=longest,
-            )
-            if raw:
-                await self._deliver_raw(message, route)
+        await self._states.read(
+            topic,
+            payload,
+            route.announced_parts,
+            route.availability_readers,
+            retained=message.retain,
+            wait_if_full=message.qos > 0,
+            longest=MAX_LONG_STATE_BYTES if route.conventions else MAX_STATE_BYTES,
+        )
+        if raw and route.announced_parts:
+            await self._deliver_raw(message, route)
 
     def take_states(self, message: MqttMessage, route: TopicReaders) -> Awaitable[None] | None:
         """Take a message as :meth:`handle_message`, from where only a few parts tell their states, mostly at once.
@@ -322,19 +319,15 @@ class AnnouncedDevices:
         await self._make_up_for(missed, message.topic)
         after = self.route(message.topic)
         if after is not None:  # whoever it made known reads it as one that was kept
-            if availability_readers := _new(after.availability_readers, route.availability_readers):
-                await self._states.read_availability(
-                    message.topic, message.payload, availability_readers, retained=True
-                )
-            if announced_parts := _new(after.announced_parts, route.announced_parts):
-                await self._states.read(
-                    message.topic,
-                    message.payload,
-                    announced_parts,
-                    retained=True,
-                    wait_if_full=False,
-                    longest=MAX_LONG_STATE_BYTES,
-                )
+            await self._states.read(
+                message.topic,
+                message.payload,
+                _new(after.announced_parts, route.announced_parts),
+                _new(after.availability_readers, route.availability_readers),
+                retained=True,
+                wait_if_full=False,
+                longest=MAX_LONG_STATE_BYTES,
+            )
         return True
 
     def _changed(self, change: RegistryChange) -> None:
@@ -358,10 +351,8 @@ class AnnouncedDevices:
             word = self._last_messages.get(topic)
             if topic == taken or word is None:
                 continue
-            if isinstance(reader, AvailabilityReader):
-                await self._states.read_availability(topic, word.payload, (reader,), retained=True)
-            else:
-                await self._states.read(topic, word.payload, (reader,), retained=True, wait_if_full=False)
+            parts, readers = ((), (reader,)) if isinstance(reader, AvailabilityReader) else ((reader,), ())
+            await self._states.read(topic, word.payload, parts, readers, retained=True, wait_if_full=False)
 
     def _raw(self, announced_part: AnnouncedPart, topic: str, payload: bytes, *, retained: bool) -> RawMessage:
         return RawMessage(
