@@ -55,6 +55,10 @@ def build_cover(config: DiscoveryConfig) -> DescribedPart:
 _STATES = ("closed", "open", "closing", "opening", "stopped")
 """The later of two states with the same payload counts."""
 
+_ENDS: Mapping[float | None, str] = {0.0: "closed", 100.0: "open"}
+_LEAVES: Mapping[float, str] = {0.0: "opening", 100.0: "closing"}
+"""By position: what a cover is there, and what it reports when it begins to leave."""
+
 _COMMANDS = {
     "open": ("payload_open", "OPEN"),
     "closed": ("payload_close", "CLOSE"),
@@ -80,29 +84,46 @@ class _Steps:
         }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _CoverStateDecoder:
-    """Reads what the cover reports."""
+    """Reads what the cover reports.
+
+    Many a cover only says that its motor stands still. At an end of its way such a cover is open or closed, which its
+    position tells: in the same message, or in one before or after it.
+    """
 
     steps: _Steps
     states: Mapping[str, str | None]
     state: ValueSource | None
     position: ValueSource | None
+    _percent: float | None = None  # the last position; None from when it began to leave an end
+    _movement: str | None = None
+    _is_settling: bool = False  # it stopped, and may report only now where
 
     def read_state(self, message: StateMessage, text: str) -> Readings:
         """Read the state; one that stopped is closed where the same message reports that it is at 0, and else open."""
         if text not in self.states:
             return NO_READINGS
-        movement = self.states[text]
-        if movement == "stopped" and self.position is not None and self.state is not None:
-            beside = self.position.text(message) if self.position.topic == self.state.topic else None
+        before, self._movement = self._movement, self.states[text]
+        movement = self._movement
+        if self._percent is not None and movement == _LEAVES.get(self._percent):
+            self._percent = None
+        self._is_settling = movement == "stopped" and (self._percent is None or before in _LEAVES.values())
+        if movement == "stopped" and self.position is not None:
+            if not self._is_of_one_message:
+                return {"movement": _ENDS.get(self._percent, movement)}
+            beside = self.position.text(message)
             known = self.read_position(beside).get("position") if beside else None
             if known is not None:
                 movement = "open" if known else "closed"
         return {"movement": movement}
 
+    @property
+    def _is_of_one_message(self) -> bool:
+        return self.state is not None and self.position is not None and self.state.topic == self.position.topic
+
     def read_position(self, text: str) -> Readings:
-        """Read the position; without a state topic it reports also whether the cover is open."""
+        """Read the position, and with it whether the cover is open where no state says so, or only that it stopped."""
         value: object = text
         found: dict[str, PlainValue] = {}
         if text.startswith("{"):
@@ -114,10 +135,12 @@ class _CoverStateDecoder:
         number = number_of(value)
         if number is None:
             return NO_READINGS
-        percent = min(100.0, max(0.0, self.steps.position.percent(number)))
+        self._percent = percent = min(100.0, max(0.0, self.steps.position.percent(number)))
         found["position"] = percent
         if self.state is None:
             found["movement"] = "open" if percent else "closed"
+        elif self._is_settling and not self._is_of_one_message:
+            found["movement"] = _ENDS.get(percent, "stopped")
         return found
 
     def read_tilt(self, value: object) -> Readings:
