@@ -261,6 +261,8 @@ class CommandExecutor:
             self.witnesses.end(pending.command)
 
     def _note_confirmed(self, pending: PendingCommand, outcome: Confirmed) -> None:
+        if self._judge.watches_hands and outcome.evidence >= Evidence.REPORTED:
+            self._judge.note_obeyed(pending.command)
         if outcome.evidence is Evidence.WITNESSED:
             pending.is_witnessed = True
         for place in pending.command.places if self._unsure_since else ():

@@ -13,8 +13,10 @@ from homebot.control.journal import CommandJournal
 from homebot.control.learnt_persistence import LearntPersistence
 from homebot.control.policies.detections import DETECTION, Detections
 from homebot.control.policies.facts import Facts
+from homebot.control.policies.hands import Hands
 from homebot.control.policies.house import House
 from homebot.control.policies.policies import Policies
+from homebot.control.policies.presence_guard import hand_at
 from homebot.control.policies.recent_commands import RecentCommands
 from homebot.control.policies.settings import PolicySettings
 from homebot.devices import DEVICE_STATES, FIND_DEVICES, FindDevices, Follow, StateChange
@@ -52,6 +54,9 @@ class Judge:
         journal: Notes the verdicts of policies that a command concerns.
         trusts_apps: Whether nodes without a scope may command what always asks.
         detected: Motion sensors that detected somebody before.
+
+    Attributes:
+        watches_hands: Whether a policy asks for changes that no command explains.
     """
 
     def __init__(
@@ -76,11 +81,13 @@ class Judge:
         self._learnt.add(DETECTION, self._house.detections)
         self._house.detections.take_over(detected)
         self._recent = RecentCommands()
+        self._hands = Hands()
         self._zone = _zone(settings.time_zone)
         self._ahead = self._clock.now() - self._clock.monotonic()
         self._clock_set_at = -math.inf
         if settings.needs_house:
             node.create_task(self._follow)
+        self.watches_hands = settings.presence_guard is not None
         if settings.presence_guard is not None:
             node.create_task(self._learnt.load)
             journal.add_counter("detections_forgotten", lambda: self._house.detections.forgotten)
@@ -96,7 +103,9 @@ class Judge:
         if abs(now - monotonic - self._ahead) > _SET:
             self._clock_set_at = monotonic
         self._ahead = now - monotonic
-        facts = Facts(now, monotonic, self._zone, self._house, self._recent, self._clock_set_at)
+        facts = Facts(now, monotonic, self._zone, self._house, self._recent, self._hands, self._clock_set_at)
+        if self.watches_hands:
+            self._remember_hand(command, facts)
         verdicts = self._policies.judge(command, facts)
         for verdict in verdicts:
             if is_noted and (verdict.reason or not verdict.allowed):
@@ -144,7 +153,22 @@ class Judge:
 
     def note_sent(self, command: IssuedCommand) -> None:
         """Note that *command* was sent."""
-        self._recent.note(command, self._clock.monotonic())
+        now = self._clock.monotonic()
+        if self.watches_hands:
+            self._hands.note(command, now)
+        self._recent.note(command, now)
+
+    def note_obeyed(self, command: IssuedCommand) -> None:
+        """Note that the device reported that it obeyed *command*."""
+        self._hands.note_obeyed(command, self._clock.monotonic())
+
+    def _remember_hand(self, command: IssuedCommand, facts: Facts) -> None:
+        """Keep what was changed by hand before a new *command*, which may hide it."""
+        guard = self._settings.presence_guard
+        if guard is not None and not self._hands.knows(command):
+            hand = hand_at(command, facts, guard.absent_after)
+            if hand is not None:
+                self._hands.remember(command.place, hand)
 
     async def _follow(self) -> None:
         needs = self._policies.needs

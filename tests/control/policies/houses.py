@@ -7,6 +7,7 @@ from datetime import UTC, tzinfo
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies import Facts, House
+from homebot.control.policies.hands import Hands
 from homebot.control.policies.recent_commands import RecentCommands
 from homebot.devices import Device, DevicePart, Endpoint, Fact, Freshness, State
 from homebot.devices.client_rights import LOCAL_RIGHTS, read_scope
@@ -84,4 +85,4 @@ def make_facts(*devices: Device, now: float = START, zone: tzinfo = UTC, recent:
     for device in devices:
         house.put(device)
     house.is_known = True
-    return Facts(now, now, zone, house, recent or RecentCommands())
+    return Facts(now, now, zone, house, recent or RecentCommands(), Hands())

@@ -353,3 +353,69 @@ def test_a_verb_that_is_none_is_an_error_of_the_configuration() -> None:
     with pytest.raises(ConfigError, match="'switch off lights' is no command") as raised:
         parse_settings(ControlSettings, table, "homebot.toml", "control")
     assert raised.value.key == "control.presence_guard.commands"
+
+
+async def test_a_hand_that_undoes_a_command_and_repeats_it_is_somebody(open_home: OpenHome) -> None:
+    """The lamp is as it was commanded within the last minute, but it was not all the time."""
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await leave(home)
+        lamp = await home.handle(Light, "lamp")
+        assert (await lamp.turn_on()).succeeded
+        home.later(20.0, "lamp", "on_off", False)
+        home.later(22.0, "lamp", "on_off", True)
+        await anyio.sleep(30)
+        refused = await lamp.turn_off()
+        assert isinstance(refused, Refused)
+        assert refused.reason == "somebody may be in Hall: lamp changed 8 s ago, and no command explains it"
+
+
+async def test_a_command_that_is_given_again_still_explains_what_it_did(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await leave(home)
+        lamp = await home.handle(Light, "lamp")
+        assert (await lamp.turn_on()).succeeded
+        await home.report("lamp", "on_off", False)
+        await anyio.sleep(400)
+        assert (await lamp.turn_on()).succeeded
+        for _ in range(2):
+            await anyio.sleep(65)
+            assert (await lamp.turn_on()).succeeded
+        assert (await lamp.turn_off()).succeeded
+
+
+async def test_a_hand_before_the_newest_command_is_not_forgotten(open_home: OpenHome) -> None:
+    """The lamp is as that command wanted, but somebody was at its switch a moment before."""
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await home.report("lamp", "on_off", True)
+        await leave(home)
+        lamp = await home.handle(Light, "lamp")
+        await home.report("lamp", "on_off", False)
+        await anyio.sleep(10)
+        assert (await lamp.turn_on()).succeeded
+        await anyio.sleep(10)
+        refused = await lamp.turn_off()
+        assert isinstance(refused, Refused)
+        assert refused.reason == "somebody may be in Hall: lamp changed 20 s ago, and no command explains it"
+        await anyio.sleep(300)
+        assert (await lamp.turn_off()).succeeded
+
+
+async def test_a_hand_after_a_lamp_was_dimmed_is_somebody(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await home.report("lamp", "on_off", False)
+        await leave(home)
+        lamp = await home.handle(Light, "lamp")
+
+        async def light_up(home: Home, command: Command) -> None:
+            await home.gateway.devices.report("lamp", {"on_off": True, "level": command.value.plain()})
+
+        home.behaviours["lamp"] = light_up
+        assert (await lamp.set_level(40.0)).succeeded
+        home.later(20.0, "lamp", "on_off", False)
+        home.later(25.0, "lamp", "on_off", True)
+        await anyio.sleep(30)
+        assert isinstance(await lamp.turn_off(), Refused)

@@ -6,6 +6,7 @@ import math
 from datetime import datetime, tzinfo
 from typing import NamedTuple
 
+from homebot.control.policies.hands import Hands
 from homebot.control.policies.house import House
 from homebot.control.policies.recent_commands import RecentCommands
 
@@ -21,6 +22,7 @@ class Facts(NamedTuple):
         zone: The time zone of the home; None for that of the computer.
         house: The devices that some policy needs.
         recent: The commands that were sent lately.
+        hands: The changes that no command explains.
         clock_set_at: When the computer's clock was last set, or its sleep ended, by the monotonic clock.
     """
 
@@ -29,6 +31,7 @@ class Facts(NamedTuple):
     zone: tzinfo | None
     house: House
     recent: RecentCommands
+    hands: Hands
     clock_set_at: float = -math.inf
 
     def age(self, stamp: float) -> float:

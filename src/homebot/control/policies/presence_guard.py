@@ -11,7 +11,7 @@ from homebot.control.policies.house import OCCUPANCY
 from homebot.control.policies.settings import PresenceGuardSettings
 from homebot.control.policies.verdict import FactUsed, Verdict
 
-__all__ = ["Presence", "judge_presence", "presence_in"]
+__all__ = ["Presence", "hand_at", "judge_presence", "presence_in"]
 
 Presence: TypeAlias = Literal["present", "absent", "unknown"]
 
@@ -34,7 +34,7 @@ def judge_presence(settings: PresenceGuardSettings, command: IssuedCommand, fact
         detected = f"{stayed.name} was on {facts.age(stayed.since):.0f} s ago"
         reason = f"somebody is in {room}: {detected}, and no door has been opened since"
         return Verdict(NAME, allowed=False, reason=reason, facts=(stayed,))
-    if presence != "present" and (hand := _hand(command, facts, settings.absent_after)) is not None:
+    if presence != "present" and (hand := hand_at(command, facts, settings.absent_after)) is not None:
         changed = f"{command.label} changed {facts.age(hand.since):.0f} s ago, and no command explains it"
         reason = f"somebody may be in {room}: {changed}"
         return Verdict(NAME, allowed=False, reason=reason, facts=(hand,))
@@ -62,15 +62,10 @@ def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence,
     return "absent", tuple(found)
 
 
-def _stayed(settings: PresenceGuardSettings, room: str, facts: Facts) -> FactUsed | None:
-    contacts = settings.contacts_of(room)
-    return stayed_in(room, contacts, facts, settings.absent_after) if contacts else None
-
-
-def _hand(command: IssuedCommand, facts: Facts, within: float) -> FactUsed | None:
+def hand_at(command: IssuedCommand, facts: Facts, within: float) -> FactUsed | None:
     """Return a change of the commanded part within the last seconds that no command explains: a hand at its switch.
 
-    The switch tells sooner than the motion sensor.
+    The switch tells sooner than the motion sensor. A newer command may have hidden it.
     """
     settable = [one.name for one in command.part.part.capabilities if one.settable]
     for state in command.device.states:
@@ -78,11 +73,17 @@ def _hand(command: IssuedCommand, facts: Facts, within: float) -> FactUsed | Non
             continue  # of the first value after a start it is not known since when it is so
         since, value = state.since.to_seconds(), state.value.plain()
         age = facts.age(since)
-        if age < within and not facts.recent.explain(
+        if age < within and not facts.hands.explain(
             command.place, settable, state.capability, value, facts.monotonic - age
         ):
             return FactUsed(f"{state.capability} of {command.target}", value, since)
-    return None
+    hidden = facts.hands.remembered(command.place)
+    return hidden if hidden is not None and facts.age(hidden.since) < within else None
+
+
+def _stayed(settings: PresenceGuardSettings, room: str, facts: Facts) -> FactUsed | None:
+    contacts = settings.contacts_of(room)
+    return stayed_in(room, contacts, facts, settings.absent_after) if contacts else None
 
 
 def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], facts: Facts) -> str:

@@ -4,25 +4,17 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import OrderedDict, deque
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
 from homebot.control.command import POWER, IssuedCommand
 from homebot.control.held_values import POWERS, is_on
-from homebot.control.tolerance import fits, is_intermediate
 from homebot.devices.value import PlainValue
 
 __all__ = ["RecentCommands"]
 
 _MOST_TURNS: Final = 1000
 _MOST: Final = 10_000
-
-_EFFECT: Final = 60.0
-"""Seconds after a command in which changes of its part are taken for its effect."""
-
-_LATE: Final = -2.0
-"""The same for changes before: a device may report what it did before its network says that it has the command."""
 
 _Place: TypeAlias = tuple[str, str, str]
 
@@ -95,19 +87,6 @@ class RecentCommands:
                 sent.turns.append(now)
             sent.direction = direction or sent.direction
             sent.value, sent.turned_by = value, command.id
-
-    def explain(
-        self, part: tuple[str, str], settable: Iterable[str], capability: str, value: PlainValue, at: float
-    ) -> bool:
-        """Return whether a command explains that *capability* of *part* changed to *value* at *at*.
-
-        One that was sent to it within the minute before does, unless it set that capability to another value.
-        """
-        own = self._sent.get((*part, capability))
-        if own is not None and _LATE <= at - own.at <= _EFFECT:
-            return fits(capability, own.value, value) or is_intermediate(capability, own.value, value)
-        others = (self._sent.get((*part, name)) for name in settable)
-        return any(one is not None and _LATE <= at - one.at <= _EFFECT for one in others)
 
     def last(self, command: IssuedCommand, capability: str) -> _Sending | None:
         """Return to what *capability* of the part was set last, and when, by another command than *command*."""
