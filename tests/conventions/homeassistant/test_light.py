@@ -51,6 +51,8 @@ def test_a_lamp_offers_what_its_modes_allow() -> None:
         ({**BASIC, "effect_command_topic": "b"}, ["on_off", "effect"]),
         ({**BASIC, "schema": "JSON"}, ["on_off"]),
         ({**BASIC, "schema": "json", "supported_color_modes": ["hs", "white"]}, ["on_off", "level", "color"]),
+        ({**BASIC, "schema": "json", "color_temp": True}, ["on_off", "level", "color_temperature"]),
+        ({**BASIC, "schema": "json", "rgb": True, "brightness": True}, ["on_off", "level", "color"]),
         (TEMPLATE, ["on_off"]),
         ({**TEMPLATE, "effect_list": "x"}, ["on_off", "effect"]),
     ],
@@ -238,3 +240,18 @@ def test_effects_without_a_list_are_read_and_told() -> None:
     part = lamp({**BASIC, "effect_command_topic": "a/e/set", "effect_state_topic": "a/e"})
     assert part.codec.read("a/e", b"sparkle", retained=False) == {"effect": "sparkle"}
     assert ("a/e/set", b"party") in [(one.topic, one.payload) for one in part.codec.write("effect", "party")]
+
+
+def test_a_json_lamp_of_before_there_were_lists_flags_its_modes() -> None:
+    flags = {"schema": "json", "brightness": True, "color_temp": True, "rgb": True, "xy": False}
+    part = lamp({**BASIC, **flags, "state_topic": "a"})
+    assert payload(part, "color", (120.0, 100.0)) == b'{"state":"ON","color":{"r":0,"g":255,"b":0}}'
+    assert payload(part, "color_temperature", 4000.0) == b'{"state":"ON","color_temp":250}'
+    message = b'{"state":"ON","brightness":255,"color":{"r":255,"g":0,"b":0}}'
+    reported = {"on_off": True, "level": 100.0, "color": (0.0, 100.0), "color_temperature": None}
+    assert dict(part.codec.read("a", message, retained=False)) == reported
+
+
+def test_a_basic_lamp_may_call_the_template_of_its_state_as_other_parts_do() -> None:
+    fields = {**BASIC, "state_topic": "a/STATE", "value_template": "{{ value_json.POWER }}"}
+    assert dict(lamp(fields).codec.read("a/STATE", b'{"POWER":"ON","Dimmer":30}', retained=False)) == {"on_off": True}

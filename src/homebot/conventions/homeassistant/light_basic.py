@@ -66,7 +66,10 @@ class _BasicState:
         readable = set()
 
         def add_reader(capability: str, name: str, read: Callable[[str], Readings]) -> None:
-            source = config.source(f"{name}_state_topic".lstrip("_"), f"{name or 'state'}_value_template")
+            template = f"{name or 'state'}_value_template"
+            if not name and not config.has(template):
+                template = "value_template"  # its name until 2022.2, as in the discovery of old Tasmota
+            source = config.source(f"{name}_state_topic".lstrip("_"), template)
             if source is not None and name:
                 source = source.without_payload()
             if entity.read_text_from(source, read):

@@ -75,7 +75,7 @@ def _known_kind(fields: tuple[object, ...], modes: tuple[str, ...], effects: tup
 def _new_kind(config: DiscoveryConfig, modes: tuple[str, ...], effects: tuple[str, ...]) -> _JsonLightKind:
     scale = config.integer("brightness_scale", 255, least=1)
     in_kelvin = config.flag("color_temp_kelvin")
-    supported = _listed_modes(modes) if modes else frozenset({"brightness" if config.flag("brightness") else "onoff"})
+    supported = _listed_modes(modes) if modes else _flagged_modes(config)
     lamp = LightFeatures(supported, read_white_range(config), effects, any_effect=config.flag("effect"))
     return _JsonLightKind(lamp, scale, in_kelvin)
 
@@ -86,6 +86,15 @@ def _listed_modes(options: tuple[str, ...]) -> frozenset[str]:
     if modes - _MODES or alone or ("white" in modes and not modes & CHANNELS.keys()):
         raise WireError(f"light: supported_color_modes are {shown(', '.join(sorted(modes)))}, which cannot be combined")
     return modes
+
+
+def _flagged_modes(config: DiscoveryConfig) -> frozenset[str]:
+    """Return the modes of a lamp that lists none: one flag for each, as was usual before there were lists.
+
+    Home Assistant took the flags of colours until 2025.2, and many lamps still announce nothing else.
+    """
+    colors = frozenset(filter(config.flag, _COLOR_FLAGS))
+    return colors or frozenset({"brightness" if config.flag("brightness") else "onoff"})
 
 
 def _publish(command: CommandTopic, scale: int, in_kelvin: bool, light: LightCommand) -> Publications:  # noqa: FBT001 - bound once, above
@@ -179,7 +188,9 @@ _REPORTED = frozenset({"on_off", "level", "color_temperature", "color", "effect"
 _MODES = frozenset({"onoff", "brightness", "color_temp", "white", *CHANNELS})
 _STATES: Mapping[str | None, bool | None] = {"ON": True, "OFF": False, None: None}
 _HUGE = 10**9
+_COLOR_FLAGS = ("color_temp", "hs", "rgb", "xy")
 _KIND_FIELDS = (
+    *_COLOR_FLAGS,
     "brightness",
     "brightness_scale",
     "color_temp_kelvin",
