@@ -228,7 +228,17 @@ async def test_the_log_says_who_did_what_wrong_in_plain_words(open_house: Any, f
     assert len(line["message"]) <= 300
 
 
-@pytest.mark.parametrize(("frame", "code"), [(b"\x00\x01", 1003), ('{"op": "publish", "msg": "' + "x" * 5000, 1009)])
+async def test_json_may_come_in_a_binary_frame(open_house: Any) -> None:
+    """ROS# sends its frames so."""
+    async with open_house() as house, house.peer() as peer:
+        await peer.connection.send('\n{"op": "fly", "id": "Küche"}'.encode())
+        assert (await peer.receive())["id"] == "Küche"
+
+
+@pytest.mark.parametrize(
+    ("frame", "code"),
+    [(b"\x00\x01", 1003), (b'{"op": "\xff"}', 1003), ('{"op": "publish", "msg": "' + "x" * 5000, 1009)],
+)
 async def test_a_frame_that_cannot_be_taken_ends_that_connection(
     open_house: Any, frame: str | bytes, code: int
 ) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import AsyncIterator, Callable
+from contextlib import suppress
 from dataclasses import asdict
 from functools import partial
 from http import HTTPStatus
@@ -271,17 +272,26 @@ class _LibraryLog(logging.Handler):
 
 
 async def _texts(connection: ServerConnection) -> AsyncIterator[str]:
-    """Yield the text frames of a client until it leaves; a binary frame ends the connection."""
+    """Yield the frames of a client until it leaves; a binary one ends the connection, unless it holds JSON.
+
+    The original server takes those too, and websocket-sharp, which ROS# uses, sends bytes in no other way.
+    """
     try:
         async for frame in connection:
-            if isinstance(frame, bytes):
-                await connection.close(
-                    CloseCode.UNSUPPORTED_DATA, "the rosbridge server accepts only text frames (JSON)"
-                )
+            text = frame if isinstance(frame, str) else _json_object(frame)
+            if text is None:
+                await connection.close(CloseCode.UNSUPPORTED_DATA, "the rosbridge server accepts only JSON in UTF-8")
                 return
-            yield frame
+            yield text
     except ConnectionClosed:
         return
+
+
+def _json_object(frame: bytes) -> str | None:
+    """Return the text of a binary frame; None where it cannot be that of a JSON object."""
+    with suppress(UnicodeDecodeError):
+        return frame.decode() if frame.lstrip()[:1] == b"{" else None
+    return None
 
 
 def _address_of(connection: ServerConnection) -> str:
