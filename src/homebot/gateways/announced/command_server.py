@@ -17,7 +17,7 @@ from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.base import Gateway
 from homebot.graph import Subscription
 
-__all__ = ["CommandServer", "FindPart", "Perform"]
+__all__ = ["CommandServer", "Perform"]
 
 Perform: TypeAlias = Callable[[Command], Coroutine[object, object, None]]
 """The port: carries out a command of which it returns when the network has it.

@@ -11,8 +11,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError, WrongCodeError
 from homebot.gateways.announced.announcement import AnnouncedPart
-from homebot.gateways.announced.command_server import FindPart
-from homebot.gateways.announced.quarantine import PeerQuarantine
+from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
@@ -32,24 +31,21 @@ class CommandPublisher:
     """The way from commands to publications.
 
     Args:
-        find_part: Finds who can be told.
+        engine: The mechanisms of the gateway.
         connection: Where it is published.
-        quarantine: Judges conventions that fail.
         secrets: Knows what was sent with a code.
         responses: Asks the devices for responses; None where they are not to be asked.
     """
 
     def __init__(
         self,
-        find_part: FindPart,
+        engine: GatewayEngine[MqttMessage],
         connection: MqttConnection,
-        quarantine: PeerQuarantine[MqttMessage],
         secrets: SentSecrets,
         responses: Responses | None = None,
     ) -> None:
-        self._find_part = find_part
+        self._find_part, self._quarantine = engine.find_part, engine.quarantine
         self._connection = connection
-        self._quarantine = quarantine
         self._secrets = secrets
         self._responses = responses
 

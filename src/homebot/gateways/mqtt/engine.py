@@ -119,22 +119,19 @@ class AnnouncedDevices:
         self._last_messages = LastMessageCache()
         self._taking = asyncio.Lock()  # anyio's costs as much as a tenth of an announcement
         self._missed: _Missed = []
-        self._subscriber = Subscriber(self._topics, self._registry, conventions, self.quarantine, self.counters)
+        self._subscriber = Subscriber(engine, self._topics, self._registry, conventions)
         self._announcements = AnnouncementHandler(
             gateway.node.graph.clock,
+            engine,
             self._registry,
             ReservedTopics(conventions),
-            self._reporter,
-            engine.scheduler,
-            self.quarantine,
-            self.counters,
             on_change=self._changed,
             on_removal=self._removed,
             on_question=self._subscriber.question,
         )
         self.secrets = SentSecrets()
         self.offers = Offers(gateway, publishers_of(conventions, gateway.node.name, connection), self.quarantine)
-        publisher = CommandPublisher(engine.find_part, connection, self.quarantine, self.secrets, responses)
+        publisher = CommandPublisher(engine, connection, self.secrets, responses)
         self.texts = engine.serve(publisher.perform, self, self._health, keeps_states=False)
 
     def filters(self) -> tuple[str, ...]:

@@ -12,11 +12,8 @@ from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, 
 from homebot.conventions.payload import DuplicateKeys
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import StoredAnnouncement
-from homebot.gateways.announced.counters import GatewayCounters
-from homebot.gateways.announced.quarantine import PeerQuarantine
+from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.registry import RegistryChange
-from homebot.gateways.announced.reporter import DeviceReporter
-from homebot.gateways.announced.scheduler import Scheduler
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.mqtt.message import MqttMessage
@@ -48,12 +45,9 @@ class AnnouncementHandler:
 
     Args:
         clock: Says when others should have a turn.
+        engine: The mechanisms of the gateway.
         registry: What stands.
         reserved: The topics on which no device is told anything.
-        reporter: Where it is told.
-        scheduler: Ends the grace of what was taken back.
-        quarantine: Judges those who break the rules.
-        counters: Of the gateway.
         on_change: Told of every description that was taken, after its sighting.
         on_removal: Told when one is gone.
         on_question: Told what a convention wants to ask a device.
@@ -62,12 +56,9 @@ class AnnouncementHandler:
     def __init__(
         self,
         clock: Clock,
+        engine: GatewayEngine[MqttMessage],
         registry: AnnouncementRegistry,
         reserved: ReservedTopics,
-        reporter: DeviceReporter,
-        scheduler: Scheduler,
-        quarantine: PeerQuarantine[MqttMessage],
-        counters: GatewayCounters,
         on_change: Callable[[RegistryChange], None],
         on_removal: Callable[[], None],
         on_question: Callable[[DeviceRequest], None],
@@ -75,10 +66,8 @@ class AnnouncementHandler:
         self._clock = clock
         self._registry = registry
         self._reserved = reserved
-        self._reporter = reporter
-        self._scheduler = scheduler
-        self._quarantine = quarantine
-        self._counters = counters
+        self._reporter, self._scheduler = engine.reporter, engine.scheduler
+        self._quarantine, self._counters = engine.quarantine, engine.counters
         self._on_change = on_change
         self._on_removal = on_removal
         self._on_question = on_question
@@ -115,10 +104,7 @@ class AnnouncementHandler:
             try:
                 told = convention.take(message.topic, message.payload, retained=message.retain)
                 for event in told:
-                    if isinstance(event, DeviceAnnounced):
-                        self._describe(event, message, 0)
-                    elif isinstance(event, DeviceWithdrawn):
-                        self._withdraw(convention, event)
+                    self._handle(event, convention, message, 0)
             except WireError as exc:
                 self._counters.rejected += 1
                 self._quarantine.log_limited(TEXT_REJECTED, f"not a device's message: {exc}", source=message.topic)

@@ -13,8 +13,7 @@ from homebot.conventions.convention import Convention
 from homebot.conventions.description import DeviceRequest, Publication
 from homebot.errors import HomebotError, LinkError, RefusedError
 from homebot.gateways.announced.announcement import StoredAnnouncement
-from homebot.gateways.announced.counters import GatewayCounters
-from homebot.gateways.announced.quarantine import PeerQuarantine
+from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.isolation import isolated, run_as
@@ -41,26 +40,23 @@ class Subscriber:
     """Brings the subscriptions after what the descriptions need, all of it at QoS 0.
 
     Args:
+        engine: The mechanisms of the gateway.
         topics: What is needed.
         registry: What stands.
         conventions: Whose births are published on each new link.
-        quarantine: Tells what went wrong.
-        counters: Of the gateway.
     """
 
     def __init__(
         self,
+        engine: GatewayEngine[MqttMessage],
         topics: StateTopics,
         registry: AnnouncementRegistry,
         conventions: tuple[Convention, ...],
-        quarantine: PeerQuarantine[MqttMessage],
-        counters: GatewayCounters,
     ) -> None:
         self._topics = topics
         self._registry = registry
         self._conventions = conventions
-        self._quarantine = quarantine
-        self._counters = counters
+        self._quarantine, self._counters = engine.quarantine, engine.counters
         self._needed = anyio.Event()
         self._asked = anyio.Event()
         self._asks_later: dict[Hashable, _Asks] = {}
