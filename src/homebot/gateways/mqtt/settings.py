@@ -126,28 +126,23 @@ class MqttGatewaySettings(PasswordSettings):
         Raises:
             UsageError: The password cannot be read, or the address and the settings contradict each other.
         """
-        given = {
-            "user": self.user,
-            "password": self.read_password(),
-            "ca_file": self.ca_file,
-            "cert_file": self.cert_file,
-            "key_file": self.key_file,
-            "client_id": self.client_id,
-        }
+        login = {"user": self.user, "password": self.read_password()}
+        announcements = self.max_announcement if any_announcing(self.conventions) else 0
         return MqttOptions.from_url(
             self.url,
+            ca_file=self.ca_file,
+            cert_file=self.cert_file,
+            key_file=self.key_file,
+            client_id=self.client_id,
             protocol=self.protocol,
-            maximum_packet_size=self._max_packet(),
+            maximum_packet_size=max(self.max_payload, announcements),
             session_expiry=self.session_expiry,
             receive_maximum=RECEIVE_MAXIMUM,
             inbox_messages=INBOX_MESSAGES,
             inbox_bytes=INBOX_BYTES,
             session_ends_on_close="client_id" not in self.model_fields_set,
-            **{name: value for name, value in given.items() if value is not None},
+            **{name: value for name, value in login.items() if value is not None},
         )
-
-    def _max_packet(self) -> int:
-        return max(self.max_payload, self.max_announcement) if any_announcing(self.conventions) else self.max_payload
 
     def with_client_id(self, client_id: str) -> "MqttGatewaySettings":
         """Return the same settings with another name for this run; one that the user chose stays."""
@@ -163,18 +158,13 @@ class MqttGatewaySettings(PasswordSettings):
         """
         for key in ("ca_file", "cert_file", "key_file"):
             file: Path | None = getattr(self, key)
-            if file is not None:
-                try:
-                    with file.open("rb") as opened:
-                        found = os.fstat(opened.fileno())
-                except OSError as exc:
-                    raise UsageError(f"{key}: {file} cannot be read: {exc.strerror}") from exc
-                if key == "key_file":
-                    _check_key_file(file, found)
-
-
-def _check_key_file(file: Path, found: os.stat_result) -> None:
-    try:
-        check_secret_file(file, found)
-    except UsageError as exc:
-        raise UsageError(f"key_file: {exc}") from exc
+            if file is None:
+                continue
+            try:
+                with file.open("rb") as opened:
+                    if key == "key_file":
+                        check_secret_file(file, os.fstat(opened.fileno()))
+            except OSError as exc:
+                raise UsageError(f"{key}: {file} cannot be read: {exc.strerror}") from exc
+            except UsageError as exc:
+                raise UsageError(f"{key}: {exc}") from exc
