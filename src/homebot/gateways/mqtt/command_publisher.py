@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Final
 
 from homebot.conventions.description import Publication, TakesCode
 from homebot.devices.gateway_messages import Command
-from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError, WrongCodeError
 from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.engine import GatewayEngine
@@ -61,8 +60,7 @@ class CommandPublisher:
         """
         try:
             announced_part = self._find_part(command.key, command.part)
-            value = command.value.plain()
-            publications = self._written(announced_part, command.capability, value, command.transition, command.code)
+            publications = self._written(announced_part, command)
         except WrongCodeError:
             raise  # no other way to the part is tried with a wrong code: it might ask for none
         except HomebotError as exc:
@@ -84,35 +82,29 @@ class CommandPublisher:
         if is_unheard and not reports():
             raise LinkError(f"nobody subscribes to {publications[0].topic[:100]}")
 
-    def _written(
-        self, announced_part: AnnouncedPart, capability: str, value: PlainValue, transition: float, code: str = ""
-    ) -> tuple[Publication, ...]:
-        codec = announced_part.described.codec
-        if code and not isinstance(codec, TakesCode):
-            raise RefusedError(f"{capability} of {announced_part.stored.key[:100]}", "it takes no code")
+    def _written(self, announced_part: AnnouncedPart, command: Command) -> tuple[Publication, ...]:
+        name, value, codec = command.capability, command.value.plain(), announced_part.described.codec
+        if command.code and not isinstance(codec, TakesCode):
+            raise RefusedError(f"{name} of {command.key[:100]}", "it takes no code")
         try:
-            if isinstance(codec, TakesCode) and code:
-                publications = tuple(codec.write_with_code(capability, value, code))
+            if command.code and isinstance(codec, TakesCode):
+                publications = tuple(codec.write_with_code(name, value, command.code))
             else:
-                publications = tuple(codec.write(capability, value, transition=transition))
+                publications = tuple(codec.write(name, value, transition=command.transition))
         except RefusedError:
             raise
         except BaseException as exc:  # recorded as its failure; a plug-in's fault must not be everybody's
-            self._quarantine.record_plugin_failure(
-                announced_part.stored.described.topic, announced_part.stored.described.convention, exc
-            )
-            raise RefusedError(f"{capability} of {announced_part.stored.key[:100]}", "its convention failed") from exc
+            announced = announced_part.stored.described
+            self._quarantine.record_plugin_failure(announced.topic, announced.convention, exc)
+            raise RefusedError(f"{name} of {command.key[:100]}", "its convention failed") from exc
         for one in publications:
-            self._check_topic(announced_part, one.topic)
+            validate_topic(one.topic)
+            # Only what the announcement named was held against other devices and reserved topics.
+            if one.topic not in announced_part.described.part.writes:
+                raise RefusedError(
+                    f"a command to {command.key[:100]}", f"it did not announce {one.topic} as a command topic"
+                )
         return publications
-
-    def _check_topic(self, announced_part: AnnouncedPart, topic: str) -> None:
-        """Refuse what the announcement did not name: that alone was held against other devices and reserved topics."""
-        validate_topic(topic)
-        if topic not in announced_part.described.part.writes:
-            raise RefusedError(
-                f"a command to {announced_part.stored.key[:100]}", f"it did not announce {topic} as a command topic"
-            )
 
 
 def _expiring(command: Command) -> MessageProperties:

@@ -173,7 +173,7 @@ class MqttGateway(Gateway):
             )
             if self._responses is not None:
                 await connection.subscribe(MqttSubscription(self._responses.topic, qos=1, no_local=True))
-            report = LinkReport(self, connection, self._listening_to(), (*texts, *announcements))
+            report = LinkReport(self, connection, self._settings.root or "every home", (*texts, *announcements))
             tasks.start_soon(self._receive, connection)
             for work in (report.watch, self._described.serve, self._lease.serve):
                 tasks.start_soon(run_as, self.node.full_name, work)
@@ -197,9 +197,6 @@ class MqttGateway(Gateway):
         answers = self.node.create_publisher(CommandAnswer, self.names.answers, _ANSWERS)
         topic = f"homebot/responses/{_topic_level(self._settings.client_id)}"
         return Responses(self.node.name, topic, self.node.graph.clock, answers.publish)
-
-    def _listening_to(self) -> str:
-        return self._settings.root or "every home"
 
     async def _handle(self, batch: Iterable[MqttMessage]) -> None:
         described, lease, sent = self._described, self._lease, self._described.secrets.sent
