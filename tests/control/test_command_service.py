@@ -205,6 +205,25 @@ async def test_a_sensor_refuses(open_home: OpenHome) -> None:
         assert (answer.success, answer.outcome) == (False, "refused")
 
 
+async def test_an_appliance_is_turned_on_without_its_functions(open_home: OpenHome) -> None:
+    """Faikin announces an air conditioner with switches for its powerful mode and its display."""
+    async with open_home() as home:
+        cooler = simple_part("room_air_conditioner", settable=("on_off",)).model_copy(update={"id": "ac"})
+        switches = [
+            simple_part("switch", settable=("on_off",)).model_copy(update={"id": name, "name": name.title()})
+            for name in ("powerful", "display")
+        ]
+        home.gateway.devices.put(GatewayDevice("ac", "Guest room", (cooler, *switches)), "the test says so")
+        home.behaviours["ac"] = ignore
+        for target, expected in (
+            ("Guest room", ["ac"]),
+            ("guest_room#powerful", ["powerful"]),
+            ("Powerful", ["powerful"]),
+        ):
+            answer = await command(home, target, "on")
+            assert [one.part for one in answer.results] == expected
+
+
 async def test_what_only_the_fan_can_is_not_for_its_lamp(open_home: OpenHome) -> None:
     async with open_home() as home:
         fan = simple_part("fan", settable=("on_off", "fan_speed")).model_copy(update={"id": "fan"})

@@ -177,12 +177,21 @@ class CommandService:
         return (await self._find.call(FindDevicesRequest(query=query_terms(query)))).devices
 
 
+_APPLIANCES = frozenset(
+    {"fan", "robotic_vacuum_cleaner", "room_air_conditioner", "thermostat", "water_heater"}
+    | {"x_alarm_panel", "x_humidifier", "x_lawn_mower"}
+)
+_FUNCTIONS = frozenset({"plug", "switch"})
+"""Types of the parts of an appliance that turn one of its functions on and off: its display, its powerful mode."""
+
+
 def _spoken(
     request: CommandDevicesRequest, device: Device, parts: tuple[DevicePart, ...]
 ) -> list[tuple[DevicePart, _Spoken]]:
     """Return what *request* sets at each of *parts*, or why it cannot.
 
-    Parts that cannot are left out where one of another type can: a speed is for the fan, and not for its lamp.
+    Parts that cannot are left out where one of another type can: a speed is for the fan, and not for its lamp. So are
+    the switches of an appliance that can: to turn an air conditioner on is not to turn on its powerful mode.
     """
     found: list[tuple[DevicePart, _Spoken]] = []
     for part in parts:
@@ -191,6 +200,8 @@ def _spoken(
         except RefusedError as exc:
             found.append((part, exc))
     able = {part.part.service_type for part, spoken in found if not isinstance(spoken, RefusedError)}
+    if not able.isdisjoint(_APPLIANCES):
+        able -= _FUNCTIONS
     return [one for one in found if not able or one[0].part.service_type in able]
 
 
