@@ -10,6 +10,7 @@ import anyio
 import pytest
 
 from homebot.bridges.rosbridge.outbox import Outbox
+from homebot.bridges.rosbridge.packing import PLAIN, Packing
 from homebot.bridges.turns import Turns
 from homebot.messages.json import JsonObject
 
@@ -39,6 +40,10 @@ class Topic:
     def __init__(self, name: str, count: int, outbox: Outbox) -> None:
         self.name, self.left, self._outbox = name, count, outbox
         outbox.ready(self)
+
+    @property
+    def packing(self) -> Packing:
+        return PLAIN
 
     def take(self) -> JsonObject | None:
         if not self.left:

@@ -10,6 +10,7 @@ import asyncio
 
 from homebot.bridges.rosbridge.backlog import Backlog, FeedQueue
 from homebot.bridges.rosbridge.outbox import Outbox
+from homebot.bridges.rosbridge.packing import Packing
 from homebot.bridges.rosbridge.protocol import Compression, Frame, Identifier, SubscribeOperation, publish_frame
 from homebot.graph import DurabilityPolicy, EntityKind, Graph, Node, QoSProfile, ReliabilityPolicy
 from homebot.graph.subscription import key_of
@@ -56,6 +57,13 @@ class Feed:
     def lost(self) -> int:
         """Messages dropped because the client was too slow."""
         return self._queue.lost
+
+    @property
+    def packing(self) -> Packing:
+        """The form of messages that are text, in the shortest fragments that a request of the client asks for."""
+        requests = self.requests.values()
+        sizes = [op.fragment_size for op in requests if op.fragment_size is not None and op.fragment_size > 0]
+        return Packing(any(op.compression == "png" for op in requests), min(sizes, default=0))
 
     def add(self, op: SubscribeOperation) -> None:
         """Take one more request of the client; it gets what the publishers keep for late joiners."""

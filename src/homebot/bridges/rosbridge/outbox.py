@@ -12,6 +12,7 @@ from collections import deque
 from collections.abc import Awaitable, Callable
 from typing import Protocol, final
 
+from homebot.bridges.rosbridge.packing import PLAIN, Packing
 from homebot.bridges.rosbridge.protocol import Frame, encode_frame
 from homebot.bridges.turns import Turns
 
@@ -22,6 +23,11 @@ _ANSWER_FACTOR = 4
 
 class MessageSource(Protocol):
     """A topic that has messages for the client."""
+
+    @property
+    def packing(self) -> Packing:
+        """The form in which the client wants those that are text."""
+        ...
 
     def take(self) -> Frame | bytes | None:
         """Return the next frame, in CBOR where it is bytes; None where there is none (any more)."""
@@ -47,8 +53,9 @@ class Outbox:
         self._cut = cut
         self._turns = turns
         self._limit = limit
-        self._answers: deque[str] = deque()
+        self._answers: deque[tuple[str, Packing]] = deque()
         self._waiting = 0
+        self._frames = 0
         self._sources: dict[MessageSource, None] = {}
         self._arrival: asyncio.Future[None] | None = None
         self._rooms: deque[asyncio.Future[None]] = deque()
@@ -58,13 +65,13 @@ class Outbox:
         """True if the client may be given another request to answer."""
         return self._waiting < self._limit
 
-    def answer(self, frame: Frame) -> None:
-        """Send *frame* as soon as possible."""
+    def answer(self, frame: Frame, packing: Packing = PLAIN) -> None:
+        """Send *frame* as soon as possible, as *packing* says."""
         text = encode_frame(frame)
         if self._answers and self._waiting + len(text) > _ANSWER_FACTOR * self._limit:
             self._cut()
             return
-        self._answers.append(text)
+        self._answers.append((text, packing))
         self._waiting += len(text)
         self._wake()
 
@@ -100,19 +107,28 @@ class Outbox:
 
     async def _send_message(self, source: MessageSource) -> None:
         frame = source.take()
-        if frame is not None:
-            await self._send(frame if isinstance(frame, bytes) else encode_frame(frame))
+        if isinstance(frame, bytes):
+            await self._send(frame)
+        elif frame is not None:
+            await self._send_text(encode_frame(frame), source.packing)
 
     async def _send_answer(self) -> None:
-        text = self._answers.popleft()
+        text, packing = self._answers.popleft()
         try:
-            await self._send(text)
+            await self._send_text(text, packing)
         finally:
             self._waiting -= len(text)
         while self._rooms and self.has_room:
             waiter = self._rooms.popleft()
             if not waiter.done():
                 waiter.set_result(None)
+
+    async def _send_text(self, text: str, packing: Packing) -> None:
+        self._frames += 1
+        for number, part in enumerate(packing.pack(text, f"fragment:{self._frames}")):
+            if number:
+                await self._turns.turn()
+            await self._send(part)
 
     async def _something(self) -> None:
         self._arrival = arrival = asyncio.get_running_loop().create_future()

@@ -26,6 +26,7 @@ __all__ = [
     "AuthOperation",
     "CallService",
     "Compression",
+    "Fragment",
     "Frame",
     "FrameError",
     "Identifier",
@@ -141,9 +142,9 @@ class SubscribeOperation(Operation, ops=("subscribe",)):
     Attributes:
         throttle_rate: Least milliseconds between two messages.
         queue_length: Messages that wait while throttled, the oldest dropped first; 0 drops what comes meanwhile.
-        compression: How messages should come: as JSON, in CBOR, or (``cbor-raw``) as ROS 2 writes them. This door sends
-            JSON for ``png``, which clients take as well.
-        fragment_size: Largest frame that the client wants; this door sends each message in one.
+        compression: How messages should come: as JSON, that as a PNG image, in CBOR, or (``cbor-raw``) as ROS 2 writes
+            them.
+        fragment_size: Characters of JSON above which a message should come in fragments.
     """
 
     topic: Name
@@ -161,11 +162,18 @@ class UnsubscribeOperation(Operation, ops=("unsubscribe",)):
 
 
 class CallService(Operation, ops=("call_service",)):
-    """A service call; a list of ``args`` fills the request's fields in order."""
+    """A service call; a list of ``args`` fills the request's fields in order.
+
+    Attributes:
+        compression: How the response should come: ``png``, or anything else for JSON.
+        fragment_size: As of a subscription.
+    """
 
     service: Name
     args: dict[str, Any] | list[Any] = Field(default_factory=dict)
     timeout: Seconds = 0
+    compression: str = "none"
+    fragment_size: int | None = None
 
 
 class ServiceResponse(Operation, ops=("service_response",)):
@@ -222,7 +230,20 @@ class ActionOperation(
     action: Name
 
 
-_WHOLE_FRAMES_ONLY = frozenset({"fragment", "png"})
+class Fragment(Operation, ops=("fragment",)):
+    """A part of a frame.
+
+    Attributes:
+        id: Common to all fragments of the frame.
+        data: What stands in the frame at this place.
+        num: The place, from 0 on.
+        total: How many there are; each is kept until the last one comes.
+    """
+
+    id: Id | int
+    data: str
+    num: Annotated[int, Field(ge=0)]
+    total: Annotated[int, Field(ge=1, le=1000)]
 
 
 def parse_frame(text: str) -> Operation:
@@ -246,8 +267,8 @@ def parse_frame(text: str) -> Operation:
     known_id = identifier if is_id else None
     target = next((item for key in _NAMES if isinstance(item := fields.get(key), str)), "")
     cls = _CLASSES.get(op)
-    if op in _WHOLE_FRAMES_ONLY:
-        raise FrameError(f"uses {op}, which is not supported; send each message unfragmented, as JSON", "", known_id)
+    if op == "png":
+        raise FrameError("uses png, which is not supported for what clients send; send JSON", "", known_id)
     if cls is None:
         problem = f"uses the unknown operation {op[:60]!r}; known are {', '.join(sorted(_CLASSES))}"
         raise FrameError(problem, "", known_id)

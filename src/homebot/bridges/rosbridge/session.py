@@ -15,8 +15,10 @@ from anyio.abc import TaskGroup
 
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
 from homebot.bridges.rosbridge.backlog import Backlog
+from homebot.bridges.rosbridge.frame_assembler import FrameAssembler
 from homebot.bridges.rosbridge.frame_rate import FrameRate
 from homebot.bridges.rosbridge.outbox import Outbox
+from homebot.bridges.rosbridge.packing import Packing
 from homebot.bridges.rosbridge.protocol import (
     ActionOperation,
     Advertise,
@@ -34,7 +36,6 @@ from homebot.bridges.rosbridge.protocol import (
     UnadvertiseService,
     UnsubscribeOperation,
     action_refusal,
-    parse_frame,
     service_failure,
     status_frame,
 )
@@ -85,6 +86,7 @@ class ClientSession:
         self._turns = shared.turns
         self._client = client
         self._outbox = Outbox(send, cut, shared.turns, _ANSWERS)
+        self._assembler = FrameAssembler(shared.settings.max_frame_bytes)
         self._level: Level = "error"
         self._calls = 0
         self._slowness = LogLimit(shared.node.graph.clock)
@@ -131,13 +133,15 @@ class ClientSession:
     def _handle(self, frame: str, holdings: _Holdings) -> None:
         self._shared.counters.frames += 1
         try:
-            op = parse_frame(frame)
+            op = self._assembler.read(frame)
         except FrameError as exc:
             error_text = (
                 f": {_refusal(exc.op, exc.target, exc.problem)}" if exc.op else f" sent a frame that {exc.problem}"
             )
             self._log_error(error_text, exc.op or "frame", exc.problem)
             self._answer(exc.op, exc.id, exc.target, str(exc))
+            return
+        if op is None:
             return
         try:
             self._check(op)
@@ -205,13 +209,6 @@ class ClientSession:
     def _subscribe(self, op: SubscribeOperation, holdings: _Holdings) -> None:
         if (remark := holdings.subscriptions.subscribe(op)) is not None:
             self._remark(*remark, op.id)
-        if op.compression == "png":
-            text = f"compression {op.compression} is not supported: messages of {op.topic} are sent as JSON"
-            self._remark("warning", text, op.id)
-        if op.fragment_size is not None:
-            self._remark(
-                "warning", f"fragments are not supported: each message of {op.topic} is sent unfragmented", op.id
-            )
 
     def _start_call(self, op: CallService, tasks: TaskGroup) -> None:
         if self._calls >= self._settings.max_calls:
@@ -223,7 +220,8 @@ class ClientSession:
         try:
             await self._outbox.room()
             await self._turns.turn()
-            await call_service(self._node, op, self._turns, self._access, self._outbox.answer)
+            answer = partial(self._outbox.answer, packing=Packing(op.compression == "png", op.fragment_size or 0))
+            await call_service(self._node, op, self._turns, self._access, answer)
         finally:
             self._calls -= 1
 

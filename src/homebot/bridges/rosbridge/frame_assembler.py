@@ -1,0 +1,70 @@
+"""The frames of one client, whole or in fragments. No I/O."""
+
+from __future__ import annotations
+
+from typing import Final, final
+
+from homebot.bridges.rosbridge.protocol import Fragment, FrameError, Identifier, Operation, parse_frame
+
+__all__ = ["FrameAssembler"]
+
+_MOST_OPEN: Final = 10
+
+
+@final
+class FrameAssembler:
+    """Reads operations; one that comes in fragments when its last fragment has come, in whatever order.
+
+    The fragments of ten frames may wait for others; those of one more replace those that have waited longest.
+
+    Args:
+        limit: Characters that may wait.
+    """
+
+    def __init__(self, limit: int) -> None:
+        self._limit = limit
+        self._open: dict[Identifier, _Collected] = {}
+
+    def read(self, frame: str) -> Operation | None:
+        """Return the operation that *frame* asks for; None where it is a fragment, and others are to come.
+
+        Raises:
+            FrameError: It is no operation, or a fragment that does not fit; those that came before it are forgotten.
+        """
+        op = parse_frame(frame)
+        if not isinstance(op, Fragment):
+            return op
+        whole = self._take(op)
+        if whole is None:
+            return None
+        op = parse_frame(whole)
+        if isinstance(op, Fragment):
+            raise FrameError("a fragment cannot be made of fragments", op.op, op.id)
+        return op
+
+    def _take(self, fragment: Fragment) -> str | None:
+        collected = self._open.pop(fragment.id, None) or _Collected(fragment.total)
+        if fragment.total != collected.total or fragment.num >= fragment.total:
+            raise FrameError(f"number {fragment.num} of {fragment.total} does not fit", fragment.op, fragment.id)
+        collected.add(fragment)
+        if collected.size + sum(one.size for one in self._open.values()) > self._limit:
+            raise FrameError(f"the fragments have more than {self._limit:,} characters", fragment.op, fragment.id)
+        if len(collected.parts) == collected.total:
+            return "".join(part for _, part in sorted(collected.parts.items()))
+        self._open[fragment.id] = collected
+        if len(self._open) > _MOST_OPEN:
+            del self._open[next(iter(self._open))]
+        return None
+
+
+class _Collected:
+    """The fragments of one frame so far."""
+
+    def __init__(self, total: int) -> None:
+        self.total = total
+        self.size = 0
+        self.parts: dict[int, str] = {}
+
+    def add(self, fragment: Fragment) -> None:
+        self.size += len(fragment.data) - len(self.parts.get(fragment.num, ""))
+        self.parts[fragment.num] = fragment.data

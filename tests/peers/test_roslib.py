@@ -1,0 +1,44 @@
+"""roslib, the library of web pages, at the door: topics in every form it reads, and services both ways."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+import anyio
+import pytest
+from tests.bridges.conftest import OpenHouse, open_house
+from tests.peers.node_package import node_folder
+
+from homebot.graph import qos_profile_latched
+from homebot.messages import SetBool, String
+from homebot.messages.std_srvs import SetBoolResponse
+
+__all__ = ["open_house"]
+
+
+@pytest.fixture(scope="session")
+def roslib() -> Path:
+    """Return the folder of its program."""
+    return node_folder(Path(__file__).parent / "roslib")
+
+
+@pytest.mark.parametrize("version", ["1", "2"])
+async def test_roslib_reads_publishes_calls_and_serves(roslib: Path, open_house: OpenHouse, version: str) -> None:
+    async with open_house() as house, house.node("lamp") as lamp:
+        state = "Küche: " + "on " * 40
+        lamp.create_publisher(String, "/state", qos_profile_latched).publish(String(data=state))
+        echoed = lamp.create_publisher(String, "/echoed")
+        lamp.create_subscription(String, "/hello", lambda heard: echoed.publish(String(data=f"you said {heard.data}")))
+        lamp.create_service(SetBool, "/switch", lambda asked: SetBoolResponse(success=asked.data, message="done"))
+        with anyio.fail_after(60):
+            done = await anyio.run_process(
+                ["node", "client.mjs", version, str(house.door.port)], cwd=roslib, check=False, stderr=subprocess.PIPE
+            )
+    assert done.returncode == 0, done.stderr.decode()[-2000:]
+    told = json.loads(done.stdout.decode().strip().splitlines()[-1])
+    forms = ["none", "png", "cbor"] + ["fragments"] * (version == "2")
+    assert told.pop("latched") == dict.fromkeys(forms, state)
+    assert told.pop("absent").startswith("service /nobody has no server now")
+    assert told == {"echoed": "you said hi", "called": "done", "served": "served by roslib"}
