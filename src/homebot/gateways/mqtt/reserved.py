@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from functools import lru_cache
 from typing import NamedTuple
 
 from homebot.conventions.convention import Convention, ReservingConvention, TextConvention
@@ -20,12 +19,6 @@ __all__ = ["ReservedTopics"]
 
 OWN = "homebot"
 _BRIDGE_REQUEST = "/bridge/request/"
-
-_CACHED = 1024
-"""Topics whose reason is kept: devices get commands on the same ones again and again."""
-
-_LONGEST_CACHED = 256
-"""Characters; longer topics are looked at each time, so that strangers' announcements cannot fill the memory."""
 
 
 class _Rule(NamedTuple):
@@ -43,7 +36,6 @@ class ReservedTopics:
     """
 
     def __init__(self, conventions: Iterable[Convention]) -> None:
-        self._known_why = lru_cache(_CACHED)(self._why)
         self._rules: FilterIndex[_Rule | TextConvention] = FilterIndex()
         for one in conventions:
             if isinstance(one, TextConvention):
@@ -60,7 +52,19 @@ class ReservedTopics:
 
     def why(self, topic: str, convention: str = "") -> str:
         """Return why no device of *convention* may take commands on *topic*; empty where that is not reserved."""
-        return (self._known_why if len(topic) <= _LONGEST_CACHED else self._why)(topic, convention)
+        if topic.startswith("$"):
+            return "it belongs to the broker"
+        if topic == OWN or topic.startswith(f"{OWN}/"):
+            return "it belongs to homebot"
+        if _BRIDGE_REQUEST in topic:
+            return "it is reserved for requests to a bridge"
+        why = ""
+        for rule in self._rules.match(topic):
+            if not isinstance(rule, _Rule):
+                why = "another device publishes there" if _is_state_topic(rule, topic) else why
+            elif not convention or rule.free_for != convention:
+                return rule.why
+        return why
 
     def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:
         """Return *described* without what is to be told on reserved topics, and these topics with the reasons.
@@ -77,24 +81,9 @@ class ReservedTopics:
         parts = tuple([self._part(convention, part, refused) for part in described.parts])
         return replace(described, parts=parts), tuple(f"{topic}: {why}" for topic, why in refused.items())
 
-    def _why(self, topic: str, convention: str) -> str:
-        if topic.startswith("$"):
-            return "it belongs to the broker"
-        if topic == OWN or topic.startswith(f"{OWN}/"):
-            return "it belongs to homebot"
-        if _BRIDGE_REQUEST in topic:
-            return "it is reserved for requests to a bridge"
-        why = ""
-        for rule in self._rules.match(topic):
-            if not isinstance(rule, _Rule):
-                why = "another device publishes there" if _is_state_topic(rule, topic) else why
-            elif not convention or rule.free_for != convention:
-                return rule.why
-        return why
-
     def _has_reserved(self, convention: str, described: DescribedPart) -> bool:
         for topic in described.part.writes:
-            if self._why(topic, convention):  # each topic comes once here, so that nothing is gained by keeping it
+            if self.why(topic, convention):
                 return True
         asks = described.state_requests
         return bool(asks) and any(self.why(ask.topic, convention) for ask in asks)
