@@ -68,10 +68,8 @@ class AnnouncedDevices:
         responses: Asks devices for responses to commands; None where they are not to be asked.
 
     Attributes:
-        codecs: How parts say text, by the topics on which they are told.
         counters: What the gateway did.
         offers: What homebot itself offers to others.
-        lease: Says whether another homebot acts instead.
         read_text: Takes a message as the text that a part says by itself.
         route: Returns who reads a topic; None for nobody.
         secrets: Knows what was sent with a code.
@@ -93,8 +91,8 @@ class AnnouncedDevices:
         responses: Responses | None = None,
     ) -> None:
         self._responses = responses
-        self.lease = lease
-        self.conventions = conventions
+        self._lease = lease
+        self._conventions = conventions
         self._owner = gateway.node.full_name
         self._connection = connection
         self._topics = StateTopics(self.filters(), self.text_filters())
@@ -114,7 +112,6 @@ class AnnouncedDevices:
         self._spare_memory = SpareMemory(engine.scheduler)
         self.tick = self._reporter.refresh_time
         self.route = self._registry.route
-        self.codecs = self._registry.codecs
         self.read_text = self._states.read_text
         self._last_messages = LastMessageCache()
         self._taking = asyncio.Lock()  # anyio's costs as much as a tenth of an announcement
@@ -136,12 +133,12 @@ class AnnouncedDevices:
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of all announcements."""
-        found = (one for one in self.conventions if not isinstance(one, TextConvention))
+        found = (one for one in self._conventions if not isinstance(one, TextConvention))
         return tuple(dict.fromkeys(one for convention in found for one in convention.filters()))
 
     def text_filters(self) -> tuple[str, ...]:
         """Return the filters of all that devices say as text."""
-        found = (one for one in self.conventions if isinstance(one, TextConvention))
+        found = (one for one in self._conventions if isinstance(one, TextConvention))
         return tuple(dict.fromkeys(one for convention in found for one in convention.filters()))
 
     async def serve(self) -> None:
@@ -251,7 +248,7 @@ class AnnouncedDevices:
             LinkError: There is no link.
         """
         address, payload = command.address, command.payload.encode()
-        codec = self.codecs.get(address)
+        codec = self._registry.codecs.get(address)
         if codec is not None:
             codec.expect(payload)
         route = self.route(address)
@@ -371,9 +368,9 @@ class AnnouncedDevices:
             "dropped_malformed": lost.dropped_malformed,
             **({} if self._responses is None else asdict(self._responses.counters)),
         }
-        troubled = (one for one in self.conventions if isinstance(one, ProblemReportingConvention))
+        troubled = (one for one in self._conventions if isinstance(one, ProblemReportingConvention))
         troubles = tuple(trouble for one in troubled for trouble in one.problems())
-        rivals = (self.lease.trouble,) if self.lease.trouble else ()
+        rivals = (self._lease.trouble,) if self._lease.trouble else ()
         return HealthResponse(
             counts=Count.each(counts),
             troubles=(*rivals, *troubles),

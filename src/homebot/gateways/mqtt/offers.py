@@ -59,10 +59,6 @@ class Offers:
         if self._publishers:
             self._exposed = ExposedDevices(gateway, self._show, self._tell, quarantine.log_limited)
 
-    def filters(self) -> tuple[str, ...]:
-        """Return where commands come."""
-        return tuple(one for publisher in self._publishers for one in publisher.filters())
-
     def is_own_topic(self, topic: str) -> bool:
         """Return whether what comes on *topic* is our own, and no device."""
         return any(publisher.is_own_topic(topic) for publisher in self._publishers)
@@ -87,7 +83,8 @@ class Offers:
         """Publish until cancelled."""
         if self._exposed is None:
             return
-        await connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in self.filters()))
+        filters = (one for publisher in self._publishers for one in publisher.filters())
+        await connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in filters))
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(run_as, self._node.full_name, partial(self._publish, connection))
             tasks.start_soon(run_as, self._node.full_name, partial(self._publish_anew, connection, self._exposed))
