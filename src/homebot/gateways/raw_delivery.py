@@ -102,10 +102,6 @@ class RawDelivery:
             asker.addresses.add(address)
         return publisher
 
-    def of(self, address: str) -> list[Publisher[RawMessage]]:
-        """Return who gets what is said on *address*; the same list until :meth:`tidy`, so that it can be kept."""
-        return self._by_address[address]
-
     def has_listeners(self, address: str) -> bool:
         """Return whether anybody gets what is said on *address* at this moment."""
         return bool(self._by_address.get(address))
@@ -115,7 +111,7 @@ class RawDelivery:
         return tuple(self._by_address.get(address, ()))
 
     def tidy(self, address: str) -> None:
-        """Forget *address* if nobody listens to it; for an address whose list nobody keeps."""
+        """Forget *address* if nobody listens to it."""
         if not self._by_address.get(address, True):
             del self._by_address[address]
 

@@ -17,8 +17,6 @@ def test_the_last_word_is_kept() -> None:
     keep(words, "a", b"1")
     keep(words, "a", b"2")
     assert words.get("a") == word(b"2")
-    words.forget("a")
-    assert words.get("a") is None
 
 
 def test_what_was_replaced_the_longest_ago_goes_first() -> None:

@@ -64,10 +64,6 @@ class DeferredMessages(Generic[MessageT]):
     def __bool__(self) -> bool:
         return bool(self._sources)
 
-    def waits_for(self, payer: str) -> bool:
-        """Return whether a message waits for the budget of *payer*."""
-        return payer in self._own or payer in self._shared
-
     def add(self, message: MessageT, source: str, length: int, payer: str, *, is_like: bool) -> None:
         """Let *message* wait for the budget of *payer*.
 

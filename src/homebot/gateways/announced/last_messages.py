@@ -58,9 +58,3 @@ class LastMessageCache:
         """Return the last word on *topic*, or None."""
         word = self._kept.get(topic)
         return None if word is None else CachedMessage(*word)
-
-    def forget(self, topic: str) -> None:
-        """Remember nothing of *topic*."""
-        word = self._kept.pop(topic, None)
-        if word is not None:
-            self._total -= len(word[0]) + len(topic)

@@ -12,7 +12,7 @@ from homebot.gateways.announced.announcement import SightingKind, StoredAnnounce
 from homebot.gateways.base import Gateway
 from homebot.messages import Time
 
-__all__ = ["REFRESH", "DeviceReporter", "stamps"]
+__all__ = ["REFRESH", "DeviceReporter"]
 
 REFRESH = 1.0
 """Seconds between two sightings of a device that keeps talking: `last_seen` is exact to this much."""
@@ -20,19 +20,9 @@ REFRESH = 1.0
 _EVENTS = 1000
 """Events of one gateway that a reader may have unread; it loses those that are older, and counts them."""
 
-
 _LAST = NEVER.to_seconds()
 
 _report_of, _stamp_of = Report.of_checked, Time.from_seconds  # looked up once, as `of_checked` says
-
-
-def stamps(seconds: float, stale_after: float) -> tuple[Time, Time]:
-    """Return *seconds* since the Unix epoch, and when who was seen then counts as stale.
-
-    The two are as far apart as they should be also where a clock was set beyond what a stamp can say.
-    """
-    at = max(0.0, min(seconds, _LAST - stale_after))
-    return Time.from_seconds(at), Time.from_seconds(min(at + stale_after, _LAST))
 
 
 class DeviceReporter:
