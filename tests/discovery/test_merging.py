@@ -55,6 +55,26 @@ def test_the_entities_of_one_device_are_one_device_told_of_once(
     assert device.evidence == ()
 
 
+@pytest.mark.parametrize(
+    ("types", "expected"),
+    [
+        (("switch", "temperature_sensor", "room_air_conditioner"), "room_air_conditioner"),
+        (("temperature_sensor", "switch", "x_humidifier"), "x_humidifier"),
+        (("occupancy_sensor", "light", "door_lock", "closure"), "closure"),
+        (("occupancy_sensor", "switch", "camera"), "camera"),
+        (("temperature_sensor", "smoke_co_alarm"), "smoke_co_alarm"),
+        (("electrical_meter", "temperature_sensor", "plug"), "plug"),
+    ],
+)
+def test_a_device_is_of_the_type_that_it_is_there_for(
+    index: DeviceIndex, announce: Announce, part: MakePart, types: tuple[str, ...], expected: str
+) -> None:
+    parts = [part(one, "on_off", id=one, writes=(one,)) for one in types]
+    (change,) = after(index, announce("device/a", *parts, ids=(MAC,)))
+    assert change.device.service_type == expected
+    assert change.device.endpoints[0].command_address == f"words:homeassistant:device/a#{expected}"
+
+
 def test_a_device_that_is_described_anew_before_it_was_told_of_was_announced(
     index: DeviceIndex, announce: Announce, part: MakePart
 ) -> None:

@@ -27,16 +27,14 @@ class DeviceType(NamedTuple):
 
 
 _TYPES = (
+    DeviceType("closure", (0x0230,), ("opener", "gate", "garage door", "door", "window", "damper")),
+    DeviceType("door_lock", (0x000A,), ("lock",)),
     DeviceType("light", (0x0100, 0x0101, 0x010C, 0x010D), ("lamp", "bulb", "luminaire", "lighting")),
-    DeviceType("plug", (0x010A, 0x010B), ("outlet", "socket", "smart plug")),
-    DeviceType("switch", (0x010F, 0x0110), ("relay",)),
     DeviceType(
         "window_covering",
         (0x0202,),
         ("cover", "covering", "blind", "shade", "shutter", "curtain", "awning", "roller", "window"),
     ),
-    DeviceType("closure", (0x0230,), ("opener", "gate", "garage door", "door", "window", "damper")),
-    DeviceType("door_lock", (0x000A,), ("lock",)),
     DeviceType("thermostat", (0x0301,), ("climate", "heating", "radiator", "radiator valve", "trv")),
     DeviceType("room_air_conditioner", (0x0072, 0x0309), ("air conditioner", "ac", "climate", "heat pump")),
     DeviceType("fan", (0x002B, 0x002D, 0x007A), ("air purifier", "extractor hood", "ventilator")),
@@ -44,28 +42,30 @@ _TYPES = (
     DeviceType("robotic_vacuum_cleaner", (0x0074,), ("vacuum", "vacuum cleaner", "robot vacuum")),
     DeviceType("water_heater", (0x050F,), ("boiler",)),
     DeviceType("pump", (0x0303,)),
+    DeviceType("x_humidifier", (), ("humidifier", "dehumidifier")),
+    DeviceType("x_lawn_mower", (), ("mower", "lawn mower")),
+    DeviceType("x_alarm_panel", (), ("alarm", "alarm panel")),
+    DeviceType("camera", (0x0142,)),
+    DeviceType("siren", (0x0146,), ("chime", "alarm siren")),
+    DeviceType("plug", (0x010A, 0x010B), ("outlet", "socket", "smart plug")),
+    DeviceType("switch", (0x010F, 0x0110), ("relay",)),
     DeviceType("contact_sensor", (0x0015,), ("contact", "opening sensor", "door", "window", "garage door")),
     DeviceType("occupancy_sensor", (0x0107,), ("motion", "occupancy", "presence", "motion sensor", "presence sensor")),
+    DeviceType("smoke_co_alarm", (0x0076,), ("smoke", "smoke alarm", "smoke detector", "co alarm")),
+    DeviceType("water_leak_detector", (0x0043,), ("leak", "water leak", "flood", "leak sensor")),
+    DeviceType("rain_sensor", (0x0044,), ("rain",)),
+    DeviceType("water_freeze_detector", (0x0041,), ("freeze",)),
+    DeviceType("air_quality_sensor", (0x002C,), ("air quality",)),
+    DeviceType("soil_sensor", (0x0045,), ("soil",)),
     DeviceType("temperature_sensor", (0x0302,), ("temperature", "thermometer")),
     DeviceType("humidity_sensor", (0x0307,), ("humidity", "hygrometer")),
     DeviceType("light_sensor", (0x0106,), ("illuminance", "light level", "lux")),
     DeviceType("pressure_sensor", (0x0305,), ("pressure", "barometer")),
     DeviceType("flow_sensor", (0x0306,), ("flow",)),
-    DeviceType("air_quality_sensor", (0x002C,), ("air quality",)),
-    DeviceType("soil_sensor", (0x0045,), ("soil",)),
-    DeviceType("smoke_co_alarm", (0x0076,), ("smoke", "smoke alarm", "smoke detector", "co alarm")),
-    DeviceType("water_leak_detector", (0x0043,), ("leak", "water leak", "flood", "leak sensor")),
-    DeviceType("rain_sensor", (0x0044,), ("rain",)),
-    DeviceType("water_freeze_detector", (0x0041,), ("freeze",)),
     DeviceType("generic_switch", (0x000F, 0x0148), ("button", "remote", "doorbell")),
     DeviceType("electrical_meter", (0x0514, 0x0510), ("power meter", "energy meter", "meter")),
-    DeviceType("camera", (0x0142,)),
-    DeviceType("siren", (0x0146,), ("chime", "alarm siren")),
     DeviceType("speaker", (0x0022,), ("loudspeaker",)),
     DeviceType("video_player", (0x0028,), ("tv", "television")),
-    DeviceType("x_humidifier", (), ("humidifier", "dehumidifier")),
-    DeviceType("x_lawn_mower", (), ("mower", "lawn mower")),
-    DeviceType("x_alarm_panel", (), ("alarm", "alarm panel")),
     DeviceType("x_scene", (), ("scene",)),
     DeviceType("x_robot", (), ("robot",)),
     DeviceType("x_tracker", (), ("tracker", "device tracker")),
@@ -80,7 +80,10 @@ _TYPES = (
 )
 
 DEVICE_TYPES: Mapping[str, DeviceType] = MappingProxyType({one.name: one for one in _TYPES})
-"""Every device type by name."""
+"""Every device type by name; the sooner a type comes, the rather is a device with such a part of this type.
+
+A garage door has a lamp, and an air conditioner switches for its functions and a thermometer.
+"""
 
 CAN_HURT = frozenset(
     {
