@@ -48,6 +48,28 @@ async def test_an_existing_topic_need_not_be_advertised(open_house: Any) -> None
         assert await subscription.receive() == String(data="hi")
 
 
+async def test_what_a_message_lacks_is_zero_or_empty_and_told_as_a_warning(open_house: Any) -> None:
+    """As ROSBRIDGE_PROTOCOL.md has it, section 3.2.3."""
+    async with open_house() as house, house.peer() as peer:
+        subscription = house.node("listener").create_subscription(RawMessage, "/raw")
+        await peer.send("set_level", level="warning")
+        await peer.send("publish", id="p", topic="/raw", msg={"key": "k", "received_at": {"secs": 5}})
+        remark = await peer.receive()
+        assert (remark["op"], remark["level"], remark["id"]) == ("status", "warning", "p")
+        assert "lacks gateway, address, payload, retained, received_at.nanosec, which" in remark["msg"]
+        assert await subscription.receive() == RawMessage(
+            gateway="", key="k", address="", payload=b"", retained=False, received_at=Time(sec=5, nanosec=0)
+        )
+
+
+async def test_a_message_on_a_topic_of_homebot_must_be_whole(open_house: Any) -> None:
+    """Nothing is sent to a device that nobody wrote."""
+    async with open_house(DoorSettings(port=0, scope=("raw",))) as house, house.peer() as peer:
+        house.node("gateway").create_subscription(String, "/gateway/g/out")
+        await peer.send("publish", topic="/gateway/g/out", msg={})
+        assert "field 'data' is missing" in (await peer.receive())["msg"]
+
+
 async def test_a_latched_message_waits_for_a_late_client(open_house: Any) -> None:
     async with open_house() as house, house.peer() as early, house.peer() as late:
         await early.send("advertise", topic="/state", type="std_msgs/String", latch=True)

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from homebot.bridges.rosbridge.access import ClientAccess
+from homebot.bridges.rosbridge.access import ClientAccess, right_to_publish
 from homebot.bridges.rosbridge.protocol import Advertise, Identifier, PublishOperation, Unadvertise
-from homebot.bridges.rosbridge.types import message_from_client, message_type_of_topic
-from homebot.errors import PeerError
+from homebot.bridges.rosbridge.types import (
+    message_from_client,
+    message_type_of_topic,
+    partial_message_from_client,
+)
+from homebot.devices.client_rights import Right
+from homebot.errors import PeerError, TypeMismatchError
 from homebot.graph import DurabilityPolicy, Node, Publisher, QoSProfile, qos_profile_latched
 from homebot.messages.message import Message
 
@@ -72,8 +77,10 @@ class Publications:
         if op.id is None or not publication.ids:
             self._close(op.topic)
 
-    def publish(self, op: PublishOperation) -> None:
-        """Publish a message; a topic that exists need not be advertised.
+    def publish(self, op: PublishOperation) -> tuple[str, ...]:
+        """Publish a message, and return the fields that it lacked; a topic that exists need not be advertised.
+
+        On homebot's own topics a message has to have all fields.
 
         Raises:
             TypeMismatchError: The message does not fit the topic.
@@ -81,11 +88,13 @@ class Publications:
         """
         publication = self._topics.get(op.topic)
         if publication is not None:
-            publication.publisher.publish(self._message(publication.message_type, op))
-            return
-        message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), "")
-        message = self._message(message_type, op)
-        self._open(op.topic, "", latched=op.latch).publisher.publish(message)
+            message, missing = self._message(publication.message_type, op)
+        else:
+            message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), "")
+            message, missing = self._message(message_type, op)
+            publication = self._open(op.topic, "", latched=op.latch)
+        publication.publisher.publish(message)
+        return missing
 
     def close_one(self) -> bool:
         """Give one topic up; return whether there was one."""
@@ -94,8 +103,14 @@ class Publications:
         self._close(next(reversed(self._topics)))
         return True
 
-    def _message(self, message_type: type[Message], op: PublishOperation) -> Message:
-        return message_from_client(message_type, self._access.stamped(message_type, op.msg))
+    def _message(self, message_type: type[Message], op: PublishOperation) -> tuple[Message, tuple[str, ...]]:
+        values = self._access.stamped(message_type, op.msg)
+        try:
+            return message_from_client(message_type, values), ()
+        except TypeMismatchError:
+            if right_to_publish(self._node.resolve_name(op.topic)) is Right.RAW:
+                raise
+        return partial_message_from_client(message_type, values)
 
     def _close(self, topic: str) -> None:
         publication = self._topics.pop(topic)

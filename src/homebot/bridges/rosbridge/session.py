@@ -174,7 +174,9 @@ class ClientSession:
             case PublishOperation():
                 if op.topic not in holdings.publications:
                     self._check_room(holdings)
-                holdings.publications.publish(op)
+                if missing := holdings.publications.publish(op):
+                    text = f"the message on {op.topic} lacks {', '.join(missing)}, which were taken for zero or empty"
+                    self._remark("warning", text, op.id)
             case CallService():
                 self._start_call(op, holdings.tasks)
             case ServiceResponse():

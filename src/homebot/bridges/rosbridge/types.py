@@ -11,6 +11,7 @@ from functools import lru_cache
 from typing import Any
 
 from homebot import devices
+from homebot.bridges.rosbridge.partial_messages import completed
 from homebot.errors import PeerError, TypeMismatchError
 from homebot.graph import Graph
 from homebot.messages.builtin_interfaces import Duration, Time
@@ -23,6 +24,7 @@ __all__ = [
     "find_service_type",
     "message_from_client",
     "message_type_of_topic",
+    "partial_message_from_client",
     "same_type",
     "service_type_of",
 ]
@@ -168,6 +170,18 @@ def message_from_client(message_type: type[Message], value: Mapping[str, object]
         TypeMismatchError: A field is missing, unknown, or of another type; the message names it and its value.
     """
     return message_from_json(message_type, _in_ros2(message_type, value))
+
+
+def partial_message_from_client(
+    message_type: type[Message], value: Mapping[str, object]
+) -> tuple[Message, tuple[str, ...]]:
+    """Return the message that the JSON object *value* spells in part, and the names of the fields that it lacks.
+
+    Raises:
+        TypeMismatchError: A field is unknown, of another type, or cannot be zero; the message names it and its value.
+    """
+    whole, missing = completed(message_type, _in_ros2(message_type, value))
+    return message_from_json(message_type, whole), missing
 
 
 def _in_ros2(message_type: type[Message], value: Mapping[str, object]) -> dict[str, object]:

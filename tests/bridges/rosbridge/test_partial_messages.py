@@ -1,0 +1,80 @@
+"""What a message lacks: zero, false or empty, at any depth."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated
+
+import pytest
+from pydantic import Field
+
+from homebot.bridges.rosbridge.partial_messages import completed
+from homebot.bridges.rosbridge.types import partial_message_from_client
+from homebot.errors import TypeMismatchError
+from homebot.messages import message as fields
+from homebot.messages.message import Message
+
+
+class Mode(StrEnum):
+    ECO = "eco"
+
+
+class Vector(Message, ros_type="test_msgs/msg/Vector"):
+    """Two numbers."""
+
+    x: float
+    y: fields.Float32
+
+
+class Twist(Message, ros_type="test_msgs/msg/Twist"):
+    """A message of each kind of field."""
+
+    linear: Vector
+    path: tuple[Vector, ...]
+    covariance: Annotated[tuple[float, ...], Field(min_length=3, max_length=3)]
+    raw: bytes
+    is_fast: bool
+    frame: str
+    steps: fields.UInt8 = 7
+
+
+class Choice(Message, ros_type="test_msgs/msg/Choice"):
+    """A text of an enumeration."""
+
+    mode: Mode
+
+
+def test_nothing_at_all_is_a_message_of_zeros() -> None:
+    message, missing = partial_message_from_client(Twist, {})
+    assert missing == ("linear", "path", "covariance", "raw", "is_fast", "frame")
+    assert message == Twist(
+        linear=Vector(x=0.0, y=0.0), path=(), covariance=(0.0, 0.0, 0.0), raw=b"", is_fast=False, frame=""
+    )
+
+
+def test_messages_inside_are_completed_too() -> None:
+    whole = {"covariance": [1.0] * 3, "raw": "", "is_fast": True, "frame": "map"}
+    message, missing = partial_message_from_client(Twist, whole | {"linear": {"x": 2}, "path": [{"y": 1}, {"x": 3}]})
+    assert missing == ("linear.y", "path.x", "path.y")
+    assert message.model_dump()["linear"] == {"x": 2.0, "y": 0.0}
+    assert message.model_dump()["path"] == ({"x": 0.0, "y": 1.0}, {"x": 3.0, "y": 0.0})
+
+
+def test_what_is_there_stays_as_it_is() -> None:
+    values: dict[str, object] = {"linear": 5, "path": [5], "covariance": None, "more": 1}
+    whole, missing = completed(Twist, values)
+    assert {name: whole[name] for name in values} == values
+    assert missing == ("raw", "is_fast", "frame")
+
+
+@pytest.mark.parametrize(
+    ("message_type", "values", "problem"),
+    [
+        (Twist, {"lineal": {"x": 1}}, "field 'lineal' is unknown"),
+        (Twist, {"linear": {"x": "1"}}, "field 'linear.x': input should be a valid number"),
+        (Choice, {}, "field 'mode' is missing"),
+    ],
+)
+def test_what_does_not_fit_is_refused(message_type: type[Message], values: dict[str, object], problem: str) -> None:
+    with pytest.raises(TypeMismatchError, match=problem):
+        partial_message_from_client(message_type, values)
