@@ -16,7 +16,6 @@ from anyio.abc import TaskGroup
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
 from homebot.bridges.rosbridge.backlog import Backlog
 from homebot.bridges.rosbridge.frame_assembler import FrameAssembler
-from homebot.bridges.rosbridge.frame_rate import FrameRate
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.packing import Packing
 from homebot.bridges.rosbridge.protocol import (
@@ -47,6 +46,7 @@ from homebot.bridges.turns import Turns
 from homebot.devices.client_rights import Right
 from homebot.errors import HomebotError, LinkError, PeerError
 from homebot.log import LogLimit
+from homebot.rate_limit import RateLimit
 
 __all__ = ["ClientSession"]
 
@@ -121,7 +121,8 @@ class ClientSession:
     async def _read(self, frames: AsyncIterator[str], holdings: _Holdings) -> None:
         """Handle one frame after the other, no faster than the client may send and takes its answers."""
         now = self._node.graph.clock.monotonic
-        rate = FrameRate(self._settings.max_frames_per_second, now())
+        most = self._settings.max_frames_per_second
+        rate = RateLimit(most, at_once=most)
         async for frame in frames:
             if wait := rate.take(now()):
                 self._report_slow()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from homebot.gateways.ble.known_device import KnownDevice
+from homebot.rate_limit import RateLimit
 
 __all__ = ["Newcomers", "find_dispensable"]
 
@@ -19,20 +20,15 @@ SETTLED_AFTER = 60.0
 class Newcomers:
     """The rate limit for new devices: 200 at once, then five a second."""
 
-    def __init__(self, now: float) -> None:
+    def __init__(self) -> None:
         self.refused = 0
-        self._left = float(BURST)
-        self._at = now
+        self._limit = RateLimit(RATE, BURST)
 
     def admits(self, now: float) -> bool:
         """Return whether one more device may be accepted now."""
-        self._left = min(float(BURST), self._left + (now - self._at) * RATE)
-        self._at = now
-        if self._left < 1:
-            self.refused += 1
-            return False
-        self._left -= 1
-        return True
+        is_admitted = self._limit.admits(now)
+        self.refused += not is_admitted
+        return is_admitted
 
 
 def find_dispensable(devices: Iterable[KnownDevice]) -> KnownDevice | None:

@@ -87,7 +87,7 @@ class BleGateway(Gateway):
         self._known: dict[str, KnownDevice] = {}
         self._keys: dict[str, str] = {}
         self._put_at: dict[str, float] = {}
-        self._newcomers = Newcomers(clock.monotonic())
+        self._newcomers = Newcomers()
         self._connections: Connections | None = None
         self._restart = anyio.Event()
         self._listens_since: float | None = None

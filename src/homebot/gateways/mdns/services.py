@@ -20,6 +20,7 @@ from homebot.clock import Clock
 from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.gateways.mdns.network import ResolvedService, ServiceNetwork, ServiceNews
 from homebot.isolation import isolated
+from homebot.rate_limit import RateLimit
 
 __all__ = ["ServiceHandler", "Services"]
 
@@ -32,8 +33,8 @@ SHORTEST = 5.0
 GRACE = 0.5
 """Seconds added to the time to live, so that the record has certainly expired."""
 
-MAX_BUDGETS = 1000
-"""Removed services whose change budgets are remembered; the oldest is forgotten."""
+MAX_REMEMBERED = 1000
+"""Removed services whose changes are remembered; the oldest is forgotten."""
 
 MAX_ASKED = 32
 """Services that are queried at the same time."""
@@ -86,27 +87,13 @@ class ServiceHandler(Protocol):
         """Count a delayed change of a service that changes too often."""
 
 
-@dataclass(slots=True)
-class _ChangeBudget:
-    """Budget of changes of one service."""
-
-    left: float = CHANGES_AT_ONCE
-    since: float = 0.0
-
-    def spend(self, now: float) -> float:
-        """Take one change; return the seconds to wait for it."""
-        self.left = min(CHANGES_AT_ONCE, self.left + (now - self.since) / CHANGE_EVERY)
-        self.left, self.since = max(-1.0, self.left - 1.0), now
-        return max(0.0, -self.left * CHANGE_EVERY)
-
-
 @dataclass(eq=False, slots=True)
 class _Followed:
     service_type: str
     name: str
     tries: int = 1
     has_answered: bool = False
-    budget: _ChangeBudget = field(default_factory=_ChangeBudget)
+    changes: RateLimit = field(default_factory=lambda: RateLimit(1 / CHANGE_EVERY, CHANGES_AT_ONCE, most_ahead=1.0))
     news: anyio.Event = field(default_factory=anyio.Event)
     scope: anyio.CancelScope = field(default_factory=anyio.CancelScope)
 
@@ -129,7 +116,7 @@ class Services:
         self._waiting: OrderedDict[str, OrderedDict[str, ServiceNews]] = OrderedDict()
         self._some_wait = anyio.Event()
         self._missed: set[str] = set()
-        self._budgets: OrderedDict[str, _ChangeBudget] = OrderedDict()
+        self._changes: OrderedDict[str, RateLimit] = OrderedDict()
         self._asking = anyio.CapacityLimiter(MAX_ASKED)
 
     def hear(self, news: ServiceNews) -> None:
@@ -176,27 +163,23 @@ class Services:
         self._some_wait.set()
 
     async def _take_in(self, tasks: TaskGroup, network: ServiceNetwork) -> None:
-        allowed, since = BURST, self._clock.monotonic()
+        newcomers = RateLimit(PER_SECOND, BURST)
         while True:
             await self._some_wait.wait()
-            now = self._clock.monotonic()
-            allowed, since = min(BURST, allowed + (now - since) * PER_SECOND), now
-            while allowed >= 1 and (news := self._next()) is not None:
-                allowed -= 1
-                self._admit(tasks, network, news)
+            while any(self._waiting.values()) and newcomers.admits(self._clock.monotonic()):
+                self._admit(tasks, network, self._next())
             if any(self._waiting.values()):
                 await anyio.sleep(PACE)
             else:
                 self._some_wait = anyio.Event()
 
-    def _next(self) -> ServiceNews | None:
-        """Return the next service to admit, of each type in turn."""
-        for service_type in tuple(self._waiting):
-            self._waiting.move_to_end(service_type)
-            if line := self._waiting[service_type]:
+    def _next(self) -> ServiceNews:
+        """Return the next service to admit, of each type in turn; one waits."""
+        while True:
+            service_type, line = self._waiting.popitem(last=False)
+            if line:
+                self._waiting[service_type] = line
                 return line.popitem(last=False)[1]
-            del self._waiting[service_type]
-        return None
 
     def _admit(self, tasks: TaskGroup, network: ServiceNetwork, news: ServiceNews) -> None:
         if len(self._followed) >= self._most or self._by_type.get(news.service_type, 0) >= self._most // 2:
@@ -206,16 +189,14 @@ class Services:
             self._begin(tasks, network, _Followed(news.service_type, news.name))
 
     def _begin(self, tasks: TaskGroup, network: ServiceNetwork, one: _Followed) -> None:
-        one.budget = self._budgets.pop(one.name.lower(), one.budget)
+        one.changes = self._changes.pop(one.name.lower(), one.changes)
         self._followed[one.name.lower()] = one
         self._by_type[one.service_type] = self._by_type.get(one.service_type, 0) + 1
         tasks.start_soon(self._follow_one, network, one)
 
     async def _follow_one(self, network: ServiceNetwork, one: _Followed) -> None:
         with isolated(one.name), one.scope:
-            if wait := one.budget.spend(self._clock.monotonic()):  # it comes and goes all the time
-                self._handler.delay(one.name)
-                await anyio.sleep(wait)
+            await anyio.sleep(self._wait_for_change(one))  # it may come and go all the time
             while True:
                 one.news = anyio.Event()
                 found = network.resolve_cached(one.service_type, one.name) or await self._ask(network, one)
@@ -233,14 +214,14 @@ class Services:
                     return
                 with anyio.move_on_after(again_after):
                     await one.news.wait()
-                    await anyio.sleep(self._pause(one))
+                    await anyio.sleep(max(PACE, self._wait_for_change(one)))  # most come in several messages
 
-    def _pause(self, one: _Followed) -> float:
-        """Return the seconds to wait before reading a change: most come in several messages."""
-        wait = one.budget.spend(self._clock.monotonic())
+    def _wait_for_change(self, one: _Followed) -> float:
+        """Count a change; return the seconds to wait before reading it."""
+        wait = one.changes.take(self._clock.monotonic())
         if wait > 0:
             self._handler.delay(one.name)
-        return max(PACE, wait)
+        return wait
 
     async def _ask(self, network: ServiceNetwork, one: _Followed) -> ResolvedService | None:
         for _ in range(one.tries):
@@ -253,9 +234,9 @@ class Services:
     def _leave(self, one: _Followed, why: str) -> None:
         if self._followed.pop(one.name.lower(), None) is not None:
             self._by_type[one.service_type] -= 1
-            self._budgets[one.name.lower()] = one.budget
-            if len(self._budgets) > MAX_BUDGETS:
-                self._budgets.popitem(last=False)
+            self._changes[one.name.lower()] = one.changes
+            if len(self._changes) > MAX_REMEMBERED:
+                self._changes.popitem(last=False)
             self._handler.drop(one.name, why)
 
     async def _look_again(self, network: ServiceNetwork) -> None:

@@ -8,6 +8,8 @@ import socket
 
 import anyio
 
+from homebot.rate_limit import RateLimit
+
 __all__ = ["BURST", "PER_SECOND", "RECEIVED_AT_ONCE", "MeteredSocket", "open_socket"]
 
 codecs.lookup("idna")  # getaddrinfo uses it; its first use loads a module: here, and not while the event loop runs
@@ -32,9 +34,10 @@ class MeteredSocket(socket.socket):
         is_flooded: Whether that has happened.
     """
 
-    is_flooded = False
-    _left: float = BURST
-    _since: float | None = None
+    def __init__(self, family: int, kind: int, protocol: int) -> None:
+        super().__init__(family, kind, protocol)
+        self.is_flooded = False
+        self._limit = RateLimit(PER_SECOND, BURST)
 
     def limit_buffer(self) -> None:
         """Keep the receive buffer of the kernel small."""
@@ -47,10 +50,7 @@ class MeteredSocket(socket.socket):
             OSError: The connection failed, or the peer sends too much.
         """
         data = super().recv(bufsize, flags)
-        now = anyio.current_time()
-        passed = 0.0 if self._since is None else now - self._since
-        self._left, self._since = min(BURST, self._left + passed * PER_SECOND) - len(data), now
-        if self._left < 0:
+        if self._limit.take(anyio.current_time(), len(data)) > 0:
             self.is_flooded = True
             raise ConnectionAbortedError("the device sends too much data")
         return data

@@ -1,0 +1,43 @@
+"""A limit on how often something may happen, or how much may come. Pure: the owner of the clock hands in the time."""
+
+from __future__ import annotations
+
+import math
+from typing import final
+
+__all__ = ["RateLimit"]
+
+
+@final
+class RateLimit:
+    """A limit on how much there is in a second on average, and at once after a quiet time.
+
+    Args:
+        per_second: How much there may be in a second; more than 0.
+        at_once: How much there may be at once.
+        most_ahead: How much more than that is counted; what is beyond makes nobody wait any longer.
+    """
+
+    def __init__(self, per_second: float, at_once: float, most_ahead: float = math.inf) -> None:
+        self._per_second = per_second
+        self._at_once = at_once
+        self._most_ahead = most_ahead
+        self._left = at_once
+        self._at = 0.0
+
+    def take(self, now: float, amount: float = 1.0) -> float:
+        """Count *amount*; return the seconds until it is within the limit, mostly 0."""
+        self._left = max(self._room(now) - amount, -self._most_ahead)
+        return max(0.0, -self._left / self._per_second)
+
+    def admits(self, now: float) -> bool:
+        """Return whether one more is within the limit now; count it if it is."""
+        has_room = self._room(now) >= 1
+        if has_room:
+            self._left -= 1
+        return has_room
+
+    def _room(self, now: float) -> float:
+        self._left = min(self._at_once, self._left + (now - self._at) * self._per_second)
+        self._at = now
+        return self._left
