@@ -18,8 +18,9 @@ from pydantic import SecretStr
 from homebot.conventions.esphome import Fields, ListedEntity
 from homebot.conventions.payload import clean_text
 from homebot.errors import LinkError, RefusedError, WireError
-from homebot.gateways.drivers.esphome.metered_socket import PER_SECOND, open_socket
+from homebot.gateways.drivers.esphome.metered_socket import PER_SECOND, MeteredSocket, open_socket
 from homebot.gateways.drivers.esphome.settings import KEY_ADVICE, PASSWORD_ADVICE, PLAIN_ADVICE
+from homebot.gateways.drivers.first_answer import first_answer
 
 __all__ = ["EsphomeConnection", "connected"]
 
@@ -121,8 +122,12 @@ async def connected(
         provide_time=False,
     )
     connection = EsphomeConnection(name, client)
-    with _translated(name):
-        opened = await open_socket(addresses, port)
+
+    async def open_at(address: str) -> MeteredSocket:
+        with _translated(name):
+            return await open_socket(address, port)
+
+    opened = await first_answer(name, addresses, open_at)
     try:
         with _translated(name):
             client.start_connection_from_socket(opened, connection.on_stop, log_errors=False)

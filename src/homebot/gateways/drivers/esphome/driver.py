@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
-from contextlib import AbstractAsyncContextManager
+from importlib import import_module
 from typing import TYPE_CHECKING, ClassVar
 
 import anyio
@@ -91,7 +90,8 @@ class EsphomeDriver(Driver):
 
     async def _live_once(self) -> bool:
         """Connect, and report until the connection ends; return whether the device went to sleep."""
-        connected = await to_thread.run_sync(_load)
+        await to_thread.run_sync(import_module, "homebot.gateways.drivers.esphome.connection")  # most of a second
+        from homebot.gateways.drivers.esphome.connection import connected  # noqa: PLC0415 - an extra
 
         service, (key, password) = self.service, self._secrets()
         addresses = self.settings.addresses_of(service.name, service.addresses)
@@ -142,13 +142,6 @@ class EsphomeDriver(Driver):
         if key is not None and not (encrypts or is_own):
             return None, None
         return key, password
-
-
-def _load() -> Callable[..., AbstractAsyncContextManager[EsphomeConnection]]:
-    """Import the library in a thread, because that takes most of a second."""
-    from homebot.gateways.drivers.esphome.connection import connected  # noqa: PLC0415 - an extra installs its library
-
-    return connected
 
 
 class StateQueue:

@@ -22,9 +22,7 @@ BURST, PER_SECOND = 512 * 1024, 64 * 1024
 what it reports. More keeps homebot busy, and each ping is answered, whether the device reads the answers or not."""
 
 CONNECT_WITHIN = 10.0
-"""Seconds for a connection to one address."""
-
-_ADDRESSES = 4
+"""Seconds for a connection."""
 
 
 class MeteredSocket(socket.socket):
@@ -56,29 +54,22 @@ class MeteredSocket(socket.socket):
         return data
 
 
-async def open_socket(addresses: tuple[str, ...], port: int) -> MeteredSocket:
-    """Return a socket that is connected to the first of *addresses* that answers.
+async def open_socket(address: str, port: int) -> MeteredSocket:
+    """Return a socket that is connected to *address*.
 
     Raises:
-        OSError: None does.
+        OSError: It does not answer.
     """
-    failed = OSError("it has no address")
-    for address in addresses[:_ADDRESSES]:
-        (family, kind, protocol, _, place), *_ = socket.getaddrinfo(
-            address, port, type=socket.SOCK_STREAM, flags=socket.AI_NUMERICHOST
-        )
-        made = MeteredSocket(family, kind, protocol)
-        try:
-            made.setblocking(False)  # noqa: FBT003 - the standard library wants it so
-            made.limit_buffer()
-            with anyio.fail_after(CONNECT_WITHIN):
-                await asyncio.get_running_loop().sock_connect(made, place)
-        except OSError as exc:  # a TimeoutError is one
-            made.close()
-            failed = exc
-        except BaseException:
-            made.close()
-            raise
-        else:
-            return made
-    raise failed
+    (family, kind, protocol, _, place), *_ = socket.getaddrinfo(
+        address, port, type=socket.SOCK_STREAM, flags=socket.AI_NUMERICHOST
+    )
+    made = MeteredSocket(family, kind, protocol)
+    try:
+        made.setblocking(False)  # noqa: FBT003 - the standard library wants it so
+        made.limit_buffer()
+        with anyio.fail_after(CONNECT_WITHIN):
+            await asyncio.get_running_loop().sock_connect(made, place)
+    except BaseException:
+        made.close()
+        raise
+    return made
