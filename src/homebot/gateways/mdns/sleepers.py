@@ -7,7 +7,6 @@ from collections.abc import Callable
 import anyio
 
 from homebot.clock import Clock
-from homebot.timer_queue import TimerQueue
 
 __all__ = ["MAX_ASLEEP", "Sleepers"]
 
@@ -28,37 +27,34 @@ class Sleepers:
         self._clock = clock
         self._longest = longest
         self._remove = remove
-        self._until: TimerQueue[str, None] = TimerQueue()
-        self._names: dict[str, None] = {}
+        self._until: dict[str, float] = {}  # the first ends first: all may sleep equally long
         self._changed = anyio.Event()
 
     def __contains__(self, name: object) -> bool:
-        return name in self._names
+        return name in self._until
 
     def add(self, name: str) -> None:
         """Add a device that fell asleep; one that sleeps already keeps its deadline."""
-        if name in self._names:
+        if name in self._until:
             return
-        self._names[name] = None
-        self._until.set(name, self._clock.monotonic() + self._longest, None)
+        self._until[name] = self._clock.monotonic() + self._longest
         self._changed.set()
-        if len(self._names) > MAX_ASLEEP:
-            self._end(next(iter(self._names)), f"more than {MAX_ASLEEP} devices are asleep")
+        if len(self._until) > MAX_ASLEEP:
+            self._end(next(iter(self._until)), f"more than {MAX_ASLEEP} devices are asleep")
 
     def discard(self, name: str) -> None:
         """Drop a device that is awake or gone; does nothing if it does not sleep."""
-        self._names.pop(name, None)
-        self._until.discard(name)
+        self._until.pop(name, None)
 
     async def run(self) -> None:
         """Remove devices that have slept for too long, until cancelled."""
         while True:
             self._changed = anyio.Event()
             now = self._clock.monotonic()
-            while (due := self._until.pop(now)) is not None:
-                self._end(due[0], f"it did not come back from sleep within {self._longest:g} s")
-            next_one = self._until.next()
-            with anyio.move_on_after(None if next_one is None else next_one - now):
+            for name in [one for one, until in self._until.items() if until <= now]:
+                self._end(name, f"it did not come back from sleep within {self._longest:g} s")
+            next_end = next(iter(self._until.values()), None)
+            with anyio.move_on_after(None if next_end is None else next_end - now):
                 await self._changed.wait()
 
     def _end(self, name: str, why: str) -> None:
