@@ -34,7 +34,7 @@ from homebot.gateways.mdns.settings import MdnsGatewaySettings
 from homebot.gateways.mdns.sleepers import Sleepers
 from homebot.graph import Node
 from homebot.installation import Installation
-from homebot.isolation import run_as
+from homebot.isolation import run_as, ungrouped
 
 if TYPE_CHECKING:
     from homebot.gateways.mdns.zeroconf_network import MdnsNetwork
@@ -78,6 +78,7 @@ class MdnsGateway(Gateway):
         super().__init__(node, settings, context)
         self._settings = settings
         self._random = self.context.random or Random()  # noqa: S311 - spreads attempts, protects nothing
+        self._retries = BackoffCounter(node.graph.clock, self._random)
         self._interfaces = self.context.service(NetworkInterfaces) or NetworkInterfaces()
         self._drivers = InstalledDrivers()
         self._listed: dict[str, _Listed] = {}
@@ -114,18 +115,16 @@ class MdnsGateway(Gateway):
         self.devices.problems = self._drivers.problems
         for problem in self._drivers.problems:
             self.node.log.warning(DRIVER_NOT_USED, message=problem)
-        wanted, retries = self._settings.interfaces, BackoffCounter(self.node.graph.clock, self._random)
+        wanted = self._settings.interfaces
         interfaces = self._interfaces.find(wanted)
         while True:
             try:
                 await self._follow(interfaces, task_status)
-                retries.succeed()
-                interfaces = ()
-                continue
             except LinkError as exc:
-                self._set_unavailable(str(exc))
+                self._unavailable = str(exc)
+                self.publish_state("unavailable", str(exc))
             self._ready(task_status)
-            with anyio.move_on_after(retries.fail(LOST_BACKOFF)):
+            with anyio.move_on_after(self._retries.fail(LOST_BACKOFF)):
                 interfaces = await self._interfaces.wait_for_change(wanted, interfaces)
 
     def may_come(self, news: ServiceNews) -> bool:
@@ -183,37 +182,25 @@ class MdnsGateway(Gateway):
         self.devices.reject(name, b"", f"its records change too often; they are read every {CHANGE_EVERY:g} s now")
 
     async def _follow(self, interfaces: Interfaces, task_status: TaskStatus[None]) -> None:
-        """Follow the services until there is no network interface left.
+        """Follow the services on these *interfaces*, and on those that take their place.
 
         Raises:
-            LinkError: The network cannot be used.
+            LinkError: The network cannot be used, or not any more.
         """
         from homebot.gateways.mdns.zeroconf_network import MdnsNetwork  # noqa: PLC0415 - an extra
 
         wanted = self._settings.interfaces
-        if not interfaces:
-            raise LinkError(_no_interface(wanted))
+        _check_present(interfaces, wanted)
         opened = MdnsNetwork.opened(interfaces, self._services.hear, self.devices.counters)
-        async with opened as network, anyio.create_task_group() as tasks:
-            self._tasks = tasks
-            self._begin(network, tasks)
-            self._ready(task_status)
-            problem = ""
-            while not problem:
-                interfaces = await self._interfaces.wait_for_change(wanted, interfaces)
-                problem = await self._use(network, interfaces)
-            self._set_unavailable(problem)
-            tasks.cancel_scope.cancel()
-
-    async def _use(self, network: MdnsNetwork, interfaces: Interfaces) -> str:
-        """Use other *interfaces*; return why that failed, or an empty text."""
-        if not interfaces:
-            return _no_interface(self._settings.interfaces)
-        try:
-            await network.change_interfaces(interfaces)
-        except LinkError as exc:
-            return str(exc)
-        return ""
+        with ungrouped():
+            async with opened as network, anyio.create_task_group() as tasks:
+                self._tasks = tasks
+                self._begin(network, tasks)
+                self._ready(task_status)
+                while True:
+                    interfaces = await self._interfaces.wait_for_change(wanted, interfaces)
+                    _check_present(interfaces, wanted)
+                    await network.change_interfaces(interfaces)
 
     def _begin(self, network: MdnsNetwork, tasks: TaskGroup) -> None:
         known = [one.service for one in self._listed.values()]
@@ -227,6 +214,7 @@ class MdnsGateway(Gateway):
         if self._own is not None:
             tasks.start_soon(run_as, self.node.full_name, partial(self._own.announce, network))
         self._unavailable = ""
+        self._retries.succeed()
         self.publish_state("active")
 
     def _start(self, listed: _Listed) -> None:
@@ -264,11 +252,9 @@ class MdnsGateway(Gateway):
         """Publish a service with what its driver and DNS-SD say; without a driver it has no parts."""
         if self._listed.get(listed.service.key) is not listed:
             return
-        listed.device, service = device or listed.device, listed.service
-        known = listed.device or GatewayDevice(
-            service.key, name_of(service), service_type=service.service_type.removesuffix(".local.")
-        )
-        listed.device = known
+        service = listed.service
+        bare = GatewayDevice(service.key, name_of(service), service_type=service.service_type.removesuffix(".local."))
+        listed.device = known = device or listed.device or bare
         facts = facts_of(service) | dict(known.metadata)
         if self._sleeps(listed):
             facts["sleep"] = "asleep" if service.key in self._sleepers else "awake"
@@ -288,10 +274,6 @@ class MdnsGateway(Gateway):
             self._is_ready = True
             task_status.started()
 
-    def _set_unavailable(self, reason: str) -> None:
-        self._unavailable = reason
-        self.publish_state("unavailable", reason)
-
     async def _perform(self, command: Command) -> None:
         if self._unavailable:
             raise LinkError(f"no device can be reached: {self._unavailable}")
@@ -301,5 +283,6 @@ class MdnsGateway(Gateway):
         await listed.runner.perform(command)
 
 
-def _no_interface(wanted: tuple[str, ...]) -> str:
-    return f"there is no network interface {' or '.join(wanted)}".rstrip()
+def _check_present(interfaces: Interfaces, wanted: tuple[str, ...]) -> None:
+    if not interfaces:
+        raise LinkError(f"there is no network interface {' or '.join(wanted)}".rstrip())
