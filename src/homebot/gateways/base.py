@@ -122,6 +122,7 @@ class Gateway(ABC):
         self.reports = node.create_publisher(Report, self.names.readings, _NEWEST_OF_EACH)
         self._state: GatewayState | None = None
         self._states = node.create_publisher(GatewayState, self.names.state, qos_profile_latched)
+        self._is_ready = False
 
     @classmethod  # noqa: B027 - no duty: most gateways have nothing to look for
     def check(cls, settings: BaseModel) -> None:
@@ -157,6 +158,12 @@ class Gateway(ABC):
     @abstractmethod
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Work until cancelled; call ``task_status.started()`` when ready."""
+
+    def note_tried(self, task_status: TaskStatus[None]) -> None:
+        """Note that a try has ended, whatever came of it; after the first one the gateway is ready."""
+        if not self._is_ready:
+            self._is_ready = True
+            task_status.started()
 
     def publish_sighting(self, sighting: Sighting) -> None:
         """Publish that a device is there, still there, or gone; one that is gone is not kept for late joiners."""

@@ -137,7 +137,7 @@ class BleGateway(Gateway):
         self._restart.set()
 
     async def _scan(self, radio: BleRadio, task_status: TaskStatus[None]) -> None:
-        retries, is_ready = BackoffCounter(self._clock, self._random), False
+        retries = BackoffCounter(self._clock, self._random)
         while True:
             now = self._clock.monotonic()
             try:
@@ -146,18 +146,14 @@ class BleGateway(Gateway):
                     self._reason = ""
                     self._listens_since = now if self._listens_since is None else self._listens_since
                     self.publish_state("active")
-                    if not is_ready:
-                        task_status.started()
-                    is_ready = True
+                    self.note_tried(task_status)
                     await self._until_done(radio)
                 continue
             except BluetoothUnavailableError as exc:
                 self._listens_since = None
                 self._reason = str(exc)
                 self.publish_state("unavailable", self._reason)
-            if not is_ready:
-                task_status.started()
-            is_ready = True
+            self.note_tried(task_status)
             await anyio.sleep(retries.fail(LINK_BACKOFF))
 
     async def _until_done(self, radio: BleRadio) -> None:

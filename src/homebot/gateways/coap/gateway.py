@@ -103,9 +103,8 @@ class CoapGateway(Gateway):
                     await self._serve(client, task_status)
             except LinkError as exc:
                 self.publish_state("unavailable", str(exc))
-                if not self._all_tried.is_set():
-                    self._all_tried.set()
-                    task_status.started()
+                self._all_tried.set()
+                self.note_tried(task_status)
                 await anyio.sleep(retries.fail(DEVICE_BACKOFF))
 
     async def _serve(self, client: CoapClient, task_status: TaskStatus[None]) -> None:
@@ -130,7 +129,7 @@ class CoapGateway(Gateway):
                     await self._all_tried.wait()
                 self._all_tried.set()
                 self._report_ways()
-                task_status.started()
+                self.note_tried(task_status)
             await anyio.sleep_forever()
 
     def _names_of_ways(self) -> list[str]:

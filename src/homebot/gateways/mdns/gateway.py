@@ -83,7 +83,6 @@ class MdnsGateway(Gateway):
         self._drivers = InstalledDrivers()
         self._listed: dict[str, _Listed] = {}
         self._tasks: TaskGroup | None = None
-        self._is_ready = False
         self._unavailable = "it has not started"
         self.devices = PublishedDevices(
             self,
@@ -123,7 +122,7 @@ class MdnsGateway(Gateway):
             except LinkError as exc:
                 self._unavailable = str(exc)
                 self.publish_state("unavailable", str(exc))
-            self._ready(task_status)
+            self.note_tried(task_status)
             with anyio.move_on_after(self._retries.fail(LOST_BACKOFF)):
                 interfaces = await self._interfaces.wait_for_change(wanted, interfaces)
 
@@ -196,7 +195,7 @@ class MdnsGateway(Gateway):
             async with opened as network, anyio.create_task_group() as tasks:
                 self._tasks = tasks
                 self._begin(network, tasks)
-                self._ready(task_status)
+                self.note_tried(task_status)
                 while True:
                     interfaces = await self._interfaces.wait_for_change(wanted, interfaces)
                     _check_present(interfaces, wanted)
@@ -268,11 +267,6 @@ class MdnsGateway(Gateway):
             why,
             confirmed=confirmed,
         )
-
-    def _ready(self, task_status: TaskStatus[None]) -> None:
-        if not self._is_ready:
-            self._is_ready = True
-            task_status.started()
 
     async def _perform(self, command: Command) -> None:
         if self._unavailable:

@@ -50,7 +50,6 @@ class ThingDirectoryGateway(Gateway):
         self._random = self.context.random or Random()  # noqa: S311 - for pauses
         self._retries = BackoffCounter(node.graph.clock, self._random)
         self._session: DirectorySession | None = None
-        self._is_ready = False
         self.devices = PublishedDevices(
             self, self._perform, settings, max_devices=settings.max_devices, find_problems=self._problems
         )
@@ -70,7 +69,7 @@ class ThingDirectoryGateway(Gateway):
             self._retries.succeed()
             self.devices.problems = ()
             self.publish_state("active")
-            self._ready(task_status)
+            self.note_tried(task_status)
 
         clock, log = self.node.graph.clock, self.node.log
         async with anyio.create_task_group() as tasks:
@@ -86,13 +85,8 @@ class ThingDirectoryGateway(Gateway):
                     backoff, problem = DEVICE_REFUSED_BACKOFF, str(exc)
                 self.devices.problems = (problem,)
                 self.publish_state("unavailable", problem)
-                self._ready(task_status)
+                self.note_tried(task_status)
                 await anyio.sleep(self._retries.fail(backoff))
-
-    def _ready(self, task_status: TaskStatus[None]) -> None:
-        if not self._is_ready:
-            self._is_ready = True
-            task_status.started()
 
     def _problems(self) -> Iterable[str]:
         return () if self._session is None else self._session.problems()
