@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TypeAlias
 
 from homebot.conventions.convention import Convention, TextConvention
 from homebot.conventions.text_codec import TextCodec
@@ -25,6 +26,9 @@ _FEW_PARTS = 100
 """Parts that may read one message in one go."""
 
 _BOUNDS = RegistryLimits()
+
+_Readings: TypeAlias = list[tuple[str, AnnouncedPart | AvailabilityReader]]
+"""Filters, each with what is read on it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,7 +97,7 @@ class AnnouncementRegistry(DeviceRegistry):
         self, stored: StoredAnnouncement, before: StoredAnnouncement | None
     ) -> tuple[tuple[WireError, ...], Readers]:
         refused: list[WireError] = []
-        readers: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
+        readers: _Readings = []
         for topic_filter, reader in _readings(stored):
             count = self._topics.users.get(topic_filter, 0)
             if count >= self._limits.readers and isinstance(reader, AnnouncedPart):
@@ -113,9 +117,9 @@ class AnnouncementRegistry(DeviceRegistry):
                 readers.append((topic_filter, reader))
         if stored.described.text is not None:
             self._register_text(stored)
-        if before is None or not readers:
-            return tuple(refused), tuple(readers)
-        return tuple(refused), _readers_to_replay(stored, before, tuple(readers))
+        if before is not None and readers:
+            readers = _readers_to_replay(stored, before, readers)
+        return tuple(refused), tuple(readers)
 
     def _register_text(self, stored: StoredAnnouncement) -> None:
         """Register a text device; its convention's filters bring its messages, so it needs no subscription."""
@@ -185,30 +189,22 @@ class _Routes(dict[str, TopicReaders | None]):
         return self._find(topic)
 
 
-def _readers_to_replay(stored: StoredAnnouncement, before: StoredAnnouncement, readers: Readers) -> Readers:
+def _readers_to_replay(stored: StoredAnnouncement, before: StoredAnnouncement, readers: _Readings) -> _Readings:
     if stored.publishes_the_same(before):
-        return tuple(
-            (topic, reader)
-            for topic, reader in readers
-            if isinstance(reader, AnnouncedPart) and reader.described.remembers
-        )
-    return tuple(
-        (topic, reader) for topic, reader in readers if isinstance(reader, AnnouncedPart) or _is_new(reader, before)
-    )
+        return [one for one in readers if isinstance(one[1], AnnouncedPart) and one[1].described.remembers]
+    return [one for one in readers if isinstance(one[1], AnnouncedPart) or _is_new(one[1], before)]
 
 
-def _is_new(availability_reader: AvailabilityReader, before: StoredAnnouncement) -> bool:
-    return availability_reader.stored.reachability[availability_reader.part] is not before.reachability.get(
-        availability_reader.part
-    )
+def _is_new(reader: AvailabilityReader, before: StoredAnnouncement) -> bool:
+    return reader.stored.reachability[reader.part] is not before.reachability.get(reader.part)
 
 
-def _readings(stored: StoredAnnouncement) -> list[tuple[str, AnnouncedPart | AvailabilityReader]]:
+def _readings(stored: StoredAnnouncement) -> _Readings:
     """Return each filter that something of *stored* is read on, with what is; all at once, as a plug-in may fail."""
-    found: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
+    found: _Readings = []
     for announced_part in stored.parts.values() if stored.described.text is None else ():
         for topic_filter in dict.fromkeys(announced_part.described.codec.topics()):
-            found.append((topic_filter, announced_part))  # noqa: PERF401 - a list for each part costs more
+            found.append((topic_filter, announced_part))  # a list for each part costs more
     for part, reachability in stored.reachability.items():
         for index, source in enumerate(reachability.availability.sources):
             found.append((source.topic, AvailabilityReader(stored, part, index)))
