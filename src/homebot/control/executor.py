@@ -17,6 +17,7 @@ from homebot.control.gateway_watch import GatewayWatch
 from homebot.control.held_values import related
 from homebot.control.journal import CommandJournal
 from homebot.control.judge import Judge
+from homebot.control.late_answers import LateAnswers
 from homebot.control.learnt_persistence import LearntPersistence
 from homebot.control.leases import Leases
 from homebot.control.missing_part import missing_part
@@ -102,6 +103,7 @@ class CommandExecutor:
         self._unsure_since: OrderedDict[_Place, float] = OrderedDict()
         self._pending = PendingCommands()
         self._limits = TimeLimits()
+        self._late = LateAnswers(self._clock, self._limits, self._transmission.times)
         self._settling = Settling(node, self._settings.settle, journal, self._echoes)
         self.witnesses = WitnessVerification(node, settings, self._learnt)
         for name, read in self.witnesses.counters.items():
@@ -154,6 +156,8 @@ class CommandExecutor:
             self.witnesses.note_text(command)
         self._pending.supersede(command)
         self._settling.supersede(command)
+        if self._late.awaited:
+            self._late.end(command.place)
 
     async def _perform(self, name: str, request: CommandRequest) -> CommandResult:
         try:
@@ -190,7 +194,7 @@ class CommandExecutor:
         if self._learnt.is_awaited:
             await self._learnt.load()
         echoes = self._expected_echoes(command)
-        places, is_settling = command.places, False
+        places, is_watched_on = command.places, False
         is_at_rest = not self._pending.has_any(places)  # else the device may be about to change
         expected = command.expected
         known, recent = self._known(command, expected, echoes)
@@ -202,6 +206,8 @@ class CommandExecutor:
         self._gateways.expect(pending)
         self._pending.put(pending)
         self._settling.supersede(command)
+        if self._late.awaited:
+            self._late.end(command.place)
         try:
             if recent and is_at_rest and pending.was_so and not command.is_always_sent:
                 return result_of(AlreadySo(command_id=command.id))
@@ -216,12 +222,13 @@ class CommandExecutor:
                 self._note_echoes(pending, outcome)
             if isinstance(outcome, Confirmed):
                 self._note_confirmed(pending, outcome)
-                is_settling = self._settling.add(pending, watch)
+                is_watched_on = self._settling.add(pending, watch)
             elif isinstance(outcome, NoAnswer | Contradicted):
                 self._note_unsure(command)
+                is_watched_on = self._late.add(pending, outcome, watch)
         finally:
             self._pending.remove(pending)
-            if not is_settling:
+            if not is_watched_on:
                 watch.stop()
             self._gateways.forget(pending)
         return result_of(outcome, pending.reported)

@@ -32,7 +32,7 @@ class ResponseTimes:
         self._silent: OrderedDict[str, None] = OrderedDict()
 
     def note_silence(self, target: str, *, is_silent: bool) -> None:
-        """Note whether *target* answered none of several sendings, which may be why: :meth:`is_silent`."""
+        """Note whether *target* answered none of several sendings in time, which may be why: :meth:`is_silent`."""
         if is_silent:
             self._silent[target] = None
             if len(self._silent) > _MOST:
@@ -41,7 +41,7 @@ class ResponseTimes:
             self._silent.pop(target, None)
 
     def is_silent(self, target: str) -> bool:
-        """Return whether *target* answered none of several sendings the last time."""
+        """Return whether *target* answered none of several sendings in time, the last time."""
         return target in self._silent
 
     def note(self, target: str, capability: str, seconds: float, *, sendings: int = 1) -> None:
