@@ -108,3 +108,26 @@ def test_a_dimmer_from_zero_to_one_is_a_level() -> None:
     (found,) = part.affordances
     assert found.capability.name == "level"
     assert decode_document(found.capability, found.affordance, 0.25) == (25.0,)
+
+
+@pytest.mark.parametrize("keyword", ["oneOf", "anyOf"])
+def test_a_number_with_words_for_unknown_is_a_number(keyword: str) -> None:
+    """As the bridge of ECHONET Lite describes thermometers; others allow null beside the number."""
+    word = {"type": "string", "enum": ["unmeasurable"]}
+    number = {"type": "number", "unit": "Celsius", "minimum": -127, "maximum": 125}
+    room, water = parts(
+        {
+            "roomTemperature": {keyword: [number, word], "readOnly": True},
+            "waterTemperature": {keyword: [number, {"type": "null"}], "readOnly": True},
+        }
+    )
+    assert {room.part.service_type, water.part.service_type} == {"temperature_sensor"}
+    (found,) = room.affordances
+    assert [decode_document(found.capability, found.affordance, one) for one in (21.5, "unmeasurable", "warm")] == [
+        *((21.5,), (None,), None)
+    ]
+
+
+def test_of_several_numbers_none_is_chosen() -> None:
+    (found,) = parts({"x": {"oneOf": [{"type": "integer"}, {"type": "number"}], "readOnly": True}})
+    assert [one.capability.name for one in found.affordances] == ["raw"]

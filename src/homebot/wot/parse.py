@@ -223,6 +223,8 @@ def _schema(fields: Fields, *, is_member: bool = False) -> DataSchema:
     found = next((one for one in _TYPES if one == kind), None)
     if found is None:
         raise fields.problem("type", f"{kind[:60]!a} is none of {', '.join(one for one in _TYPES if one)}")
+    if not kind and (chosen := _alternative(fields)) is not None:
+        return chosen
     members = fields.inner("properties") if found == "object" and not is_member else None
     if members is not None and len(names := members.names()) == 1:  # an object with one member stands for that
         return replace(_schema(members.inner(names[0]), is_member=True), member=names[0])
@@ -241,6 +243,19 @@ def _schema(fields: Fields, *, is_member: bool = False) -> DataSchema:
         enum=tuple(one for one in enum if isinstance(one, (str, float, int, bool))),
         members=several,
     )
+
+
+def _alternative(fields: Fields) -> DataSchema | None:
+    """Return the number among the alternatives of a schema, or the only one that is not null; else None."""
+    name = "oneOf" if "oneOf" in fields else "anyOf"
+    given = [one for one in fields.listed(name) if isinstance(one, dict) and one.get("type") != "null"]
+    schemas = [_schema(Fields(one, fields.at(name)), is_member=True) for one in given]
+    numbers = [one for one in schemas if one.type in ("integer", "number")] or schemas
+    if len(numbers) != 1:
+        return None
+    (number,) = numbers
+    words = (text for one in schemas if one is not number for text in one.enum if isinstance(text, str))
+    return replace(number, unit=number.unit or fields.text("unit"), words=tuple(words))
 
 
 def _members(fields: Fields, members: Fields) -> Iterator[tuple[str, DataSchema]]:

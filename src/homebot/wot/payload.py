@@ -114,7 +114,8 @@ def decode_document(capability: Capability, affordance: Affordance, document: ob
         document = document[affordance.schema.member]
     elif isinstance(document, dict) and affordance.name in document and affordance.schema.type not in {"", "object"}:
         document = document[affordance.name]  # as WebThings answer: {"on": true}
-    if document is None or (CAPABILITIES[capability.name].kind == "number" and is_unknown(document)):
+    is_number = CAPABILITIES[capability.name].kind == "number"
+    if document is None or (is_number and (is_unknown(document) or document in affordance.schema.words)):
         return (None,)
     found = _decode(capability, affordance, document)
     return None if found is None else (found,)

@@ -81,6 +81,7 @@ class DataSchema:
         enum: The only values, if they are listed; those that are neither texts, numbers nor booleans are left out.
         member: The name of the member of an object that has the value; empty where the value is no object, or is itself
             one. The other fields are those of the member.
+        words: Texts that come in place of a number, such as ``unmeasurable``; the number is unknown then.
         members: Of an object with several members, those that hold one value each and are always there, by name.
     """
 
@@ -90,6 +91,7 @@ class DataSchema:
     maximum: float | None = None
     enum: tuple[str | float | bool, ...] = ()
     member: str = ""
+    words: tuple[str, ...] = ()
     members: tuple[tuple[str, DataSchema], ...] = ()
 
 
