@@ -38,6 +38,7 @@ from homebot.gateways.mqtt.offers import Offers, publishers_of
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, TopicReaders
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
+from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.gateways.mqtt.state_topics import StateTopics, prefix_of
 from homebot.gateways.mqtt.subscriber import Subscriber
 from homebot.isolation import run_as
@@ -61,10 +62,8 @@ class AnnouncedDevices:
         gateway: The gateway.
         conventions: Its conventions.
         connection: Its connection.
-        stale_after: Seconds of silence after which a device counts as stale.
-        inboxes: Whether nodes get raw messages in their inboxes, rather than on a topic for each device.
         lease: Lets the gateway act while no other homebot does.
-        max_memory: Bytes that what is announced may take, about.
+        settings: Its table.
         responses: Asks devices for responses to commands; None where they are not to be asked.
 
     Attributes:
@@ -84,10 +83,7 @@ class AnnouncedDevices:
         conventions: tuple[Convention, ...],
         connection: MqttConnection,
         lease: ActingLease,
-        *,
-        stale_after: float,
-        inboxes: bool,
-        max_memory: int,
+        settings: MqttGatewaySettings,
         responses: Responses | None = None,
     ) -> None:
         self._responses = responses
@@ -97,13 +93,13 @@ class AnnouncedDevices:
         self._connection = connection
         self._topics = StateTopics(self.filters(), self.text_filters())
         self._registry = AnnouncementRegistry(
-            gateway.node.name, conventions, self._topics, RegistryLimits(memory=max_memory)
+            gateway.node.name, conventions, self._topics, RegistryLimits(memory=settings.max_memory)
         )
         engine: GatewayEngine[MqttMessage] = GatewayEngine(
             gateway,
             self._registry.by_key,
-            stale_after=stale_after,
-            inboxes=inboxes,
+            stale_after=settings.stale_after,
+            inboxes=settings.delivery == "inbox",
             budgets=WorkBudgets(prefix_of(self.filters())),
             log_key="topic",
         )

@@ -106,10 +106,8 @@ class MqttGateway(Gateway):
             find_conventions(settings.conventions, settings.tables, settings.root),
             self._connection,
             self._lease,
-            stale_after=settings.stale_after,
-            inboxes=settings.delivery == "inbox",
-            max_memory=settings.max_memory,
-            responses=self._responses,
+            settings,
+            self._responses,
         )
         self.counters = self._described.counters
         if node.name == "mqtt":
