@@ -28,7 +28,6 @@ from homebot.gateways.announced.device_runner import problems_of
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.http_client import HttpClient
-from homebot.gateways.http_login import HttpLogin
 from homebot.gateways.thing_directory.directory_client import DirectoryReader
 from homebot.gateways.thing_directory.documents import (
     DirectoryEvent,
@@ -42,10 +41,10 @@ from homebot.gateways.thing_directory.read_pages import ReadPage
 from homebot.gateways.thing_directory.settings import ThingDirectorySettings
 from homebot.gateways.things.forms import change_forms
 from homebot.gateways.things.http_credentials import read_logins
-from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, http_login
+from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, login_at
 from homebot.gateways.things.thing_device import describe_thing
 from homebot.isolation import run_as, ungrouped
-from homebot.wot import Form, SecurityScheme, Thing, read_thing
+from homebot.wot import Form, Thing, read_thing
 
 __all__ = ["DirectorySession"]
 
@@ -111,7 +110,7 @@ class DirectorySession:
             RefusedError: It does not let homebot in.
             WireError: It breaks the rules.
         """
-        async with HttpClient(login=self._login()) as client:
+        async with HttpClient(login=login_at(URL(self._settings.url), self._logins)) as client:
             reader = DirectoryReader(self._settings.url, client, self._read)
             await self._listen(reader)
             while True:
@@ -297,14 +296,6 @@ class DirectorySession:
             return None if is_loopback(host) and not self._is_local else form
 
         return change_forms(thing, usable)
-
-    def _login(self) -> HttpLogin | None:
-        """Return the credentials for the directory, which only the configuration can say."""
-        where = URL(self._settings.url)
-        known = next((one for one in self._logins if one.is_for(where.host or "", where.port)), None)
-        if known is None or known.scheme in {"", "apikey"}:
-            return None
-        return http_login(known, where, SecurityScheme(known.scheme))
 
 
 def _unusable_text(schemes: set[str]) -> str:

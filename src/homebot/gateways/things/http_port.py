@@ -24,7 +24,7 @@ from homebot.gateways.things.http_credentials import ThingLogin
 from homebot.gateways.things.port import ThingPayload
 from homebot.wot import Form, RequestBinding, SecurityScheme, Thing
 
-__all__ = ["HTTP_BINDING", "HttpThingPort", "http_login"]
+__all__ = ["HTTP_BINDING", "HttpThingPort", "login_at"]
 
 HTTP_BINDING: Final = RequestBinding(frozenset({"http", "https"}), ("sse", "longpoll"))
 
@@ -158,7 +158,7 @@ class HttpThingPort:
         where = parse_url(form.href)
         schemes = [self._thing.security[name] for name in form.security if name in self._thing.security]
         schemes = [one for one in schemes if one.scheme != "nosec"]
-        known = next((one for one in self._logins if one.is_for(where.host or "", where.port)), None)
+        known = _known_at(where, self._logins)
         if known is None or not schemes:
             return None, form.href
         if len(schemes) > 1:
@@ -172,10 +172,30 @@ class HttpThingPort:
             if not scheme.name:
                 raise RefusedError("credentials for the thing", "its description does not name the parameter")
             return None, str(where.update_query({scheme.name: known.password.get_secret_value()}))
-        return http_login(known, where, scheme), form.href
+        return _http_login(known, where, scheme), form.href
 
 
-def http_login(login: ThingLogin, where: URL, scheme: SecurityScheme) -> HttpLogin:
+def login_at(where: URL, logins: Sequence[ThingLogin]) -> HttpLogin | None:
+    """Return the credentials for reading descriptions at an address, which only the configuration can name.
+
+    Args:
+        where: The address.
+        logins: The credentials that are known, of whatever host.
+
+    Returns:
+        Those of its host, if the configuration says how they are sent; None otherwise.
+    """
+    known = _known_at(where, logins)
+    if known is None or known.scheme in {"", "apikey"}:
+        return None
+    return _http_login(known, where, SecurityScheme(known.scheme))
+
+
+def _known_at(where: URL, logins: Sequence[ThingLogin]) -> ThingLogin | None:
+    return next((one for one in logins if one.is_for(where.host or "", where.port)), None)
+
+
+def _http_login(login: ThingLogin, where: URL, scheme: SecurityScheme) -> HttpLogin:
     """Return how requests to the server of *where* carry credentials.
 
     Args:

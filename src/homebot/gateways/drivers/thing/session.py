@@ -24,13 +24,12 @@ from homebot.gateways.drivers.thing.driver import WEB_THING
 from homebot.gateways.drivers.thing.settings import ThingDriverSettings
 from homebot.gateways.http_address import http_origin, parse_url, shown_url
 from homebot.gateways.http_client import HttpClient
-from homebot.gateways.http_login import HttpLogin
 from homebot.gateways.things.forms import change_forms
 from homebot.gateways.things.http_credentials import ThingLogin, read_logins
-from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, http_login
+from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, login_at
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
 from homebot.isolation import run_as, ungrouped
-from homebot.wot import Form, SecurityScheme, Thing, read_thing
+from homebot.wot import Form, Thing, read_thing
 
 __all__ = ["ThingSession"]
 
@@ -159,18 +158,12 @@ class ThingSession:
         return None
 
     async def _read(self, url: str) -> _ReadDescription:
-        async with HttpClient(login=self._login(parse_url(url)), max_bytes=MAX_ANNOUNCEMENT_BYTES) as client:
+        login = login_at(parse_url(url), self._logins)
+        async with HttpClient(login=login, max_bytes=MAX_ANNOUNCEMENT_BYTES) as client:
             answer = await client.get(url, accept=_ACCEPTED)
         if "json" not in answer.content_type and answer.content_type:
             raise WireError(f"{shown_url(URL(url))} has {answer.content_type[:60]!a}, no Thing Description")
         return _ReadDescription(url, answer.body)
-
-    def _login(self, where: URL) -> HttpLogin | None:
-        """Return the credentials for reading descriptions, which only the configuration can name."""
-        known = next((one for one in self._logins if one.is_for(where.host or "", where.port)), None)
-        if known is None or known.scheme in {"", "apikey"}:
-            return None
-        return http_login(known, where, SecurityScheme(known.scheme))
 
     def _known_as(self, login: ThingLogin) -> ThingLogin:
         """Return credentials for the host name of the service extended to its addresses."""
@@ -181,23 +174,18 @@ class ThingSession:
 
     def _usable(self, thing: Thing) -> Thing:
         """Return *thing* with only the forms that lead to its own host."""
-        left_out = 0
+        left_out: list[Form] = []
 
         def usable(form: Form) -> Form | None:
-            nonlocal left_out
-            if form.scheme not in HTTP_BINDING.schemes:
-                return form
-            if found := self._at_own_host(form):
-                return found
-            left_out += 1
-            return None
+            found = self._at_own_host(form) if form.scheme in HTTP_BINDING.schemes else form
+            if found is None:
+                left_out.append(form)
+            return found
 
         found = change_forms(thing, usable)
         if left_out:
-            self._host.log.warning(
-                "thing.forms_left_out",
-                message=f"{self._service.name}: {left_out} forms lead to other hosts and are not used",
-            )
+            message = f"{self._service.name}: {len(left_out)} forms lead to other hosts and are not used"
+            self._host.log.warning("thing.forms_left_out", message=message)
         return found
 
     def _at_own_host(self, form: Form) -> Form | None:
@@ -209,8 +197,7 @@ class ThingSession:
         name = (where.host or "").lower().removesuffix(".")
         if name not in self._own_hosts:
             return None
-        is_name = name == self._host_name
-        if is_name and where.scheme == "http" and self._service.addresses:
+        if name == self._host_name and where.scheme == "http" and self._service.addresses:
             origin = URL(http_origin(self._service.addresses[0], where.port or 80))
             return replace(form, href=str(origin.join(where.relative())))
         return form
