@@ -19,6 +19,7 @@ import anyio
 from zeroconf import Error, IPVersion, ServiceInfo, ServiceStateChange, Zeroconf, current_time_millis
 from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf
 
+from homebot.addresses import is_loopback
 from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.conventions.dns_sd.service_facts import printable, usable_addresses
 from homebot.conventions.dns_sd.service_type import ENUMERATION, base_type, full_type, instance_label, is_service_type
@@ -73,7 +74,6 @@ class MdnsNetwork(ServiceNetwork):
         self._counters = counters
         self._browsers: dict[str, AsyncServiceBrowser] = {}
         self._own: dict[str, _Announced] = {}
-        self._with_loopback = any(_is_loopback(one) for one in interfaces)
 
     @classmethod
     @asynccontextmanager
@@ -112,7 +112,6 @@ class MdnsNetwork(ServiceNetwork):
             LinkError: They cannot be used.
         """
         self._interfaces = interfaces
-        self._with_loopback = any(_is_loopback(one) for one in interfaces)
         try:
             await self._zeroconf.async_update_interfaces(list(interfaces), _version(interfaces))
             for announced in tuple(self._own.values()):
@@ -226,11 +225,8 @@ class MdnsNetwork(ServiceNetwork):
             port=service.port,
             properties=dict(service.properties),
             server=f"{service.host}.local.",
-            parsed_addresses=addresses or self._own_addresses(),
+            parsed_addresses=addresses or _addresses(self._interfaces),
         )
-
-    def _own_addresses(self) -> list[str]:
-        return [one for one in self._interfaces if isinstance(one, str)]
 
     def _take(self, *, service_type: str, name: str, state_change: ServiceStateChange, **_: object) -> None:
         if any(one.info.name.lower() == name.lower() for one in self._own.values()):
@@ -247,7 +243,8 @@ class MdnsNetwork(ServiceNetwork):
         ttl, left = self._time_to_live(name)
         self._drop_old_addresses(info.server or "")
         newest = info.parsed_scoped_addresses()[:MAX_ADDRESSES]
-        addresses = usable_addresses(newest, with_loopback=self._with_loopback)
+        with_loopback = any(is_loopback(one) for one in _addresses(self._interfaces))
+        addresses = usable_addresses(newest, with_loopback=with_loopback)
         record = read_txt(info.text)
         service = FoundService(
             key=name,
@@ -295,5 +292,5 @@ def _version(interfaces: Interfaces) -> IPVersion:
     return IPVersion.All if any(isinstance(one, int) for one in interfaces) else IPVersion.V4Only
 
 
-def _is_loopback(interface: str | int) -> bool:
-    return isinstance(interface, str) and ipaddress.ip_address(interface).is_loopback
+def _addresses(interfaces: Interfaces) -> list[str]:
+    return [one for one in interfaces if isinstance(one, str)]
