@@ -37,7 +37,7 @@ class DriverRunner(DeviceRunner):
         driver: The driver.
         service: The service.
         devices: Where it is published.
-        publish: Publishes the device: what its driver says it is, None for what DNS-SD alone knows.
+        publish: Publishes the device, and why: what its driver says it is, None for what DNS-SD alone knows.
         clock: The clock.
         log: The log of the gateway's node.
         random: The source of random numbers.
@@ -48,7 +48,7 @@ class DriverRunner(DeviceRunner):
         driver: UsableDriver,
         service: FoundService,
         devices: PublishedDevices,
-        publish: Callable[[GatewayDevice | None], None],
+        publish: Callable[[GatewayDevice | None, str], None],
         clock: Clock,
         log: FilteringBoundLogger,
         random: Random,
@@ -96,14 +96,14 @@ class DriverRunner(DeviceRunner):
         """Publish what the device is, under the key of its service; it is connected now."""
         self.sleeps = device.sleeps
         self.note_answer()
-        self._publish(replace(device, key=self.key))
+        self._publish(replace(device, key=self.key), "its driver has described it")
         self._connected.set()
         self._is_connecting = False
         self.report_reachable(reachable=True)
 
     def list_unheard(self) -> None:
         """Publish the device as DNS-SD knows it."""
-        self._publish(None)
+        self._publish(None, "its driver has not described it")
 
     def note_end(self) -> None:
         """Note that there is no connection."""

@@ -221,17 +221,9 @@ class MdnsGateway(Gateway):
         driver = self._drivers.by_type.get(listed.service.service_type)
         if driver is None or self._tasks is None:
             return
-
-        def publish(device: GatewayDevice | None) -> None:
-            self._publish(
-                listed, device, "its driver has described it" if device else "its driver has not described it"
-            )
-
-        runner = DriverRunner(
-            driver, listed.service, self.devices, publish, self.node.graph.clock, self.node.log, self._random
-        )
-        listed.runner = runner
-        self._tasks.start_soon(run_as, self.node.full_name, runner.run)
+        publish, clock, log = partial(self._publish, listed), self.node.graph.clock, self.node.log
+        listed.runner = DriverRunner(driver, listed.service, self.devices, publish, clock, log, self._random)
+        self._tasks.start_soon(run_as, self.node.full_name, listed.runner.run)
 
     def _stop(self, listed: _Listed | None) -> None:
         if listed is not None and listed.runner is not None:
