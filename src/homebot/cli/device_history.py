@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 from homebot.cli.command_records import SettingRecord
 from homebot.cli.journal_client import JournalClient
 from homebot.cli.journal_records import JournalEntryRecord, TriggerRecord
 from homebot.cli.journal_words import settings_text
+from homebot.cli.late_effects import failed_command_of
 from homebot.cli.records import DeviceRecord, StateRecord, TimeRecord
 from homebot.cli.time_format import to_seconds
 from homebot.cli.values import PlainValue, plain_value
@@ -21,6 +22,7 @@ __all__ = [
     "as_state",
     "asks_for",
     "changed_at",
+    "is_first",
     "is_live",
     "means",
     "settable_states",
@@ -50,15 +52,22 @@ class Chain:
     Attributes:
         entries: Its entries, oldest first; of a change the one alone.
         before: The chain of the report that led to it; None where that has no explanation in the journal.
+        late: The values that the device took on although the command failed; none in other chains.
     """
 
     entries: tuple[JournalEntryRecord, ...]
     before: Chain | None = None
+    late: tuple[StateRecord, ...] = ()
 
     @property
     def first(self) -> JournalEntryRecord:
         """The command, or the change."""
         return self.entries[0]
+
+    @property
+    def changed_at(self) -> float:
+        """The time of the change, in seconds since 1970."""
+        return min((to_seconds(one["since"]) for one in self.late), default=to_seconds(self.entries[-1]["at"]))
 
     @property
     def all_entries(self) -> tuple[JournalEntryRecord, ...]:
@@ -92,13 +101,19 @@ class DeviceHistory:
         self.begins = found["begins"]
         entries = found["entries"]
         last = next((one for one in reversed(entries) if _is_change(one, entries)), None)
-        if last is None:
-            return None
-        until = to_seconds(last["at"]) + _LATE
+        until = to_seconds(last["at"]) + _LATE if last is not None else 0.0
         newer = [one for one in settable_states(device) if to_seconds(one["since"]) > until]
-        if newer and not _knows(entries, newer, last):
-            return None
+        if last is None or (newer and not _knows(entries, newer, last)):
+            return self._late_effect(newer, entries)
+        if last["kind"] == "changed" and (late := self._late_effect(_states_of(last), entries)) is not None:
+            return late
         return self._chain(last, _DEEPEST)
+
+    def newest_command(self, device: DeviceRecord) -> Chain | None:
+        """Return the newest command to *device* that was sent; None where the journal has none."""
+        entries = self._client.read(device=device["id"])["entries"]
+        sent = next((one for one in reversed(entries) if one["kind"] == "sent"), None)
+        return self._chain(sent, 1) if sent is not None else None
 
     def asked(self, device: DeviceRecord, state: str) -> Sequence[Chain]:
         """Return the commands for *state* in the journal, and the requests for it that were denied, newest last."""
@@ -108,6 +123,17 @@ class DeviceHistory:
         wanted = [one for one in entries if one["kind"] in _WISHES and asks_for(one, state)]
         commands = {one["command"] or number: one for number, one in enumerate(wanted)}
         return [self._chain(one, 1) for one in commands.values()]
+
+    def _late_effect(self, states: Sequence[StateRecord], entries: Sequence[JournalEntryRecord]) -> Chain | None:
+        """Return the chain of the command that failed, and to which the newest of *states* is due all the same."""
+        newest = max((to_seconds(one["since"]) for one in states), default=0.0)
+        late = [one for one in states if newest and newest - to_seconds(one["since"]) <= _LATE]
+        requests = [(one, failed_command_of(one, entries)) for one in late]
+        found = next((request for _, request in requests if request is not None), None)
+        if found is None:
+            return None
+        due = tuple([state for state, request in requests if request is not None])
+        return replace(self._chain(found, _DEEPEST), late=due)
 
     def _chain(self, entry: JournalEntryRecord, deepest: int) -> Chain:
         if not entry["command"]:
@@ -138,8 +164,14 @@ def changed_at(device: DeviceRecord) -> float:
 
 def is_live(device: DeviceRecord) -> bool:
     """Return whether the device said itself what :func:`changed_at` is about, rather than the memory of a broker."""
-    newest = max(settable_states(device), key=lambda one: to_seconds(one["since"]), default=None)
+    newest = _newest(device)
     return newest is not None and newest["live"]
+
+
+def is_first(device: DeviceRecord) -> bool:
+    """Return whether what :func:`changed_at` is about is the first that homebot heard of it since it was started."""
+    newest = _newest(device)
+    return newest is not None and newest["is_first"]
 
 
 def settable_states(device: DeviceRecord) -> Iterable[StateRecord]:
@@ -151,6 +183,10 @@ def settable_states(device: DeviceRecord) -> Iterable[StateRecord]:
         if one["settable"] and not part["part"]["category"]
     }
     return (one for one in device["states"] if (one["part"], one["capability"]) in settable)
+
+
+def _newest(device: DeviceRecord) -> StateRecord | None:
+    return max(settable_states(device), key=lambda one: to_seconds(one["since"]), default=None)
 
 
 def as_state(text: str) -> str:
@@ -197,6 +233,14 @@ def _knows(entries: Iterable[JournalEntryRecord], states: Iterable[StateRecord],
     if last["kind"] == "reverted":  # to what it was before, whatever that is
         return all(known[one] != told[one] for one in shared)
     return bool(shared) and all(known[one] == told[one] for one in shared)
+
+
+def _states_of(change: JournalEntryRecord) -> Sequence[StateRecord]:
+    """Return what a change that no command explains tells, as states."""
+    at, part = change["at"], change["part"]
+    return [
+        {**one, "part": part, "since": at, "told_at": at, "live": True, "is_first": False} for one in change["settings"]
+    ]
 
 
 def _squeezed(text: str) -> str:

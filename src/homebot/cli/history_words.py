@@ -11,6 +11,7 @@ from homebot.cli.journal_words import (
     denial_text,
     entry_text,
     issuer_text,
+    name_text,
     repeats,
     settings_text,
     trigger_text,
@@ -37,6 +38,8 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
     asked = f"{issuer} {'published' if first['kind'] == 'published' else 'asked for'} {_wanted(first)}"
     cause = trigger_text(chain.trigger, names)
     reason = f"{asked}, because {cause}" if cause else asked
+    if _is_late(chain):
+        return f"{reason}; it answered late, or somebody did it by hand"
     doubt = _doubt(chain)
     return f"{reason}; it reported that, but {doubt}" if doubt else reason
 
@@ -48,8 +51,12 @@ def chain_lines(chain: Chain, names: Mapping[str, str], now: float) -> Iterator[
         yield from chain_lines(chain.before, names, now)
     elif cause := trigger_text(trigger, names):
         yield clock_text(trigger["at"], now) if trigger["at"]["sec"] else "", cause
-    for entry in _told(chain.entries):
-        yield clock_text(entry["at"], now), entry_text(entry, names)
+    steps = [(entry["at"], entry_text(entry, names)) for entry in _told(chain.entries)]
+    if _is_late(chain):
+        name = name_text(chain.first["device"], names, chain.late[0]["part"])
+        steps.append((chain.late[0]["since"], f"{name} reported {settings_text(chain.late)}"))
+    for at, text in steps:
+        yield clock_text(at, now), text
 
 
 def result_text(chain: Chain, now: float) -> str:
@@ -67,6 +74,11 @@ def result_text(chain: Chain, now: float) -> str:
     if now - to_seconds(chain.first["at"]) > _LONGEST:
         return "its outcome is not known: homebot stopped before it was"
     return "its outcome is not known yet"
+
+
+def _is_late(chain: Chain) -> bool:
+    """Return whether the device did it after the outcome; what it did before is an entry of the command."""
+    return bool(chain.late) and chain.changed_at > to_seconds(chain.entries[-1]["at"])
 
 
 def _doubt(chain: Chain) -> str:

@@ -226,6 +226,20 @@ def outcomes(name: str) -> list[JournalEntry]:
         case "witness":
             witnessed = Contradicted("Kitchen lux measured no change", "Kitchen lux")
             return [*command("a-1", 40.4, witnessed, issuer="client:tablet", reports=(0.4,), on_off=True)]
+        case "late":
+            return [*command("a-1", 55, NoAnswer(9.0), tries=3, on_off=True)]
+        case "later":
+            return [*command("a-1", 90, NoAnswer(9.0), tries=3, on_off=True), changed(40, on_off=True)]
+        case "too_late":
+            return [*command("a-1", 120, NoAnswer(9.0), tries=3, on_off=True), changed(40, on_off=True)]
+        case "since":
+            hall = [*command("a-1", 55, NoAnswer(9.0), tries=3, on_off=True)]
+            return [*hall, *command("a-2", 43, Refused("lease", "held"), tries=0, on_off=False)]
+        case "rounded":
+            *steps, outcome = command("a-1", 40.4, Contradicted("level is 39.76"), tries=1, level=45.0)
+            of = {"device": LAMP, "part": "light", "command": "a-1"}
+            told = entry(kind="reported", at=ago(40), settings=settings(level=39.76), **of)
+            return [*steps, told, outcome]
         case "silent":
             return [
                 *command("a-1", 300, CONFIRMED, reports=(0.4,), on_off=True),
@@ -274,6 +288,12 @@ def before_a_restart(name: str) -> list[JournalEntry]:
         ("why_witness", "witness", ["why", "Kitchen lamp"]),
         ("why_no_answer", "silent", ["why", "Kitchen lamp"]),
         ("why_refused", "refused", ["why", "Kitchen lamp"]),
+        ("why_late", "late", ["why", "Kitchen lamp"]),
+        ("why_late", "since", ["why", "Kitchen lamp"]),
+        ("why_late_json", "late", ["why", "Kitchen lamp", "--json"]),
+        ("why_later", "later", ["why", "Kitchen lamp"]),
+        ("why_unknown", "too_late", ["why", "Kitchen lamp"]),
+        ("why_rounded", "rounded", ["why", "Kitchen lamp"]),
         ("why_hand_json", "hand", ["why", "Kitchen lamp", "--json"]),
         ("why_unknown_json", "", ["why", "Kitchen lamp", "--json"]),
         ("why_not_outcomes", "outcomes", ["why-not", "Kitchen lamp", "off"]),
@@ -318,6 +338,19 @@ def test_after_a_restart_the_last_change_is_the_one_before_it(
     """What a broker retained says how the device is, and not since when."""
     still.journal, still.is_restarted = before_a_restart(case), True
     assert main(["--door", still_homebot.door, *arguments]) == 0
+    check(name, capsys.readouterr().out)
+
+
+@pytest.mark.parametrize(("name", "tells"), [("why_first", True), ("why_no_change", False)])
+def test_of_a_failed_command_it_is_told_how_the_device_was_found(
+    still: StillHouse, still_homebot: Homebot, capsys: Text, monkeypatch: pytest.MonkeyPatch, name: str, *, tells: bool
+) -> None:
+    """What the device tells first of all is no change."""
+    states = [one.model_copy(update={"is_first": True}) for one in kitchen_lamp().states if tells]
+    lamp = kitchen_lamp().model_copy(update={"states": tuple(states)})
+    monkeypatch.setattr("tests.cli.golden.conftest.kitchen_lamp", lambda: lamp)
+    still.journal = [*command("a-1", 55, NoAnswer(9.0), tries=3, on_off=False)]
+    assert main(["--door", still_homebot.door, "why", "Kitchen lamp"]) == 0
     check(name, capsys.readouterr().out)
 
 

@@ -6,7 +6,7 @@ import argparse
 import math
 
 from homebot.cli.arguments import set_client_command
-from homebot.cli.device_history import Chain, DeviceHistory, changed_at, is_live
+from homebot.cli.device_history import Chain, DeviceHistory, changed_at, is_first, is_live
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, with_client
@@ -52,19 +52,18 @@ def _why(options: argparse.Namespace) -> int:
         if options.json:
             print(json_text(_json(device, chain, client)))
         else:
-            _tell(device, chain, client, house_time(door))
+            _tell(device, chain, history, client, house_time(door))
         return 0
 
     return with_client(options, run)
 
 
-def _tell(device: DeviceRecord, chain: Chain | None, client: JournalClient, now: float) -> None:
+def _tell(device: DeviceRecord, chain: Chain | None, history: DeviceHistory, client: JournalClient, now: float) -> None:
     name = printable(device["name"] or device["id"])
     state = state_text(device)
     print_line(f"{name} is {state}." if state else f"{name} does not report its state.", "bold")
     if chain is not None:
-        at = to_seconds(chain.entries[-1]["at"])
-        print(f"It changed {ago_text(at, now)}: {reason_text(chain, client.names)}.")
+        print(f"It changed {ago_text(chain.changed_at, now)}: {reason_text(chain, client.names)}.")
         if chain.first["kind"] != "changed":
             print()
             print_rows([*chain_lines(chain, client.names, now)])
@@ -72,8 +71,13 @@ def _tell(device: DeviceRecord, chain: Chain | None, client: JournalClient, now:
         print(f"It has been so since homebot first heard of it, {ago_text(at, now)}.")
     elif at and not is_live(device):
         print(f"It was so already {ago_text(at, now)}; a retained value does not tell since when.")
+    elif at and is_first(device):
+        print(f"It was so already {ago_text(at, now)}, when it first told how it is.")
     elif at:
         print(f"It changed {ago_text(at, now)}: {UNEXPLAINED}.")
+    elif (command := history.newest_command(device)) is not None:
+        print("It reported no change after the newest command.\n")
+        print_rows([*chain_lines(command, client.names, now)])
     else:
         print("Nobody commanded it, and it reported no change.")
 
@@ -81,7 +85,7 @@ def _tell(device: DeviceRecord, chain: Chain | None, client: JournalClient, now:
 def _json(device: DeviceRecord, chain: Chain | None, client: JournalClient) -> dict[str, object]:
     at = changed_at(device)
     if chain is not None:
-        at = min(at or math.inf, to_seconds(chain.entries[-1]["at"]))
+        at = min(at or math.inf, chain.changed_at)
     return {
         "device": device["id"],
         "name": device["name"],
