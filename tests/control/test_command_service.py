@@ -224,6 +224,18 @@ async def test_an_appliance_is_turned_on_without_its_functions(open_home: OpenHo
             assert [one.part for one in answer.results] == expected
 
 
+async def test_a_word_for_a_switch_is_no_text_for_its_label(open_home: OpenHome) -> None:
+    """Home Buttons announce texts, and others a time or the message of a notification, that are no configuration."""
+    async with open_home() as home:
+        relay = simple_part("switch", settable=("on_off",)).model_copy(update={"id": "relay"})
+        label = simple_part("x_setting", settable=("text",)).model_copy(update={"id": "label"})
+        home.gateway.devices.put(GatewayDevice("panel", "Panel", (label, relay)), "the test says so")
+        home.behaviours["panel"] = ignore
+        for words, expected in ((("off", {}), ["relay"]), (("set", {"text": "off"}), ["label"])):
+            answer = await command(home, "panel", *words)
+            assert [one.part for one in answer.results] == expected
+
+
 async def test_what_only_the_fan_can_is_not_for_its_lamp(open_home: OpenHome) -> None:
     async with open_home() as home:
         fan = simple_part("fan", settable=("on_off", "fan_speed")).model_copy(update={"id": "fan"})

@@ -183,6 +183,7 @@ _APPLIANCES = frozenset(
 )
 _FUNCTIONS = frozenset({"plug", "switch"})
 """Types of the parts of an appliance that turn one of its functions on and off: its display, its powerful mode."""
+_SETTINGS = frozenset({"x_setting"})
 
 
 def _spoken(
@@ -191,7 +192,8 @@ def _spoken(
     """Return what *request* sets at each of *parts*, or why it cannot.
 
     Parts that cannot are left out where one of another type can: a speed is for the fan, and not for its lamp. So are
-    the switches of an appliance that can: to turn an air conditioner on is not to turn on its powerful mode.
+    the switches of an appliance that can: to turn an air conditioner on is not to turn on its powerful mode. A setting
+    that can, as a free text can be ``off``, is left out where any other part can.
     """
     found: list[tuple[DevicePart, _Spoken]] = []
     for part in parts:
@@ -202,6 +204,7 @@ def _spoken(
     able = {part.part.service_type for part, spoken in found if not isinstance(spoken, RefusedError)}
     if not able.isdisjoint(_APPLIANCES):
         able -= _FUNCTIONS
+    able = able - _SETTINGS or able
     return [one for one in found if not able or one[0].part.service_type in able]
 
 
