@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, closing
 from pathlib import Path
 
 import anyio
@@ -108,6 +108,27 @@ async def test_a_disk_that_is_away_costs_nothing_that_fits_into_memory(tmp_path:
         folder.unlink()
         assert await read(store) == (entry(1),)
         assert not store.problem
+
+
+async def test_what_cannot_be_written_now_is_read_all_the_same(tmp_path: Path) -> None:
+    """A full disk would else make changes of commands those of a hand."""
+    path = tmp_path / "journal.sqlite"
+    async with opened(path) as store:
+        store.add(note(1))
+    with closing(sqlite3.connect(path)) as connection:
+        fails = "SELECT abs(-9223372036854775808)"  # an error of the statement, as a full disk is one
+        connection.execute(f"CREATE TRIGGER full BEFORE INSERT ON entries BEGIN {fails}; END")
+        connection.commit()
+    async with opened(path) as store:
+        store.add(note(2, device="plug"))
+        store.add(note(3))
+        assert await read(store) == (entry(1), note(2, device="plug").entry(), entry(3))
+        assert store.problem
+        assert await read(store, device="lamp") == (entry(1), entry(3))
+        assert await read(store, command="c-2") == (note(2, device="plug").entry(),)
+        assert await read(store, limit=2) == (note(2, device="plug").entry(), entry(3))
+        found = await store.read(ReadJournalRequest(limit=2))
+        assert (found.complete, found.begins) == (False, entry(1).at)
 
 
 async def test_a_damaged_file_is_set_aside(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from homebot.control.journal.learnt_row import LearntRow
 from homebot.devices.journal_messages import MOST_ENTRIES, ReadJournalRequest, ReadJournalResponse
 from homebot.messages import Time
 
-__all__ = ["MemoryStore"]
+__all__ = ["MemoryStore", "newest_fitting"]
 
 
 @final
@@ -50,7 +50,7 @@ class MemoryStore:
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
         """Return the newest entries that fit."""
         limit = min(request.limit or MOST_ENTRIES, MOST_ENTRIES)
-        found = list(islice(self._fitting(request), limit + 1))
+        found = list(islice(newest_fitting(self._entries, request), limit + 1))
         return ReadJournalResponse(
             entries=tuple([note.entry() for note in reversed(found[:limit])]),
             complete=len(found) <= limit,
@@ -70,15 +70,13 @@ class MemoryStore:
     async def close(self) -> None:
         """Do nothing, as above."""
 
-    def _fitting(self, request: ReadJournalRequest) -> Iterator[JournalNote]:
-        since, until = request.since.to_seconds(), request.until.to_seconds()
-        for note in reversed(self._entries):
-            at = note.stamp.to_seconds()  # who asks has it from an entry
-            if at < since:
-                continue  # not the end: the clock may have been set
-            if (
-                (not until or at <= until)
-                and request.device in {"", note.device}
-                and request.command in {"", note.command}
-            ):
-                yield note
+
+def newest_fitting(notes: deque[JournalNote], request: ReadJournalRequest) -> Iterator[JournalNote]:
+    """Yield those of *notes*, oldest first as they are, that fit *request*, newest first."""
+    since, until = request.since.to_seconds(), request.until.to_seconds()
+    for note in reversed(notes):
+        at = note.stamp.to_seconds()  # who asks has it from an entry
+        if at < since:
+            continue  # not the end: the clock may have been set
+        if (not until or at <= until) and request.device in {"", note.device} and request.command in {"", note.command}:
+            yield note
