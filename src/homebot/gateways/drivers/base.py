@@ -71,8 +71,8 @@ class DriverHost(Protocol):
 class Driver(ABC):
     """A driver for one service.
 
-    Its class is made once for each service of its types that is found, and again when host, port or TXT record of the
-    service have changed.
+    It is made anew for each try to connect: after a failure, and when host, port or TXT record of the service have
+    changed.
 
     Args:
         service: The service.
