@@ -1,11 +1,11 @@
-"""Choice among the forms of a thing by their addresses. Pure."""
+"""Choice among the forms of a thing by their addresses."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
-from homebot.wot import Form, Thing
+from homebot.wot.thing import Form, Thing
 
 __all__ = ["change_forms"]
 

@@ -39,12 +39,12 @@ from homebot.gateways.thing_directory.documents import (
 from homebot.gateways.thing_directory.listed_thing import ListedThing
 from homebot.gateways.thing_directory.read_pages import ReadPage
 from homebot.gateways.thing_directory.settings import ThingDirectorySettings
-from homebot.gateways.things.forms import change_forms
 from homebot.gateways.things.http_credentials import read_logins
 from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, login_at
 from homebot.gateways.things.thing_device import describe_thing
 from homebot.isolation import run_as, ungrouped
 from homebot.wot import Form, Thing, read_thing
+from homebot.wot.forms import change_forms
 
 __all__ = ["DirectorySession"]
 

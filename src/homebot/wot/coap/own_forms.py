@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from homebot.conventions.coap.endpoint import authority_of
+from homebot.wot.forms import change_forms
 from homebot.wot.thing import Thing
 
 __all__ = ["with_own_forms"]
@@ -13,12 +12,7 @@ __all__ = ["with_own_forms"]
 def with_own_forms(thing: Thing, base: str) -> Thing:
     """Return *thing* with those forms alone that are at the endpoint *base*: it does not speak for other hosts."""
     own = authority_of(base)
-    affordances = (
-        replace(one, forms=tuple(form for form in one.forms if _is_at(form.href, own))) for one in thing.affordances
-    )
-    return replace(
-        thing, affordances=tuple(affordances), forms=tuple(form for form in thing.forms if _is_at(form.href, own))
-    )
+    return change_forms(thing, lambda form: form if _is_at(form.href, own) else None)
 
 
 def _is_at(href: str, own: str) -> bool:

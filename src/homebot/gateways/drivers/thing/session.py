@@ -24,12 +24,12 @@ from homebot.gateways.drivers.thing.driver import WEB_THING
 from homebot.gateways.drivers.thing.settings import ThingDriverSettings
 from homebot.gateways.http_address import http_origin, parse_url, shown_url
 from homebot.gateways.http_client import HttpClient
-from homebot.gateways.things.forms import change_forms
 from homebot.gateways.things.http_credentials import ThingLogin, read_logins
 from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, login_at
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
 from homebot.isolation import run_as, ungrouped
 from homebot.wot import Form, Thing, read_thing
+from homebot.wot.forms import change_forms
 
 __all__ = ["ThingSession"]
 
