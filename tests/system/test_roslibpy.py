@@ -37,6 +37,9 @@ CLIENT = textwrap.dedent(
     heard = queue.Queue()
     roslibpy.Topic(ros, "/state", "std_msgs/String").subscribe(heard.put)
     report["latched"] = heard.get(timeout=40)["data"]
+    images = queue.Queue()
+    roslibpy.Topic(ros, "/latched", "std_msgs/String", compression="png").subscribe(images.put)
+    report["png"] = images.get(timeout=40)["data"]
     roslibpy.Topic(ros, "/echoed", "std_msgs/String").subscribe(heard.put)
     roslibpy.Topic(ros, "/hello", "std_msgs/String").publish(roslibpy.Message({"data": "hi"}))
     report["echoed"] = heard.get(timeout=40)["data"]
@@ -89,6 +92,7 @@ async def test_roslibpy_subscribes_publishes_calls_and_serves(transport: str) ->
         "rate": 2.0,
         "details": ["data"],
         "latched": "on",
+        "png": "on",
         "echoed": "you said hi",
         "called": "done",
         "served": "served by roslibpy",
@@ -101,6 +105,7 @@ async def test_roslibpy_subscribes_publishes_calls_and_serves(transport: str) ->
 def _furnish(lamp: Node, heard: list[str]) -> None:
     lamp.declare_parameter("rate", 2.0)
     lamp.create_publisher(String, "/state", qos_profile_latched).publish(String(data="on"))
+    lamp.create_publisher(String, "/latched", qos_profile_latched).publish(String(data="on"))
     echoed = lamp.create_publisher(String, "/echoed")
     mine = lamp.create_client(SetBool, "/mine")
 

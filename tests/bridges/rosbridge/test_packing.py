@@ -176,6 +176,16 @@ async def test_a_client_gets_messages_and_responses_as_it_asked_for_them(open_ho
         assert json.loads(content(await peer.receive()))["id"] == "2"
 
 
+async def test_roslibpy_is_sent_json_in_place_of_an_image(open_house: Any) -> None:
+    """It offers ``compression="png"``, and knows no frame of that kind."""
+    async with open_house() as house, house.peer(**{"User-Agent": "AutobahnPython/25.10.2"}) as peer:
+        house.node("lamp").create_publisher(String, "/state", qos_profile_latched).publish(String(data="on"))
+        await peer.send("subscribe", topic="/state", compression="png")
+        assert (await peer.receive())["msg"] == {"data": "on"}
+        await peer.send("call_service", id="t", service="/rosapi/get_time", compression="png")
+        assert (await peer.receive())["op"] == "service_response"
+
+
 async def test_a_client_may_send_fragments(open_house: Any) -> None:
     async with open_house() as house, house.peer() as peer:
         subscription = house.node("lamp").create_subscription(String, "/say")

@@ -244,7 +244,9 @@ class Door:
             connection.has_arrived()
         name = self._names[connection]
         access = ClientAccess(name, self._rights[name])
-        session = ClientSession(self._shared, access, _address_of(connection), send, cut)
+        session = ClientSession(
+            self._shared, access, _address_of(connection), send, cut, reads_png=not _is_roslibpy(connection)
+        )
         self._sessions[connection] = session
         try:
             await session.run(_texts(connection))
@@ -292,6 +294,12 @@ def _json_object(frame: bytes) -> str | None:
     with suppress(UnicodeDecodeError):
         return frame.decode() if frame.lstrip()[:1] == b"{" else None
     return None
+
+
+def _is_roslibpy(connection: ServerConnection) -> bool:
+    """Return whether the client is roslibpy, to 2.1 at least: it offers to ask for PNG, and cannot read it."""
+    agent = connection.request.headers.get("User-Agent", "") if connection.request is not None else ""
+    return agent.startswith("AutobahnPython/")
 
 
 def _address_of(connection: ServerConnection) -> str:

@@ -65,6 +65,7 @@ class ClientSession:
         client: What to call the client in the log.
         send: Takes a frame to the client, waiting until there is room for it; LinkError when the client is gone.
         cut: Ends the connection at once.
+        reads_png: The client reads what it asks for as PNG; otherwise it is sent JSON.
 
     Attributes:
         refused: Frames and requests of the client that were refused.
@@ -77,8 +78,11 @@ class ClientSession:
         client: str,
         send: Callable[[str | bytes], Awaitable[None]],
         cut: Callable[[], None],
+        *,
+        reads_png: bool = True,
     ) -> None:
         self.refused = 0
+        self._reads_png = reads_png
         self._shared = shared
         self._access = access
         self._node = shared.node
@@ -210,6 +214,8 @@ class ClientSession:
                 holdings.services.unadvertise(op)
 
     def _subscribe(self, op: SubscribeOperation, holdings: _Holdings) -> None:
+        if op.compression == "png" and not self._reads_png:
+            op = op.model_copy(update={"compression": "none"})
         if (remark := holdings.subscriptions.subscribe(op)) is not None:
             self._remark(*remark, op.id)
 
@@ -223,7 +229,8 @@ class ClientSession:
         try:
             await self._outbox.room()
             await self._turns.turn()
-            answer = partial(self._outbox.answer, packing=Packing(op.compression == "png", op.fragment_size or 0))
+            packing = Packing(self._reads_png and op.compression == "png", op.fragment_size or 0)
+            answer = partial(self._outbox.answer, packing=packing)
             await call_service(self._node, op, self._turns, self._access, answer)
         finally:
             self._calls -= 1
