@@ -34,7 +34,7 @@ told.echoed = await echoed;
 told.called = await call("/switch", { data: true });
 told.absent = await call("/nobody", {});
 const mine = new Service({ ros, name: "/mine", serviceType: "std_srvs/SetBool" });
-mine.advertise((request, response) => {
+await mine.advertise((request, response) => {
   response.success = request.data;
   response.message = "served by roslib";
   return true;
