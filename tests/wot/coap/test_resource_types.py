@@ -39,6 +39,13 @@ def kinds(parts: tuple[ClassifiedPart, ...]) -> dict[str, list[tuple[str, bool]]
             {"light": [("on_off", True)], "temperature_sensor": [("temperature", False)]},
         ),
         ("</3311/0>,</3311/0/5851>", {"light": [("level", True)]}),
+        ("</3201/0>,</3200/0>", {"switch": [("on_off", True)], "x_binary_sensor": [("state", False)]}),
+        ("</3305/0/5800>", {"electrical_meter": [("power", False)]}),
+        ("</3315/0>", {"x_sensor": [("measurement", False)]}),
+        (
+            '</t/current>;rt="oic.r.temperature";if="oic.if.s",</t/desired>;rt="oic.r.temperature";if="oic.if.a"',
+            {"temperature_sensor": [("temperature", False)], "thermostat": [("heating_setpoint", True)]},
+        ),
         ("</3310/0>,</3303>", {}),
         ('</time>;obs;rt="ticktock";title="Clock"', {"x_sensor": [("value", False)]}),
         ("</storage>,</.well-known/core>,</oic/res>;rt=oic.wk.res", {}),

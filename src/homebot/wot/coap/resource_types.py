@@ -74,23 +74,39 @@ _OCF: Mapping[str, _Known] = MappingProxyType(
     }
 )
 
+_TARGET_TEMPERATURE = _Known("target_temperature", "number", "celsius", member="temperature", settable=True)
+"""A temperature of OCF that can be set: what a thermostat measures has the same type."""
+
 _ONE_OR_ZERO = ("0", "1")
 _IPSO: Mapping[tuple[int, int], _Known] = MappingProxyType(
     {
+        (3200, 5500): _Known("state", "string", enum=_ONE_OR_ZERO),
+        (3201, 5550): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
+        (3300, 5700): _Known("measurement", "number"),
         (3301, 5700): _Known("illuminance", "number", "lux"),
         (3302, 5500): _Known("motion", "string", enum=_ONE_OR_ZERO),
         (3303, 5700): _Known("temperature", "number", "celsius"),
         (3304, 5700): _Known("humidity", "number", "%"),
+        (3305, 5800): _Known("power", "number", "W"),
         (3306, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
         (3311, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
         (3311, 5851): _Known("brightness", "integer", "%", (0, 100), settable=True),
         (3312, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
+        (3315, 5700): _Known("barometer", "number"),
         (3316, 5700): _Known("voltage", "number", "V"),
         (3317, 5700): _Known("current", "number", "A"),
+        (3318, 5700): _Known("frequency", "number", "Hz"),
+        (3320, 5700): _Known("percentage", "number", "%"),
+        (3323, 5700): _Known("gauge", "number"),
+        (3325, 5700): _Known("concentration", "number"),
         (3328, 5700): _Known("power", "number", "W"),
+        (3330, 5700): _Known("distance", "number"),
         (3342, 5500): _Known("on", "string", enum=_ONE_OR_ZERO),
+        (3347, 5500): _Known("state", "string", enum=_ONE_OR_ZERO),
     }
 )
+"""By object and resource; of a quantity whose unit is in another resource, the number alone is known."""
+
 _IPSO_INSTANCE = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}")
 _IPSO_PATH = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}/(5\d{3})/?")
 
@@ -105,7 +121,8 @@ _THING_TYPES: Mapping[str, str] = MappingProxyType(
     }
 )
 _READ_ONLY = frozenset({"oic.if.s", "oic.if.r", "core.s", "core.rp", "core.lb", "sensor"})
-_ACTUATORS = frozenset({"oic.if.a", "oic.if.rw", "core.a", "core.p", "actuator"})
+_OCF_ACTUATORS = frozenset({"oic.if.a", "oic.if.rw"})
+_ACTUATORS = _OCF_ACTUATORS | {"core.a", "core.p", "actuator"}
 _NEVER = ("/.well-known/", "/oic/", "/rd", "/bs")
 
 
@@ -153,6 +170,8 @@ def _affordance(link: WebLink, href: str) -> Affordance | None:
         return None
     interfaces = frozenset(link.words("if"))
     known = next((_OCF[word] for word in link.words("rt") if word in _OCF), None)
+    if known is _OCF["oic.r.temperature"] and not interfaces.isdisjoint(_OCF_ACTUATORS):
+        known = _TARGET_TEMPERATURE
     default_type = "application/vnd.ocf+cbor"
     if known is None and (match := _IPSO_PATH.fullmatch(link.target)):
         known, default_type = _IPSO.get((int(match[1]), int(match[2]))), "text/plain"
