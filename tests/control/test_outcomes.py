@@ -612,6 +612,7 @@ async def test_a_thermostat_that_rounds_is_told_the_same_once(
         ("fan", "fan_speed", 50.0, 66.0),
         ("fan", "fan_speed", 34.0, 66.67),
         ("fan", "fan_speed", 20.0, 33.0),
+        ("fan", "fan_speed", 60.0, 67.0),
         ("fan", "fan_speed", 60.0, 75.0),
         ("light", "color", (120.0, 100.0), (136.0, 100.0)),
         ("light", "color", (180.0, 100.0), (180.0, 78.0)),

@@ -47,6 +47,8 @@ _MOST_SPEEDS: Final = 10
 _SPEED_ROUNDING: Final = 0.005
 """Of a speed: 33 % is the first of three, and 34 % the second."""
 
+_HALF: Final = 0.5
+
 _SAME: Final[Mapping[tuple[str, str], frozenset[str]]] = MappingProxyType(
     {
         ("movement", "stopped"): frozenset({"open", "closed"}),
@@ -152,7 +154,7 @@ def _is_next_speed(wanted: float, seen: float) -> bool:
         return False
     for speeds in range(_FEWEST_SPEEDS, _MOST_SPEEDS + 1):
         speed = math.ceil(wanted * speeds / 100 - _SPEED_ROUNDING)
-        if -_SPEED_ROUNDING <= speed * 100 / speeds - seen < 1:  # some round percentages down
+        if -_HALF <= speed * 100 / speeds - seen < 1:  # of 66.7 %, some report 66 and others 67
             return True
     return False
 
