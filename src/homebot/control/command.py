@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from homebot.control.held_values import COLORS, END_POSITIONS, POWERS, STOPPED, is_on
+from homebot.control.tolerance import fits
 from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.client_rights import is_client
@@ -110,6 +111,17 @@ class IssuedCommand:
     def is_always_sent(self) -> bool:
         """True if no report shows that it was done before: a stop, the latch of an unlocked door, a press."""
         return self.is_momentary or not _ALWAYS_SENT.isdisjoint(self.settings.items())
+
+    @property
+    def opens_further(self) -> bool:
+        """True if it opens what is open, but by its own position not all the way."""
+        if self.settings.get("movement") != "open":
+            return False
+        for one in self.device.states:
+            if one.capability == "position" and one.part == self.place[1]:
+                position = one.value.plain()
+                return isinstance(position, float) and not fits("position", END_POSITIONS["open"], position)
+        return False
 
     @property
     def turns_on(self) -> bool:

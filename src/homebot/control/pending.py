@@ -145,7 +145,7 @@ class PendingCommand:
         for name, value in (self._wanted or self.command.settings).items():
             if name not in before or not (is_same(name, value, before[name]) or self._is_rounded(name, before[name])):
                 return False
-        return True
+        return not self.command.opens_further
 
     @property
     def _was_about_so(self) -> bool:
