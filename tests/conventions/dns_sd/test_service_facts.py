@@ -52,6 +52,7 @@ def test_the_pairing_id_of_homekit_is_no_hardware_address() -> None:
         ("RINCON_A8032ABE54DC01400@Bath", "_sonos._tcp", {}, "Bath"),
         ("me@home", "_http._tcp", {}, "me@home"),
         ("office [a8:03:2a:be:54:dc]", "_workstation._tcp", {}, "office"),
+        ("Bosch SHC [a8-03-2a-be-54-dc]", "_http._tcp", {}, "Bosch SHC"),
         ("DD200C20D25AE5F7", "_matterc._udp", {"dn": "Plug"}, "Plug"),
         ("Lamp", "_http._tcp", {"dn": "x", "fn": ""}, "Lamp"),
     ],
@@ -65,6 +66,8 @@ def test_a_name_is_one_for_people(name: str, service_type: str, properties: dict
     [
         ("nas", {"mac_address": "00:11:32:AA:BB:59|00:11:32:AA:BB:5A"}, ("mac:001132aabb59", "mac:001132aabb5a")),
         ("office [a8:03:2a:be:54:dc]", {}, ("mac:a8032abe54dc",)),
+        ("Bosch SHC [a8-03-2a-be-54-dc]", {}, ("mac:a8032abe54dc",)),
+        ("Lutron Status 01", {"macaddr": "A8:03:2A:BE:54:DC"}, ("mac:a8032abe54dc",)),
         ("Hue", {"bridgeid": "001788fffe1a2b3c"}, ("eui64:001788fffe1a2b3c",)),
         ("plug", {"bssid": "a8:03:2a:be:54:dc"}, ()),
     ],

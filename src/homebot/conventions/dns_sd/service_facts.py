@@ -11,7 +11,7 @@ from homebot.devices.identity import identifiers
 
 __all__ = ["facts_of", "identifiers_of", "name_of", "printable", "usable_addresses"]
 
-_HARDWARE = ("mac", "macaddress", "mac_address", "deviceid", "ethmac", "bridgeid")
+_HARDWARE = ("mac", "macaddr", "macaddress", "mac_address", "deviceid", "ethmac", "bridgeid")
 """Keys of TXT records that say the hardware address: of ESPHome, WLED, Tasmota, AirPlay, Hue and others. A ``bssid`` is
 that of the access point, which all devices there have."""
 
@@ -32,8 +32,8 @@ _NAMES = ("friendly_name", "friendlyname", "fn")
 
 _COMMISSIONABLE = "_matterc._udp.local."
 _ID = re.compile(r"[0-9A-Za-z]+[_-][0-9A-Fa-f]{12,}|[0-9A-Fa-f]{12,}")
-_ADDRESS_BEHIND = re.compile(r"\s*\[([0-9A-Fa-f]{2}(?::[0-9A-Fa-f]{2}){5})\]$")
-"""Of computers: ``office [00:0e:c6:12:34:56]``."""
+_ADDRESS_BEHIND = re.compile(r"\s*\[((?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2})\]$")
+"""Of computers, ``office [00:0e:c6:12:34:56]``, and of Bosch's controller, with hyphens."""
 
 _MOST_ADDRESSES = 8
 
