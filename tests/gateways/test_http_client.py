@@ -150,7 +150,9 @@ class TestRequests:
         async with serving(answering()) as url:
             pass
         async with HttpClient() as client:
-            with pytest.raises(LinkError, match="cannot be reached"):
+            with pytest.raises(
+                LinkError, match=r"cannot be reached: nothing is listening there \(connection refused\)"
+            ):
                 await client.get(url)
 
     @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from typing import Final
 
 import aiohttp
 
+from homebot.connect_errors import connect_problem
 from homebot.conventions.payload import clean_text
 from homebot.errors import LinkError, RefusedError, WireError
 
@@ -36,7 +37,7 @@ def translated_errors(what: str, where: str, *, has_login: bool = False) -> Iter
     except aiohttp.ClientSSLError as exc:
         raise LinkError(f"{where} cannot be reached with TLS: {type(exc).__name__}") from None
     except aiohttp.ClientConnectorError as exc:
-        raise LinkError(f"{where} cannot be reached: {exc.os_error.strerror or type(exc.os_error).__name__}") from None
+        raise LinkError(f"{where} cannot be reached: {connect_problem(exc.os_error)}") from None
     except (aiohttp.ClientConnectionError, aiohttp.ClientPayloadError, OSError):
         raise LinkError(f"the connection to {where} was lost") from None
     except ValueError:  # aiohttp.InvalidURL, of a redirect, or a host that no name server can be asked for

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import errno
-import os
 import socket
 import ssl
 from collections import deque
@@ -363,25 +362,16 @@ def _load_context(options: MqttOptions) -> ssl.SSLContext:
 
 
 def _words(error: OSError) -> str:
-    if isinstance(error, socket.gaierror):
-        known = error.errno not in _UNKNOWN_NAME
-        return f"the host name cannot be looked up now ({error.strerror})" if known else "the host name is unknown"
-    if error.errno in _WORDS:
-        return _WORDS[error.errno]
-    # asyncio puts the address into the text, as a tuple of Python.
-    return os.strerror(error.errno) if error.errno else str(error)
+    from homebot.connect_errors import connect_problem  # noqa: PLC0415 - most connections can be made
+
+    return _LOST.get(error.errno or 0) or connect_problem(error)
 
 
 _CUT: Final = (ssl.SSLEOFError, ssl.SSLZeroReturnError, ConnectionResetError, BrokenPipeError)
-_WORDS: Final = {
-    errno.ECONNREFUSED: "nothing is listening there (connection refused)",
-    errno.ENETUNREACH: "no route to that network",
-    errno.EHOSTUNREACH: "no route to that host",
-    errno.ETIMEDOUT: "no answer",
+_LOST: Final = {
     errno.ECONNRESET: "the broker reset the connection",
     errno.EPIPE: "the broker closed the connection",
 }
-_UNKNOWN_NAME: Final = {getattr(socket, name, socket.EAI_NONAME) for name in ("EAI_NONAME", "EAI_NODATA")}
 
 _NO_TLS: Final = "the server there does not use TLS; is it the port for mqtt://?"
 _TLS_PROBLEMS: Final = (

@@ -1,0 +1,28 @@
+"""Reasons why a connection could not be made, as text for people."""
+
+from __future__ import annotations
+
+import errno
+import os
+import socket
+from typing import Final
+
+__all__ = ["connect_problem"]
+
+_KNOWN: Final = {
+    errno.ECONNREFUSED: "nothing is listening there (connection refused)",
+    errno.ENETUNREACH: "no route to that network",
+    errno.EHOSTUNREACH: "no route to that host",
+    errno.ETIMEDOUT: "no answer",
+}
+_UNKNOWN_NAME: Final = {getattr(socket, name, socket.EAI_NONAME) for name in ("EAI_NONAME", "EAI_NODATA")}
+
+
+def connect_problem(error: OSError) -> str:
+    """Return the reason of *error*, without the address: asyncio puts that into its texts, as a tuple of Python."""
+    if isinstance(error, socket.gaierror):
+        known = error.errno not in _UNKNOWN_NAME
+        return f"the host name cannot be looked up now ({error.strerror})" if known else "the host name is unknown"
+    if error.errno in _KNOWN:
+        return _KNOWN[error.errno]
+    return os.strerror(error.errno) if error.errno else str(error) or type(error).__name__
