@@ -13,6 +13,7 @@ from typing import TypeVar
 
 import anyio
 import pytest
+from structlog.testing import capture_logs
 from tests.held_clock import HeldClock
 from tests.patience import PATIENCE
 
@@ -25,7 +26,7 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.value import PlainValue, Reading, Value
 from homebot.gateways import Gateway
-from homebot.gateways.base import Delivery
+from homebot.gateways.base import UNAVAILABLE, Delivery
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription
 from homebot.messages import Message
 from homebot.runtime.muted_node import MutedNode
@@ -324,20 +325,23 @@ class GatewayContract:
                     pass
             assert (await send(lamp, watcher)).success is self.takes_commands
 
-    async def test_before_it_has_its_link_it_is_ready_and_unavailable(self) -> None:
+    async def test_before_it_has_its_link_it_is_ready_and_unavailable_and_logs_it(self) -> None:
         graph = Graph()
         async with self.lamp() as lamp, Node(graph, "watcher") as watcher:
             await lamp.lose_link()
-            async with self.started(lamp, graph, {}):
-                states = listen(watcher, GatewayState, lamp.gateway.names.state)
-                state = await first(states)
-                assert state.state == "unavailable"
-                assert state.reason
-                await lamp.mend_link()
-                with anyio.fail_after(PATIENCE):
-                    while (await states.receive()).state != "active":
-                        pass
-                await announced(lamp, watcher)
+            with capture_logs() as lines:
+                async with self.started(lamp, graph, {}):
+                    states = listen(watcher, GatewayState, lamp.gateway.names.state)
+                    state = await first(states)
+                    assert state.state == "unavailable"
+                    assert state.reason
+                    (line,) = (line for line in lines if line["event"] == UNAVAILABLE)
+                    assert state.reason in line["message"]
+                    await lamp.mend_link()
+                    with anyio.fail_after(PATIENCE):
+                        while (await states.receive()).state != "active":
+                            pass
+                    await announced(lamp, watcher)
 
     async def test_after_a_restart_it_finds_its_devices_again_by_the_same_keys(self) -> None:
         """Its topics were empty; nobody else announces them for it."""

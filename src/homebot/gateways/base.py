@@ -46,7 +46,7 @@ devices, goes on trying, answers commands with ``unreachable``, and never ends b
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import ClassVar, Literal, TypeAlias
+from typing import ClassVar, Final, Literal, TypeAlias
 
 import anyio
 from anyio.abc import TaskStatus
@@ -56,9 +56,13 @@ from homebot.devices import GatewayNames, GatewayState, Sighting
 from homebot.devices.gateway_messages import ONLY_OBSERVES, SENDS_NOTHING, Report
 from homebot.gateways.context import GatewayContext, HostService
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, qos_profile_latched
+from homebot.log import LogLimit
 from homebot.units import Seconds
 
-__all__ = ["Delivery", "Gateway", "GatewaySettings"]
+__all__ = ["AVAILABLE", "UNAVAILABLE", "Delivery", "Gateway", "GatewaySettings"]
+
+UNAVAILABLE: Final = "gateway.unavailable"
+AVAILABLE: Final = "gateway.available"
 
 Delivery: TypeAlias = Literal["inbox", "mirror"]
 """Where raw messages and texts are delivered; see :class:`GatewaySettings`."""
@@ -122,6 +126,7 @@ class Gateway(ABC):
         self.reports = node.create_publisher(Report, self.names.readings, _NEWEST_OF_EACH)
         self._state: GatewayState | None = None
         self._states = node.create_publisher(GatewayState, self.names.state, qos_profile_latched)
+        self._state_lines = LogLimit(node.graph.clock, burst=5)
         self._is_ready = False
 
     @classmethod  # noqa: B027 - no duty: most gateways have nothing to look for
@@ -183,5 +188,20 @@ class Gateway(ABC):
         # Apps send a raw text only where that says that commands are taken; the journal shall have it.
         news = GatewayState(state=state, reason=reason, acts=self.acts or self.context.is_dry_run)
         if news != self._state:
-            self._state = news
+            before, self._state = self._state, news
             self._states.publish(news)
+            self.log_state(news, before)
+
+    def log_state(self, state: GatewayState, before: GatewayState | None) -> None:
+        """Log that the gateway became unavailable, or works again; of more than five such lines in 10 s, five.
+
+        Args:
+            state: The state that was published now.
+            before: The one before; None at first.
+        """
+        is_down, was_down = state.state == "unavailable", before is not None and before.state == "unavailable"
+        if (is_down or was_down) and self._state_lines.allows("state") is not None:
+            if is_down:
+                self.node.log.warning(UNAVAILABLE, message=f"unavailable: {state.reason}", reason=state.reason)
+            else:
+                self.node.log.info(AVAILABLE, message="available again")

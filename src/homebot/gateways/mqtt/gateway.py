@@ -18,7 +18,7 @@ from pydantic import BaseModel
 
 from homebot.conventions.installed_conventions import find_conventions
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES
-from homebot.devices import SubscribeToTopic
+from homebot.devices import GatewayState, SubscribeToTopic
 from homebot.errors import ClosedError
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext, HostService
@@ -177,6 +177,9 @@ class MqttGateway(Gateway):
                 tasks.start_soon(run_as, self.node.full_name, work)
             await report.wait_for_first_try()
             task_status.started()
+
+    def log_state(self, state: GatewayState, before: GatewayState | None) -> None:
+        """Log nothing: :class:`LinkReport` tells more of it, and sooner."""
 
     async def _receive(self, connection: MqttConnection) -> None:
         with isolated(self.node.full_name):

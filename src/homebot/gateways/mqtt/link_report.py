@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import anyio
 
-from homebot.gateways.base import Gateway
+from homebot.gateways.base import UNAVAILABLE, Gateway
 from homebot.log import LogLimit
 from homebot.mqtt.connection import ConnectionState, LinkPhase, MqttConnection
 
@@ -14,7 +14,6 @@ __all__ = ["LinkReport"]
 
 CONNECTED = "gateway.connected"
 LOST = "gateway.link_lost"
-UNAVAILABLE = "gateway.unavailable"
 NOT_HEARD = "gateway.subscription_refused"
 NO_ANSWER = "gateway.no_answer"
 
