@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import OrderedDict
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import Final, TypeAlias, final
 
@@ -24,7 +24,8 @@ from homebot.control.missing_part import missing_part
 from homebot.control.pending import PendingCommand
 from homebot.control.pending_commands import PendingCommands
 from homebot.control.rehearsal import Rehearsal, rehearsed_result
-from homebot.control.report_watch import ReportWatch
+from homebot.control.report_watch import PartWatch, ReportWatch
+from homebot.control.roundings import Roundings
 from homebot.control.settings import ControlSettings
 from homebot.control.settling import Settling
 from homebot.control.transmission import Signal, Transmission
@@ -100,6 +101,7 @@ class CommandExecutor:
         self._learnt = LearntPersistence(node, journal.store)
         self._echoes = EchoHistory(self._learnt.keeper("echo"))
         self._learnt.add("echo", self._echoes)
+        self._roundings = Roundings()
         self._unsure_since: OrderedDict[_Place, float] = OrderedDict()
         self._pending = PendingCommands()
         self._limits = TimeLimits()
@@ -196,7 +198,9 @@ class CommandExecutor:
         echoes = self._expected_echoes(command)
         places, is_watched_on = command.places, False
         is_at_rest = not self._pending.has_any(places)  # else the device may be about to change
-        expected = command.expected
+        expected: Mapping[str, PlainValue] = command.expected
+        if self._roundings.known:
+            expected = self._roundings.expected(command.target, expected)
         known, recent = self._known(command, expected, echoes)
         changed = Signal(self._limits)
         pending = PendingCommand(
@@ -223,9 +227,8 @@ class CommandExecutor:
             if isinstance(outcome, Confirmed):
                 self._note_confirmed(pending, outcome)
                 is_watched_on = self._settling.add(pending, watch)
-            elif isinstance(outcome, NoAnswer | Contradicted):
-                self._note_unsure(command)
-                is_watched_on = self._late.add(pending, outcome, watch)
+            else:
+                is_watched_on = self._note_failed(pending, outcome, watch)
         finally:
             self._pending.remove(pending)
             if not is_watched_on:
@@ -276,6 +279,22 @@ class CommandExecutor:
             self._unsure_since.pop(place, None)
         for capability, seconds in pending.response_times():
             self._transmission.times.note(pending.command.target, capability, seconds, sendings=pending.sendings)
+        if self._roundings.known:
+            self._note_answers(pending)
+
+    def _note_failed(self, pending: PendingCommand, outcome: Outcome, watch: PartWatch) -> bool:
+        """Note that the device did not do as it was told; return whether *watch* is taken for an answer to come."""
+        if not isinstance(outcome, NoAnswer | Contradicted):
+            return False
+        self._note_unsure(pending.command)
+        self._note_answers(pending)
+        return self._late.add(pending, outcome, watch)
+
+    def _note_answers(self, pending: PendingCommand) -> None:
+        """Note which values the device took for those that it was told."""
+        settings, target = pending.command.settings, pending.command.target
+        for capability, seen in pending.answers():
+            self._roundings.note(target, capability, settings.get(capability), seen)
 
     def _take(self, pending: PendingCommand, capability: str, value: PlainValue) -> None:
         if pending.take(capability, value, self._clock.monotonic()):

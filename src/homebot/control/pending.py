@@ -327,6 +327,12 @@ class PendingCommand:
         """The values that the device is to report."""
         return tuple([_setting_of(name, value) for name, value in self._wanted.items()])
 
+    def answers(self) -> Iterable[tuple[str, PlainValue]]:
+        """Yield the capabilities that it reported, each with the value, where that is another one than before."""
+        for capability, seen in self._seen.items():
+            if self._before.get(capability, _NOTHING) != seen:
+                yield capability, seen
+
     def response_times(self) -> Iterable[tuple[str, float]]:
         """Yield the capabilities that were reported as wanted, each with the seconds that it took."""
         for capability, at in self._fitting.items():

@@ -1,0 +1,120 @@
+"""Dimmers that round what they are told; in virtual time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TypeAlias
+
+import anyio
+import pytest
+from tests.control.conftest import Behaviour, Home, OpenHome
+
+from homebot.control.roundings import Roundings
+from homebot.devices.gateway_messages import Command
+from homebot.devices.handles import Light
+from homebot.devices.outcomes import Confirmed, Contradicted, Outcome
+from homebot.devices.value import PlainValue
+
+Rounding: TypeAlias = Callable[[float], float]
+
+
+def nearest(step: float) -> Rounding:
+    return lambda level: step * math.floor(level / step + 0.5)
+
+
+def down(step: float) -> Rounding:
+    return lambda level: step * math.floor(level / step)
+
+
+def up(step: float) -> Rounding:
+    return lambda level: step * math.ceil(level / step)
+
+
+def dimmer(rounding: Rounding) -> Behaviour:
+    """Take what the device makes of a level, to one of 255 values."""
+
+    async def behaviour(home: Home, command: Command) -> None:
+        value = command.value.plain()
+        assert isinstance(value, float)
+        await home.report(command.key, "level", round(rounding(value) * 2.55) / 2.55)
+
+    return behaviour
+
+
+async def dimmed(open_home: OpenHome, behaviour: Behaviour, levels: tuple[float, ...]) -> list[Outcome]:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        home.behaviours["lamp"] = behaviour
+        lamp = await home.handle(Light)
+        outcomes: list[Outcome] = []
+        for level in levels:
+            outcomes.append(await lamp.set_level(level))
+            await anyio.sleep(90)
+        return outcomes
+
+
+@pytest.mark.virtual_time
+@pytest.mark.parametrize(
+    "rounding", [nearest(5.0), nearest(10.0), down(5.0), down(10.0), up(10.0), up(20.0), nearest(100 / 7)]
+)
+async def test_a_dimmer_that_rounds_is_contradicted_until_its_steps_are_known(
+    open_home: OpenHome, rounding: Rounding
+) -> None:
+    levels = (62.0, 33.0, 47.0, 78.0, 17.0, 23.0, 92.0, 54.0, 68.0, 38.0, 72.0)
+    outcomes = await dimmed(open_home, dimmer(rounding), levels)
+    assert isinstance(outcomes[0], Contradicted)
+    assert all(isinstance(one, Confirmed) for one in outcomes[7:]), outcomes
+
+
+@pytest.mark.virtual_time
+async def test_one_that_is_known_to_round_is_contradicted_at_another_step(open_home: OpenHome) -> None:
+    broken = False
+
+    def rounding(level: float) -> float:
+        return 20.0 if broken else 5.0 * math.floor(level / 5.0 + 0.5)
+
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        home.behaviours["lamp"] = dimmer(rounding)
+        lamp = await home.handle(Light)
+        for level in (62.0, 33.0, 47.0):
+            assert isinstance(await lamp.set_level(level), Contradicted)
+        assert isinstance(await lamp.set_level(88.0), Confirmed)
+        broken = True
+        outcome = await lamp.set_level(73.0)
+        assert isinstance(outcome, Contradicted)
+        assert outcome.saw == "level is 20"
+
+
+def made_of(value: float, *answers: tuple[float, float]) -> PlainValue:
+    known = Roundings()
+    for wanted, seen in answers:
+        known.note("lamp", "level", wanted, seen)
+    return known.expected("lamp", {"level": value})["level"]
+
+
+def test_a_rounding_takes_three_answers_at_two_steps() -> None:
+    assert made_of(88.0, (62.0, 60.0), (33.0, 35.0)) == 88.0
+    assert made_of(88.0, (62.0, 60.0), (58.0, 60.0), (59.0, 60.0)) == 88.0
+    assert made_of(88.0, (62.0, 60.0), (33.0, 35.0), (47.0, 45.0)) == pytest.approx(90.0)
+
+
+def test_answers_that_no_steps_explain_tell_nothing() -> None:
+    """A hand at the dial, a lamp that got stuck, or one that goes its own way."""
+    rounds = (62.0, 60.0), (33.0, 35.0), (47.0, 45.0)
+    assert made_of(88.0, *rounds, (20.0, 71.0)) == 88.0
+    assert made_of(88.0, (62.0, 62.0), (33.0, 33.0), (47.0, 45.0)) == 88.0
+
+
+def test_nothing_is_rounded_to_off() -> None:
+    rounds = (62.0, 60.0), (33.0, 30.0), (47.0, 40.0), (28.0, 20.0)
+    assert made_of(88.0, *rounds) == pytest.approx(80.0)
+    assert made_of(4.0, *rounds) == 4.0
+
+
+def test_the_longest_unused_of_a_thousand_is_forgotten() -> None:
+    known = Roundings()
+    for number in range(1001):
+        known.note(f"lamp{number}", "level", 62.0, 60.0)
+    assert (len(known.known), ("lamp0", "level") in known.known) == (1000, False)
