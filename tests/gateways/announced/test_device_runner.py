@@ -15,7 +15,7 @@ from homebot.backoff import DEVICE_REFUSED_BACKOFF, Backoff
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.errors import LinkError, RefusedError
-from homebot.gateways.announced.device_runner import LISTED_WITHIN, DeviceRunner, problems_of
+from homebot.gateways.announced.device_runner import LISTED_WITHIN, SLEEPER_WITHIN, DeviceRunner, problems_of
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway
 from homebot.graph import Graph, Node, Subscription
@@ -140,6 +140,14 @@ async def test_of_a_device_that_sleeps_nothing_is_known() -> None:
         home.runner.sleeps = True
         await anyio.sleep(2)
         assert home.reached() == [True, None]
+
+
+async def test_a_device_that_sleeps_is_tried_so_often_that_it_is_met_awake() -> None:
+    gone = LinkError("it is gone")
+    async with house(*[Attempt(gone)] * 4) as home:
+        home.runner.sleeps = True
+        await anyio.sleep(100)
+        assert home.runner.began == [0, 2, 6, 6 + SLEEPER_WITHIN, 6 + 2 * SLEEPER_WITHIN]
 
 
 @pytest.mark.parametrize("error", [RefusedError("the connection", "give a password"), ValueError("a fault of ours")])

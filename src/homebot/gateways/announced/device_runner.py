@@ -29,6 +29,9 @@ LISTED_WITHIN: Final = 5.0
 STEADY_AFTER: Final = 60.0
 """Seconds that a connection has to last for the back-off to start over."""
 
+SLEEPER_WITHIN: Final = 5.0
+"""Longest pause between two attempts to connect to a device that sleeps: it is awake for some seconds only."""
+
 MAX_PROBLEMS: Final = 20
 """Devices whose problems are listed."""
 
@@ -108,8 +111,9 @@ class DeviceRunner(PublishedDevice, ABC):
                     if failed is None:
                         retries.succeed()
                         continue
+                    pause = retries.fail(failed)
                     with anyio.CancelScope() as self._attempt:
-                        await anyio.sleep(retries.fail(failed))
+                        await anyio.sleep(min(pause, SLEEPER_WITHIN) if self.sleeps and not self.needs_help else pause)
 
     def restart(self) -> None:
         """Connect anew, at once."""

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
+from random import Random
 
 import anyio
 import pytest
@@ -14,12 +17,17 @@ from tests.gateways.drivers.esphome.served import KEY, OTHER_KEY, DriverRun, dri
 from tests.patience import PATIENCE
 
 from homebot.conventions.esphome.device import EsphomeDevice
+from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, UnableError, UsageError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.drivers.driver_runner import DriverRunner
 from homebot.gateways.drivers.esphome import EsphomeDriver, EsphomeSettings
 from homebot.gateways.drivers.esphome.driver import StateQueue
 from homebot.gateways.drivers.esphome.settings import EsphomeSecrets
+from homebot.gateways.drivers.installed_drivers import UsableDriver
+from homebot.gateways.memory import MemoryGateway
+from homebot.graph import Graph, Node, Subscription
 from homebot.house.dialect import DeviceState
 from homebot.house.esphome import EsphomeServedDevice
 
@@ -266,18 +274,59 @@ async def test_the_password_of_all_is_not_sent_in_the_clear_where_there_is_a_key
         await run.until_reported()
 
 
+@asynccontextmanager
+async def kept_connected(device: EsphomeServedDevice) -> AsyncIterator[tuple[DriverRunner, Subscription[Report]]]:
+    """Run the driver of *device* again and again inside the block; yields what does, and the reports."""
+    graph, service = Graph(), service_of(device)
+    async with (
+        Node(graph, "memory", namespace="/gateway") as node,
+        Node(graph, "watcher") as watcher,
+        anyio.create_task_group() as tasks,
+    ):
+        gateway = MemoryGateway(node)
+        await tasks.start(gateway.serve)
+
+        def publish(described: GatewayDevice | None, why: str) -> None:
+            gateway.devices.put(described or GatewayDevice(service.key, service.name), why)
+
+        driver = UsableDriver("esphome", EsphomeDriver, EsphomeSettings())
+        runner = DriverRunner(driver, service, gateway.devices, publish, graph.clock, node.log, Random(1))  # noqa: S311 - for pauses
+        reports = watcher.create_subscription(Report, gateway.names.readings, qos_profile=1000)
+        tasks.start_soon(runner.run)
+        yield runner, reports
+        tasks.cancel_scope.cancel()
+
+
+async def reported(reports: Subscription[Report], capability: str, value: PlainValue) -> None:
+    """Wait for a report of a value."""
+    with anyio.fail_after(PATIENCE):
+        while (capability, value) not in {
+            (one.capability, one.value.plain()) for one in (await reports.receive()).readings
+        }:
+            pass
+
+
 async def test_a_device_that_goes_to_sleep_is_not_unreachable_and_is_met_when_it_wakes_up() -> None:
+    """It is not connected meanwhile: it would be kept for ever if it never woke up."""
+    device = simulated("contact", [])
+    device.sleeps = True
+    async with living(device), kept_connected(device) as (runner, reports):
+        await reported(reports, "contact", value=False)
+        assert runner.is_connected
+        device.sleep()
+        await reported(reports, REACHABLE, value=None)
+        assert not runner.is_connected
+        await reported(reports, REACHABLE, value=True)
+        assert device.logins == 2
+
+
+async def test_a_device_that_sleeps_says_so_and_is_missed_after_a_day() -> None:
     device = simulated("contact", [])
     device.sleeps = True
     async with living(device), driven(service_of(device)) as run:
         await run.until_reported()
+        assert run.host.device.sleeps
         assert run.host.device.stale_after == 86_400.0
-        device.sleep()
-        await run.host.until(lambda: ("", "reachable") in run.host.values)
-        assert run.host.values["", "reachable"] is None
-        count = len(run.host.events)
-        await run.host.until(lambda: len(run.host.events) > count)
-        assert run.ended is None
 
 
 async def test_a_server_that_speaks_something_else_is_no_device() -> None:

@@ -38,14 +38,12 @@ class EsphomeConnection:
     Attributes:
         name: What the device is called, for errors.
         lost: Set when the connection is lost.
-        was_expected: Whether the device said good-bye, for example because it goes to sleep.
     """
 
     def __init__(self, name: str, client: APIClient) -> None:
         self.name = name
         self._client = client
         self.lost = anyio.Event()
-        self.was_expected = False
 
     async def describe(self) -> tuple[Fields, list[ListedEntity]]:
         """Return what the device says of itself, and its entities.
@@ -87,9 +85,8 @@ class EsphomeConnection:
         with _translated(self.name):
             command(number, device_id=device_id, **fields)
 
-    async def on_stop(self, expected: bool) -> None:  # noqa: FBT001 - the library calls it so
+    async def on_stop(self, _expected: bool) -> None:  # noqa: FBT001 - the library calls it so
         """Record that the connection ended."""
-        self.was_expected = expected
         self.lost.set()
 
 

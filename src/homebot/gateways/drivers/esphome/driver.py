@@ -25,19 +25,12 @@ __all__ = ["EsphomeDriver", "StateQueue"]
 MAX_EVENTS = 100
 """Events that wait to be reported. Of states, only the newest of each entity waits."""
 
-SLEEP_PAUSE = 5.0
-"""Seconds between two attempts to connect to a sleeping device."""
-
-
 STALE_AFTER_SLEEP = 24 * 3600.0
 """Seconds of silence after which a device that sleeps counts as stale; most wake up at least once a day."""
 
 
 class EsphomeDriver(Driver):
     """Connects to an ESPHome device, reports the states that it pushes, and commands it.
-
-    A device that disconnects to sleep is not reported as unreachable: its reachability becomes unknown, and the driver
-    keeps trying to connect until it wakes up.
 
     Args:
         service: The service ``_esphomelib._tcp``; its instance name is the device's name.
@@ -62,34 +55,6 @@ class EsphomeDriver(Driver):
             LinkError: It cannot be connected to, or the connection was lost.
             PeerError: It broke the rules of its protocol, or does not let homebot in; the message says what to do.
         """
-        is_asleep = False
-        while True:
-            try:
-                is_asleep = await self._live_once()
-            except LinkError:
-                if not is_asleep:
-                    raise
-            if not is_asleep:
-                raise LinkError(f"the connection to {self.service.name} was lost")
-            await anyio.sleep(SLEEP_PAUSE)
-
-    async def perform(self, command: Command) -> None:
-        """Send a command; the native API does not answer it.
-
-        Raises:
-            LinkError: There is no connection.
-            RefusedError: The entity cannot do that; says what it takes.
-        """
-        connection, device = self._connection, self._device
-        if connection is None or device is None:
-            raise LinkError(f"{self.service.name} is not connected")
-        entity = device.entity(command.part)
-        value = command.value.plain()
-        fields = entity.command(command.capability, value, command.transition, command.code)
-        connection.send(entity.kind, entity.key, fields)
-
-    async def _live_once(self) -> bool:
-        """Connect, and report until the connection ends; return whether the device went to sleep."""
         await to_thread.run_sync(import_module, "homebot.gateways.drivers.esphome.connection")  # most of a second
         from homebot.gateways.drivers.esphome.connection import connected  # noqa: PLC0415 - an extra
 
@@ -105,10 +70,22 @@ class EsphomeDriver(Driver):
                 await StateQueue(device, self.host).relay(connection)
             finally:
                 self._connection = None
-            if connection.was_expected and device.sleeps:
-                self.host.report_reachable(reachable=None)
-                return True
-        return False
+        raise LinkError(f"the connection to {service.name} was lost")
+
+    async def perform(self, command: Command) -> None:
+        """Send a command; the native API does not answer it.
+
+        Raises:
+            LinkError: There is no connection.
+            RefusedError: The entity cannot do that; says what it takes.
+        """
+        connection, device = self._connection, self._device
+        if connection is None or device is None:
+            raise LinkError(f"{self.service.name} is not connected")
+        entity = device.entity(command.part)
+        value = command.value.plain()
+        fields = entity.command(command.capability, value, command.transition, command.code)
+        connection.send(entity.kind, entity.key, fields)
 
     def _described(self, device: EsphomeDevice, *, authenticated: bool) -> GatewayDevice:
         return GatewayDevice(
