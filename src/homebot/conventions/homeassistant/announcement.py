@@ -7,8 +7,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/discovery.py``; ``child_de
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.homeassistant.abbreviations import ABBREVIATIONS, DEVICE_ABBREVIATIONS, ORIGIN_ABBREVIATIONS
 from homebot.conventions.homeassistant.topics import DEVICE, ConfigTopic
@@ -23,8 +22,7 @@ MAX_COMPONENTS = 300
 Fields: TypeAlias = Mapping[str, object]
 
 
-@dataclass(frozen=True, slots=True)
-class AnnouncedComponent:
+class AnnouncedComponent(NamedTuple):
     """One component that a message announces.
 
     Attributes:
@@ -39,8 +37,7 @@ class AnnouncedComponent:
     fields: Fields
 
 
-@dataclass(frozen=True, slots=True)
-class Announced:
+class Announced(NamedTuple):
     """The content of one announcement.
 
     Attributes:

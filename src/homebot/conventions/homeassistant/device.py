@@ -6,9 +6,8 @@ Source: Home Assistant core 2025.4, ``components/mqtt/schemas.py`` and ``entity.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import get_args
+from typing import NamedTuple, get_args
 
 from homebot.conventions.description import Availability, AvailabilityMode
 from homebot.conventions.homeassistant.config import DiscoveryConfig
@@ -24,8 +23,7 @@ MAX_IDENTIFIERS = 64
 """Most identifiers and connections of one device."""
 
 
-@dataclass(frozen=True, slots=True)
-class DeviceInfo:
+class DeviceInfo(NamedTuple):
     """The device block of a config.
 
     Attributes:
@@ -168,8 +166,7 @@ MAX_SOURCES = 16
 """Most topics that one device's availability may hang on."""
 
 
-@dataclass(frozen=True, slots=True)
-class _PayloadAvailability:
+class _PayloadAvailability(NamedTuple):
     """One topic with two payloads; see :class:`AvailabilitySource`.
 
     Attributes:

@@ -6,9 +6,9 @@ Source: Home Assistant core 2025.4, ``components/light/__init__.py``, the servic
 from __future__ import annotations
 
 from collections.abc import Callable, Container
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.command_values import (
     require_bool,
@@ -35,8 +35,7 @@ _MOST_SECONDS = 6_553.0
 """Longest transition that Home Assistant lets pass."""
 
 
-@dataclass(frozen=True, slots=True)
-class LightCommand:
+class LightCommand(NamedTuple):
     """One command to a lamp.
 
     Attributes:
@@ -61,8 +60,7 @@ class LightCommand:
 Publish: TypeAlias = Callable[[LightCommand], Publications]
 
 
-@dataclass(frozen=True, slots=True)
-class WhiteRange:
+class WhiteRange(NamedTuple):
     """The whites of a lamp.
 
     Attributes:
@@ -167,7 +165,7 @@ class _LightWriters:
 
 def _publish(publish: Publish, command: LightCommand, transition: float) -> Publications:
     if transition:
-        command = replace(command, transition=require_transition(transition, _MOST_SECONDS))
+        command = command._replace(transition=require_transition(transition, _MOST_SECONDS))
     return publish(command)
 
 

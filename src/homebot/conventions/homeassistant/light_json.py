@@ -6,8 +6,8 @@ Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_json.py``.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache, partial
+from typing import NamedTuple
 
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
@@ -42,8 +42,7 @@ def build_json_light(config: DiscoveryConfig) -> DescribedPart:
     return entity.build()
 
 
-@dataclass(frozen=True, slots=True)
-class _JsonLightKind:
+class _JsonLightKind(NamedTuple):
     """The part of a config that all lamps of a kind have in common.
 
     Attributes:
@@ -112,8 +111,7 @@ def _publish(command: CommandTopic, scale: int, in_kelvin: bool, light: LightCom
     return command.publish(compact_json(message))
 
 
-@dataclass(frozen=True, slots=True)
-class _State:
+class _State(NamedTuple):
     """Reads what the lamp reports.
 
     A colour counts where the message names its mode, as in Home Assistant, and where it names none but has one only.

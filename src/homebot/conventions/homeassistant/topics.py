@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from types import MappingProxyType
+from typing import NamedTuple
 
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.jinja import PayloadContext, Template, TemplateError, UndefinedValueError
@@ -33,25 +33,24 @@ DEVICE = "device"
 """In the place of the component: the message describes a whole device."""
 
 
-@dataclass(frozen=True, slots=True)
-class ConfigTopic:
+class ConfigTopic(NamedTuple):
     """The parts of a config's topic.
 
     Attributes:
         component: For example ``light``, or :data:`DEVICE`.
         node_id: The level between component and object; empty where there is none.
         object_id: The level before ``config``.
-        key: The name of the announcement: all levels between prefix and ``config``, but for an empty one.
     """
 
     component: str
     node_id: str
     object_id: str
-    key: str = field(init=False, compare=False)
 
-    def __post_init__(self) -> None:
+    @property
+    def key(self) -> str:
+        """The name of the announcement: all levels between prefix and ``config``, but for an empty one."""
         ids = f"{self.node_id}/{self.object_id}" if self.node_id else self.object_id
-        object.__setattr__(self, "key", f"{self.component}/{ids}")
+        return f"{self.component}/{ids}"
 
 
 def parse_config_topic(prefix: str, topic: str) -> ConfigTopic | None:
@@ -171,8 +170,7 @@ def _context(payload: bytes, encoding: str) -> PayloadContext | None:
         return None
 
 
-@dataclass(frozen=True, slots=True)
-class ValueSource:
+class ValueSource(NamedTuple):
     """One topic that a part publishes on, and the template that finds one value there.
 
     Attributes:
@@ -211,14 +209,13 @@ class ValueSource:
 
     def without_payload(self) -> ValueSource:
         """Return the same, but a message that lacks what the template wants reports nothing."""
-        return replace(self, or_payload=False)
+        return self._replace(or_payload=False)
 
 
 _NO_VARIABLES: Mapping[str, object] = MappingProxyType({})
 
 
-@dataclass(frozen=True, slots=True)
-class CommandTopic:
+class CommandTopic(NamedTuple):
     """One topic on which a part takes commands.
 
     Attributes:
