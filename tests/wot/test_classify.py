@@ -131,3 +131,21 @@ def test_a_number_with_words_for_unknown_is_a_number(keyword: str) -> None:
 def test_of_several_numbers_none_is_chosen() -> None:
     (found,) = parts({"x": {"oneOf": [{"type": "integer"}, {"type": "number"}], "readOnly": True}})
     assert [one.capability.name for one in found.affordances] == ["raw"]
+
+
+def test_a_colour_of_three_numbers_is_a_colour() -> None:
+    """As Eclipse Ditto describes lamps."""
+    channel = {"type": "integer", "minimum": 0, "maximum": 255}
+    (lamp,) = parts(
+        {
+            "on": {"type": "boolean"},
+            "color": {"type": "object", "properties": {"r": channel, "g": channel, "b": channel}},
+        }
+    )
+    assert (lamp.part.service_type, [one.name for one in lamp.part.capabilities]) == ("light", ["on_off", "color"])
+    color = lamp.affordances[1]
+    assert encode_document(color.capability, color.affordance, (240.0, 100.0)) == {"r": 0, "g": 0, "b": 255}
+    documents: list[object] = [{"r": 255, "g": 0, "b": 0}, {"r": 256, "g": 0, "b": 0}, {"r": 1}, "red"]
+    assert [decode_document(color.capability, color.affordance, one) for one in documents] == [
+        *(((0.0, 100.0),), None, None, None)
+    ]

@@ -11,6 +11,7 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Category, Part
 from homebot.wot.binding import Binding
+from homebot.wot.payload import is_rgb
 from homebot.wot.scale import bounds_of, unit_of
 from homebot.wot.thing import Affordance, DataSchema, Form, Thing
 from homebot.wot.vocabulary import CAPABILITY_TYPES, LONE_TYPES, NAMES, OWNED, THING_TYPES
@@ -172,7 +173,7 @@ def _in_context(capability: str, main: str) -> str:
 def _suits(capability: str, schema: DataSchema) -> bool:
     expected, kind = CAPABILITIES[capability].kind if capability in CAPABILITIES else "", _KINDS.get(schema.type, "")
     if capability == "color":
-        return kind == "text"
+        return kind == "text" or is_rgb(schema)
     if capability == "lock":
         return kind in {"text", "bool"}
     if expected == "bool":

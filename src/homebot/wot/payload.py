@@ -19,7 +19,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.numbers import to_number
 from homebot.wot.scale import canonical, on_the_wire
-from homebot.wot.thing import Affordance
+from homebot.wot.thing import Affordance, DataSchema
 
 __all__ = [
     "TEXT_CONTENT_TYPE",
@@ -28,6 +28,7 @@ __all__ = [
     "basic_formats",
     "decode_document",
     "encode_document",
+    "is_rgb",
     "media_type",
 ]
 
@@ -39,6 +40,7 @@ _FALSE = frozenset({"false", "off", "0", "no", "closed", "unlocked", "inactive"}
 _RGB = re.compile(r"#([0-9a-fA-F]{6})")
 _LOCKS = {True: "locked", False: "unlocked"}
 _MAX_TEXT = 500
+_FULL = 255
 
 
 class PayloadFormat(Protocol):
@@ -135,7 +137,7 @@ def _encode(capability: Capability, affordance: Affordance, value: PlainValue) -
     name, what = capability.name, f"{capability.name} {shown(value)}"
     kind = CAPABILITIES[name].kind
     if name == "color":
-        return _encode_color(what, value)
+        return _encode_color(what, value, affordance.schema)
     if name == "lock":
         if value not in {"locked", "unlocked"}:
             raise RefusedError(what, "it takes locked, unlocked")
@@ -204,19 +206,29 @@ def _values_by_flag(affordance: Affordance) -> dict[bool, object]:
     return {True: first, False: second} if yes else {True: second, False: first}
 
 
+def is_rgb(schema: DataSchema) -> bool:
+    """Return whether values are objects of red, green and blue, from 0 to 255 each, and of nothing else."""
+    channels = dict(schema.members)
+    return channels.keys() == {"r", "g", "b"} and all(one.maximum in (None, _FULL) for one in channels.values())
+
+
 def _color(value: object) -> tuple[float, float] | None:
-    match = _RGB.fullmatch(value) if isinstance(value, str) else None
-    if match is None:
+    channels: list[float | None] = []
+    if isinstance(value, str) and (match := _RGB.fullmatch(value)):
+        channels += bytes.fromhex(match[1])
+    elif isinstance(value, dict):
+        channels += [to_number(value.get(one)) for one in "rgb"]
+    levels = [one / _FULL for one in channels if one is not None and 0 <= one <= _FULL]
+    if len(levels) != 3:
         return None
-    red, green, blue = bytes.fromhex(match[1])
-    hue, saturation, _ = colorsys.rgb_to_hsv(red / 255, green / 255, blue / 255)
+    hue, saturation, _ = colorsys.rgb_to_hsv(*levels)
     return round(hue * 360, 1), round(saturation * 100, 1)
 
 
-def _encode_color(what: str, value: PlainValue) -> str:
+def _encode_color(what: str, value: PlainValue, schema: DataSchema) -> object:
     match value:
         case (int() | float() as hue, int() | float() as saturation) if 0 <= hue <= 360 and 0 <= saturation <= 100:
-            rgb = colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1.0)
-            return "#" + "".join(f"{round(one * 255):02x}" for one in rgb)
+            rgb = [round(one * _FULL) for one in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1.0)]
+            return dict(zip("rgb", rgb, strict=True)) if is_rgb(schema) else f"#{bytes(rgb).hex()}"
         case _:
             raise RefusedError(what, "it takes hue 0 to 360 and saturation 0 to 100")
