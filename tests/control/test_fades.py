@@ -11,7 +11,7 @@ from tests.control.conftest import Behaviour, Home, OpenHome, ignore
 
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
-from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Outcome
+from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
 
 pytestmark = pytest.mark.virtual_time
@@ -132,3 +132,70 @@ async def test_a_deaf_dimmer_is_told_three_times_again_after_it_was_told_once(op
             assert isinstance(await lamp.turn_on(), NoAnswer)
             sendings.append(len(home.commands) - before)
         assert sendings == [3, 1, 3]
+
+
+@pytest.mark.parametrize(
+    ("told", "reverted_after"),
+    [
+        ([{"on_off": True, "level": 100.0}], 1),  # one message with the level of before
+        ([{"level": 100.0, "on_off": True}], 1),
+        ([{"on_off": True}, {"level": 100.0}], 1),
+        ([{"on_off": True}], 2),  # and no level
+        ([{"on_off": True}, {"level": 70.0}], 11),  # it stays there
+        ([{"on_off": True}, {"level": 70.0}, {"level": 30.0}, {"on_off": False}], None),
+        ([{"level": 70.0, "on_off": True}, {"level": 30.0, "on_off": True}, {"on_off": False}], None),
+        ([{"on_off": True}, {"level": 70.0}, {"on_off": True}, {"level": 90.0}], 1),
+    ],
+)
+async def test_a_lamp_that_is_on_again_went_back_unless_its_level_sinks(
+    open_home: OpenHome, told: list[dict[str, PlainValue]], reverted_after: int | None
+) -> None:
+    """A bridge with a transition of its own reports that it is off before the lamp has faded off."""
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        lamp = await home.handle(Light)
+        await home.gateway.devices.report("lamp", on_and_level(100.0))
+        await anyio.sleep(1)
+
+        async def tell(home: Home, _: Command) -> None:
+            await home.report("lamp", "on_off", False)
+            home.tasks.start_soon(fade)
+
+        async def fade() -> None:
+            await anyio.sleep(0.9)
+            for one in told:
+                await anyio.sleep(0.1)
+                await home.gateway.devices.report("lamp", one)
+
+        home.behaviours["lamp"] = tell
+        assert isinstance(await lamp.turn_off(), Confirmed)
+        began, reverted = anyio.current_time(), None
+        while reverted is None and anyio.current_time() < began + 30:
+            await anyio.sleep(0.1)
+            reverted = round(anyio.current_time() - began) if home.events else None
+        assert reverted == reverted_after
+
+
+async def test_no_echo_is_learnt_from_a_lamp_that_fades_off(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        lamp = await home.handle(Light)
+
+        async def tell(home: Home, command: Command) -> None:
+            on = command.value.plain()
+            await home.gateway.devices.report("lamp", {"on_off": True, "level": 100.0} if on else {"on_off": False})
+            if not on:
+                home.tasks.start_soon(fade)
+
+        async def fade() -> None:
+            for level in (80.0, 60.0, 40.0, 20.0):
+                await anyio.sleep(1)
+                await home.gateway.devices.report("lamp", {"on_off": level > 20.0, "level": level})
+
+        home.behaviours["lamp"] = tell
+        for number in range(8):
+            outcome = await (lamp.turn_off() if number % 2 else lamp.turn_on())
+            assert isinstance(outcome, Confirmed)
+            assert (outcome.latency < 0.1, outcome.evidence) == (True, Evidence.REPORTED)
+            await anyio.sleep(30)
+        assert (home.events, len(home.commands)) == ([], 8)

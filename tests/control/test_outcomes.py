@@ -828,7 +828,8 @@ FADES_DOWN += [(float(step), {"on_off": step < 4, "level": 100.0 - 20 * step}) f
         (False, ("level", 100.0), 4.0, FADES_UP, 0),
         (False, ("level", 100.0), 0.0, FADES_UP, 0),  # by a transition that is set in the bridge
         (True, ("on_off", False), 4.0, FADES_DOWN, 0),
-        (True, ("on_off", False), 0.0, FADES_DOWN, 1),
+        (True, ("on_off", False), 0.0, FADES_DOWN, 0),  # likewise
+        (True, ("on_off", False), 0.0, FADES_DOWN[:-1], 1),
         (True, ("on_off", False), 4.0, FADES_DOWN[:-1], 1),
     ],
 )

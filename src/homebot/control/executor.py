@@ -106,7 +106,7 @@ class CommandExecutor:
         self._pending = PendingCommands()
         self._limits = TimeLimits()
         self._late = LateAnswers(self._clock, self._limits, self._transmission.times)
-        self._settling = Settling(node, self._settings.settle, journal, self._echoes)
+        self._settling = Settling(node, self._settings.settle, journal, self._echoes, self._limits)
         self.witnesses = WitnessVerification(node, settings, self._learnt)
         for name, read in self.witnesses.counters.items():
             journal.add_counter(name, read)

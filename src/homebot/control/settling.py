@@ -10,6 +10,7 @@ import anyio
 
 from homebot.control.command import IssuedCommand
 from homebot.control.echoes import EchoHistory
+from homebot.control.fade_out import FadeOut, FadeSign
 from homebot.control.held_values import changes, related
 from homebot.control.journal import CommandJournal
 from homebot.control.pending import PendingCommand
@@ -20,6 +21,7 @@ from homebot.devices.names import COMMAND_EVENTS
 from homebot.devices.outcomes import Reverted
 from homebot.devices.value import PlainValue
 from homebot.graph import Node
+from homebot.time_limits import TimeLimits
 from homebot.timer_queue import TimerQueue
 
 __all__ = ["Settling"]
@@ -30,6 +32,9 @@ REVERTED = "control.reverted"
 
 _LATE: Final = 2.0
 """Seconds after a transition in which its last steps may be reported."""
+
+_LEVEL_AFTER: Final = 1.0
+"""Seconds within which a lamp that reports that it is on again tells its level as well."""
 
 _LONGEST: Final = 300.0
 """Seconds from its confirmation for which a device is watched that moves on and on."""
@@ -42,6 +47,9 @@ class _Settled:
     watch: PartWatch
     until: float
     step: tuple[str, PlainValue] | None = None  # of a device that reports that it is still on its way
+    stepped_at: float = 0.0
+    fade: FadeOut | None = None  # of a lamp that was turned off
+    is_fading: bool = False
 
 
 @final
@@ -53,14 +61,18 @@ class Settling:
         seconds: How long.
         journal: Notes what went back.
         echoes: Learns which of the reports were echoes.
+        limits: Ends what waits too long.
     """
 
-    def __init__(self, node: Node, seconds: float, journal: CommandJournal, echoes: EchoHistory) -> None:
+    def __init__(
+        self, node: Node, seconds: float, journal: CommandJournal, echoes: EchoHistory, limits: TimeLimits
+    ) -> None:
         self._node = node
         self._clock = node.graph.clock
         self._seconds = seconds
         self._journal = journal
         self._echoes = echoes
+        self._limits = limits
         self._events = node.create_publisher(CommandEvent, COMMAND_EVENTS, 1000)
         self._watched: dict[_Place, _Settled] = {}
         self._deadlines: TimerQueue[_Place, None] = TimerQueue()
@@ -72,6 +84,8 @@ class Settling:
             return False
         now = self._clock.monotonic()
         settled = _Settled(pending, now, watch, now + self._seconds + pending.command.transition)
+        if pending.command.settings.get("on_off") is False:
+            settled.fade = FadeOut(pending.command)
         watch.take = partial(self._take, settled)
         for place in pending.command.places:
             self._end(place)
@@ -108,17 +122,46 @@ class Settling:
                 await anyio.sleep(max(0.0, following - self._clock.monotonic()))
 
     def _take(self, settled: _Settled, capability: str, value: PlainValue) -> None:
-        pending = settled.pending
+        pending, fade = settled.pending, settled.fade
+        if fade is not None and capability == "level":
+            self._take_fade(settled, fade.take(value, self._clock.monotonic()))
+            return
         if not pending.departs(capability, value):
             if settled.step is not None and settled.step[0] == capability:
-                settled.step = None
+                settled.step, settled.is_fading = None, False
             pending.note_again(capability, value, self._clock.monotonic())
             return
-        if not (self._is_fading(settled, capability) or pending.may_move_on(capability, value)):
+        may_fade = fade is not None and fade.is_possible
+        if not (may_fade or self._is_fading(settled, capability) or pending.may_move_on(capability, value)):
             self._revert(settled, capability)
         elif settled.step != (capability, value):
-            settled.step = capability, value
+            self._begin_step(settled, capability, value)
+
+    def _begin_step(self, settled: _Settled, capability: str, value: PlainValue) -> None:
+        """Watch on a device that may be on its way; a lamp that is on again is to tell its level soon."""
+        now, fade = self._clock.monotonic(), settled.fade
+        settled.step, settled.stepped_at = (capability, value), now
+        self._wait_on(settled)
+        if fade is not None and fade.is_possible and not self._is_fading(settled, capability):
+            sign = fade.sign(now)
+            self._take_fade(settled, sign)
+            if sign == "unknown":
+                self._limits.set(_LEVEL_AFTER, partial(self._end_step, settled, now))
+
+    def _take_fade(self, settled: _Settled, sign: FadeSign) -> None:
+        if settled.step is None:
+            return  # it did not say that it is on again
+        if sign == "back" and not self._is_fading(settled, settled.step[0]):
+            self._revert(settled, settled.step[0])
+        elif sign == "fading":
+            settled.is_fading = True
             self._wait_on(settled)
+
+    def _end_step(self, settled: _Settled, at: float) -> None:
+        """Take the step at *at* for a reversal where no level has said since that the lamp fades."""
+        is_watched = any(self._watched.get(place) is settled for place in settled.pending.command.places)
+        if is_watched and settled.step is not None and settled.stepped_at == at and not settled.is_fading:
+            self._revert(settled, settled.step[0])
 
     def _is_fading(self, settled: _Settled, capability: str) -> bool:
         """Return whether a lamp may still be on for the commanded transition, although it reported its end."""
