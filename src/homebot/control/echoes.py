@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import OrderedDict, deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Annotated, Final, TypeAlias, final
+from typing import Annotated, Final, NamedTuple, TypeAlias, final
 
 from pydantic import Field
 
@@ -39,8 +39,7 @@ _Target: TypeAlias = tuple[str, str]
 _Seconds: TypeAlias = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
-@dataclass(frozen=True, slots=True)
-class ExpectedEchoes:
+class ExpectedEchoes(NamedTuple):
     """The echoes that a command may cause.
 
     Attributes:

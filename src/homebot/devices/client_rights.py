@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.query.terms import And, FactIs, NameIs, Or, Query, TypeIs
@@ -56,8 +56,7 @@ class Right(Enum):
     """Speak as homebot's own parts, and to gateways, below every check."""
 
 
-@dataclass(frozen=True, slots=True)
-class ClientRights:
+class ClientRights(NamedTuple):
     """The rights of one client.
 
     Attributes:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import final
 
 from homebot.errors import ConfigError, RefusedError
@@ -102,11 +101,11 @@ class HouseRooms:
         """Make *rooms* the imported ones; a door to a room that is gone goes with it."""
         changed = tuple(rooms)
         known = {fold(one.name) for one in (*changed, *self._configured.rooms)} | {OUTSIDE}
-        changed = tuple(replace(one, doors=tuple(to for to in one.doors if fold(to) in known)) for one in changed)
+        changed = tuple(one._replace(doors=tuple(to for to in one.doors if fold(to) in known)) for one in changed)
         self.plan = self._configured.with_rooms(changed, "the imported rooms")
         self.imported = changed
 
 
 def _renamed(room: HouseRoom, name: str, new: str) -> HouseRoom:
     doors = tuple(new if fold(door) == fold(name) else door for door in room.doors)
-    return replace(room, name=new if fold(room.name) == fold(name) else room.name, doors=doors)
+    return room._replace(name=new if fold(room.name) == fold(name) else room.name, doors=doors)

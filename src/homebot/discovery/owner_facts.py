@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TypeAlias, final
 
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -97,7 +97,7 @@ class OwnerFacts:
         self.rooms = HouseRooms(home, given.rooms)
         self.is_unsaved = False
         self._configured = {
-            name: tuple(replace(fact, said_at=read_at) for fact in facts)
+            name: tuple(fact._replace(said_at=read_at) for fact in facts)
             for names, facts in given.devices.items()
             for name in names
         }
@@ -248,7 +248,7 @@ class OwnerFacts:
             raise RefusedError(f"renaming the room {name!r}", f"there is a room {new!r} already")
         self.rooms.rename(name, new, is_stated=bool(in_it))
         for one in in_it:
-            one.facts = tuple(replace(fact, value=new) if _is_room(fact, name) else fact for fact in one.facts)
+            one.facts = tuple(fact._replace(value=new) if _is_room(fact, name) else fact for fact in one.facts)
         self.is_unsaved = True
 
     def _statements(self) -> Iterable[_Statement]:

@@ -39,8 +39,7 @@ class ParameterDescriptor(NamedTuple):
     maximum: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Parameter:
+class Parameter(NamedTuple):
     """A parameter's name and value."""
 
     name: str

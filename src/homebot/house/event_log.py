@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
 from itertools import islice
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from homebot.house.rooms import DAY
 
@@ -14,8 +13,7 @@ __all__ = ["Event", "Verb", "WorldLog"]
 Verb = Literal["says", "told", "switch", "power", "enters", "sleeps"]
 
 
-@dataclass(frozen=True, slots=True)
-class Event:
+class Event(NamedTuple):
     """One thing that happened.
 
     Attributes:

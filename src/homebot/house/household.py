@@ -52,8 +52,7 @@ class Visit(NamedTuple):
     still: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Person:
+class Person(NamedTuple):
     """Somebody who lives in the house.
 
     Attributes:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from homebot.house.simulated_device import SimulatedDevice
 
 __all__ = ["Placed", "ScheduledCommand"]
 
 
-@dataclass(frozen=True, slots=True)
-class Placed:
+class Placed(NamedTuple):
     """A device in its place.
 
     Attributes:
@@ -26,8 +25,7 @@ class Placed:
     dialect: str = "thesis"
 
 
-@dataclass(frozen=True, slots=True)
-class ScheduledCommand:
+class ScheduledCommand(NamedTuple):
     """A command that a timer gives every day.
 
     Attributes:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 __all__ = ["NO_PROPERTIES", "MessageProperties", "MqttMessage"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MessageProperties:
+class MessageProperties(NamedTuple):
     """The properties an application may put on a message; MQTT 3.1.1 carries none of them.
 
     Attributes:

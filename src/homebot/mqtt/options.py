@@ -5,7 +5,7 @@ from __future__ import annotations
 import secrets
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final, Literal, cast
+from typing import Any, Final, Literal, NamedTuple, cast
 from urllib.parse import SplitResult, unquote, urlsplit
 
 from pydantic import SecretStr
@@ -20,8 +20,7 @@ MqttProtocol = Literal["auto", "5", "3.1.1"]
 _PORTS: Final = {"mqtt": 1883, "mqtts": 8883}
 
 
-@dataclass(frozen=True, slots=True)
-class MqttWill:
+class MqttWill(NamedTuple):
     """The message that the broker publishes for a client that vanished.
 
     Attributes:

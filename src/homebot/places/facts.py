@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 from homebot.places.plan import HouseRoom
 
@@ -13,8 +13,7 @@ __all__ = ["NO_PLACES", "FactName", "OwnerFact", "Places"]
 FactName: TypeAlias = Literal["area", "name", "tag", "approved", "taught_area"]
 
 
-@dataclass(frozen=True, slots=True)
-class OwnerFact:
+class OwnerFact(NamedTuple):
     """A fact about a device that the owner states; it outranks what the device announces.
 
     Attributes:

@@ -7,8 +7,7 @@ whatever its case and accents, so no area can contain itself.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
-from typing import final
+from typing import NamedTuple, final
 
 from homebot.errors import ConfigError
 from homebot.folding import fold
@@ -27,8 +26,7 @@ NO_AREAS: tuple[str, ...] = ()
 _ROOMS = "places.rooms"
 
 
-@dataclass(frozen=True, slots=True)
-class HouseRoom:
+class HouseRoom(NamedTuple):
     """A room.
 
     Attributes:
@@ -70,7 +68,7 @@ class HousePlan:
         for room in joined.values():
             if room.floor:
                 floors.setdefault(fold(room.floor), room.floor)
-        self._rooms = {key: replace(one, floor=floors.get(fold(one.floor), "")) for key, one in joined.items()}
+        self._rooms = {key: one._replace(floor=floors.get(fold(one.floor), "")) for key, one in joined.items()}
         self.rooms = tuple(self._rooms.values())
         self.floors = tuple(floors.values())
         self._check_levels(source)
@@ -130,7 +128,7 @@ def _joined(rooms: Iterable[HouseRoom], source: str) -> dict[str, HouseRoom]:
     for room in rooms:
         known = found.get(fold(room.name))
         if known is not None:
-            room = replace(known, floor=room.floor or known.floor, doors=(*known.doors, *room.doors))  # noqa: PLW2901
+            room = known._replace(floor=room.floor or known.floor, doors=(*known.doors, *room.doors))  # noqa: PLW2901
         found[fold(room.name)] = room
     if len(found) > MAX_ROOMS:
         raise ConfigError(source, _ROOMS, f"has {len(found):,} rooms; {MAX_ROOMS:,} is the limit")
@@ -141,4 +139,4 @@ def _joined(rooms: Iterable[HouseRoom], source: str) -> dict[str, HouseRoom]:
             doors[key].setdefault(other, found[other].name if other in found else name)
             if other in doors:
                 doors[other].setdefault(key, room.name)
-    return {key: replace(room, doors=tuple(doors[key].values())) for key, room in found.items()}
+    return {key: room._replace(doors=tuple(doors[key].values())) for key, room in found.items()}

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Final, final
+from typing import Final, NamedTuple, final
 
 from homebot.control.policies.detections import Detections
 from homebot.devices import Device, DevicePart, State, StateChange
@@ -18,8 +17,7 @@ OCCUPANCY: Final = "occupancy"
 """The capability that tells of presence."""
 
 
-@dataclass(frozen=True, slots=True)
-class SensorReading:
+class SensorReading(NamedTuple):
     """The newest value of one sensor.
 
     Attributes:

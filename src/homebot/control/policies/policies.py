@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import partial
-from typing import Final, TypeAlias, final
+from typing import Final, NamedTuple, TypeAlias, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.approval import concerns_approval, judge_approval
@@ -98,8 +97,7 @@ def _described(command: IssuedCommand) -> _Described:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _PolicyRule:
+class _PolicyRule(NamedTuple):
     """A policy, and which commands it may concern by issuer and part alone."""
 
     concerns: Callable[[IssuedCommand], bool]

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from homebot.devices.value import PlainValue
 
 __all__ = ["FactUsed", "Verdict"]
 
 
-@dataclass(frozen=True, slots=True)
-class FactUsed:
+class FactUsed(NamedTuple):
     """One fact that a verdict rests on.
 
     Attributes:
@@ -24,8 +23,7 @@ class FactUsed:
     since: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Verdict:
+class Verdict(NamedTuple):
     """The answer of one policy to one command.
 
     Attributes:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
-from typing import Final
+from typing import Final, NamedTuple
 
 from homebot.control.witnesses.effect import Effect
 from homebot.control.witnesses.sensor_history import SensorHistory
@@ -26,8 +25,7 @@ class Finding(Enum):
     UNCLEAR = "unclear"
 
 
-@dataclass(frozen=True, slots=True)
-class WatchTimes:
+class WatchTimes(NamedTuple):
     """The times of one command, in seconds of the monotonic clock.
 
     Attributes:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from homebot.control.witnesses.activity import Place, RecentActivity
 from homebot.control.witnesses.command_watch import CommandWatch
@@ -15,8 +15,7 @@ from homebot.folding import fold
 __all__ = ["HomeState"]
 
 
-@dataclass(frozen=True, slots=True)
-class HomeState:
+class HomeState(NamedTuple):
     """Everything that is known of a home when its sensors are asked.
 
     Attributes:

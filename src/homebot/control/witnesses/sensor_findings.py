@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 from homebot.control.witnesses.command_watch import CommandWatch
 from homebot.control.witnesses.effect import Effect
@@ -21,8 +21,7 @@ _TOGETHER: Final = 1.0
 """Seconds within which a device tells its values one after the other."""
 
 
-@dataclass(frozen=True, slots=True)
-class SensorFinding:
+class SensorFinding(NamedTuple):
     """Answer of a trusted sensor.
 
     Attributes:

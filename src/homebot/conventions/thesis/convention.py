@@ -11,9 +11,8 @@ every device of the layout takes commands: ``windows`` are windows with a motor.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from pydantic import BaseModel
 
@@ -34,8 +33,7 @@ from homebot.errors import WireError
 __all__ = ["Thesis", "ThesisSettings", "thesis_part"]
 
 
-@dataclass(frozen=True, slots=True)
-class _ServiceTypeKind:
+class _ServiceTypeKind(NamedTuple):
     """The capabilities of devices of one type: those that they report and take, and those that they only report."""
 
     settable: tuple[str, ...] = ()

@@ -8,7 +8,6 @@ long ones, of lists and of templates. Only what an announcement is longer than a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.description import DeviceAnnounced
@@ -51,8 +50,7 @@ Readers: TypeAlias = tuple[tuple[str, AnnouncedPart | AvailabilityReader], ...]
 """Addresses, each with a part, or a source of availability, that is read there."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class RegistryLimits:
+class RegistryLimits(NamedTuple):
     """The limits on all announcements together.
 
     Attributes:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.convention import Convention, TextConvention
 from homebot.conventions.text_codec import TextCodec
@@ -31,8 +30,7 @@ _Readings: TypeAlias = list[tuple[str, AnnouncedPart | AvailabilityReader]]
 """Filters, each with what is read on it."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class TopicReaders:
+class TopicReaders(NamedTuple):
     """Everybody who reads one topic.
 
     Attributes:

@@ -12,7 +12,7 @@ import math
 import secrets
 from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final, final
 
 from homebot.clock import Clock
@@ -84,12 +84,12 @@ class Responses:
         self._awaited[token] = _Awaited(command, until)
         if len(self._awaited) > MOST_AWAITED:
             self._awaited.popitem(last=False)
-        return replace(self.named(command.id, properties), response_topic=self.topic, correlation_data=token)
+        return self.named(command.id, properties)._replace(response_topic=self.topic, correlation_data=token)
 
     @staticmethod
     def named(command_id: str, properties: MessageProperties = NO_PROPERTIES) -> MessageProperties:
         """Return *properties* of a message with the id of the command that it carries; the same where it has none."""
-        return replace(properties, user=((COMMAND_ID, command_id),)) if command_id else properties
+        return properties._replace(user=((COMMAND_ID, command_id),)) if command_id else properties
 
     def take(self, message: MqttMessage) -> None:
         """Take a message on :attr:`topic`."""
