@@ -66,15 +66,18 @@ class AnnouncedPart(PartTexts):
         found = []
         if (known := self.known) is None:
             known = self.known = {}
+        part = self.described.part.id
         for name, value in values.items():
-            before = known.get(name)
-            if before is not None and before[0] == value and type(before[0]) is type(value):
-                found.append(before[1])
-                continue
-            make = _reading_of if str.isascii(name) else Reading
-            reading = make(part=self.described.part.id, capability=name, value=_value_of(value))
-            if before is not None or len(known) < _MAX_READINGS:
-                known[name] = (value, reading)
+            if name in known:
+                last, reading = known[name]
+                if last != value or type(last) is not type(value):
+                    reading = _reading_of(part=part, capability=name, value=_value_of(value))
+                    known[name] = value, reading
+            else:
+                make = _reading_of if str.isascii(name) else Reading
+                reading = make(part=part, capability=name, value=_value_of(value))
+                if len(known) < _MAX_READINGS:
+                    known[name] = value, reading
             found.append(reading)
         return found
 

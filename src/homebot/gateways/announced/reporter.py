@@ -105,8 +105,18 @@ class DeviceReporter:
         self, device: StoredAnnouncement, states: tuple[Reading, ...], source: str, address: str, *, retained: bool
     ) -> None:
         """Publish as :meth:`publish_readings` what has no events."""
-        stream = device.report_streams.get(source) or device.report_stream(source)
-        self.publish_report(device.key, states, address, stream, retained=retained)
+        self._reports.publish(
+            _report_of(
+                gateway=self._gateway_name,
+                key=device.key,
+                readings=states,
+                address=address,
+                stream=device.report_streams.get(source) or device.report_stream(source),
+                retained=retained,
+                received_at=self.stamp,
+                heard_at=self.now,
+            )
+        )
 
     def report_reachable(
         self, device: StoredAnnouncement, part: str, address: str, *, reachable: bool | None, retained: bool
