@@ -73,6 +73,15 @@ async def test_the_worst_outcome_is_that_of_all(open_home: OpenHome) -> None:
         assert [one.result.outcome for one in answer.results] == ["confirmed", "no_answer"]
 
 
+@pytest.mark.parametrize(("kind", "capability"), [("x_scene", "scene"), ("x_setting", "push"), ("x_setting", "locate")])
+async def test_what_is_only_pressed_or_called_needs_no_value(open_home: OpenHome, kind: str, capability: str) -> None:
+    async with open_home() as home:
+        home.gateway.devices.put(GatewayDevice("it", "It", (simple_part(kind, settable=(capability,)),)), "it is there")
+        answer = await command(home, "it", capability)
+        assert answer.success, answer
+        assert sent(home) == [("it", capability, True)]
+
+
 @pytest.mark.parametrize(
     ("word", "values", "expected"),
     [

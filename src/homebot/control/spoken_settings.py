@@ -29,6 +29,9 @@ _ALIASES: Final[Mapping[str, str]] = MappingProxyType(
 _MODES: Final = ("thermostat_mode", "fan_mode", "humidifier_mode", "water_heater_mode")
 """What ``mode`` means; the first that the part takes."""
 
+_PRESSED: Final = frozenset({"locate", "push", "scene"})
+"""Capabilities that are made true and nothing else, so that no value need be given."""
+
 _SAME_WORDS: Final[Mapping[str, str]] = MappingProxyType({"turn_on": "on", "turn_off": "off"})
 _ROBOTS: Final = frozenset({"vacuum", "mower"})
 _ROBOT_STATES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
@@ -101,9 +104,12 @@ def _decoded(word: str, part: Part) -> tuple[str, PlainValue]:
             for one in part.capabilities:
                 if one.settable and state in one.options and one.name in _ROBOTS:
                     return one.name, state
-        accepted = accepted_values(part, _capability(word, part))
+        capability = _capability(word, part)
+        accepted = accepted_values(part, capability)
         if not accepted:
             raise
+        if capability in _PRESSED:
+            return capability, True
         raise RefusedError(f"{word} without a value", f"it takes {accepted}") from None
 
 
