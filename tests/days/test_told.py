@@ -58,17 +58,18 @@ def test_a_contact_has_been_closed_since_it_said_so_first() -> None:
     assert (told.word, told.at, told.has_opened) == ("closed", 13.0, True)
 
 
-@pytest.mark.parametrize(("dialect", "stale"), [("thesis", HOUR), ("homeassistant", 24 * HOUR)])
+@pytest.mark.parametrize(("dialect", "known_after"), [("thesis", HOUR), ("homeassistant", 24 * HOUR)])
 def test_silence_is_not_known_before_the_last_report_is_stale_and_must_be_soon_after(
-    dialect: str, stale: float
+    dialect: str, known_after: float
 ) -> None:
+    """One that says when it is online may be trusted longer: if it said so live, not before homebot was there."""
     silent = Silent(SimulatedContactSensor("door"), random.Random(1), since=1000.0)  # noqa: S311  # no secrets
     placed = Placed(silent, "hall", dialect=dialect)
     told = Told(0.0)
     assert told.trusted_until(placed, 0.0) == float("inf")
     silent.advance(1000.0)
-    assert told.trusted_until(placed, 0.0) == 1000.0 - HEARTBEAT + stale
-    assert told.silence_known_from(placed, 0.0) == 1000.0 + 120.0 + stale
+    assert told.trusted_until(placed, 0.0) == 1000.0 - HEARTBEAT + HOUR
+    assert told.silence_known_from(placed, 0.0) == 1000.0 + 120.0 + known_after
 
 
 def test_a_contact_that_says_when_it_is_online_is_known_to_have_lost_its_power() -> None:

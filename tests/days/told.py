@@ -87,12 +87,14 @@ class Told:
         return _silent_from(placed, began) + _NOTICED + (_STALE_ONLINE if tells_link else _STALE)
 
     def trusted_until(self, placed: Placed, began: float) -> float:
-        """Return until when nobody can know that nothing is heard of the sensor any more."""
-        tells_link = _tells_link(placed)
+        """Return until when nobody can know that nothing is heard of the sensor any more.
+
+        One that said live that it is online is trusted for a day. Most did so before homebot was there, and what the
+        broker has kept does not count, so that nobody has to trust one for longer than an hour.
+        """
         if not placed.device.has_power:
-            return self.power_at if tells_link else self.power_at - HEARTBEAT + _STALE
-        spoke = _silent_from(placed, 0.0) > began  # only what is online live, and not by a retained message, is trusted
-        return _silent_from(placed, began) - HEARTBEAT + (_STALE_ONLINE if tells_link and spoke else _STALE)
+            return self.power_at if _tells_link(placed) else self.power_at - HEARTBEAT + _STALE
+        return _silent_from(placed, began) - HEARTBEAT + _STALE
 
 
 def _tells_link(placed: Placed) -> bool:
