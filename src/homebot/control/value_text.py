@@ -17,9 +17,14 @@ def value_text(value: PlainValue) -> str:
         case bool():
             return "on" if value else "off"
         case float():
-            return f"{value:g}"
+            return _number_text(value)
         case tuple():
-            return ", ".join(f"{one:g}" for one in value)
+            return ", ".join(map(_number_text, value))
         case None:
             return "unknown"
     return value[:_LONGEST]
+
+
+def _number_text(value: float) -> str:
+    """Return a number with two decimals at most: 89 of 255 steps are 34.9 %, and not 34.902."""
+    return f"{round(value, 2):g}"
