@@ -109,6 +109,29 @@ async def test_a_setpoint_that_is_held_is_not_changed_by_as_much_as_a_device_may
             assert not isinstance(await radiator.heat_to(21.0), Refused)
 
 
+async def test_the_steps_of_a_dimmer_are_no_hand(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+
+        async def round_it(home: Home, command: Command) -> None:
+            value = command.value.plain()
+            assert isinstance(value, float)
+            await home.report("lamp", "level", 5.0 * round(value / 5.0))
+
+        home.behaviours["lamp"] = round_it
+        lamp = await home.handle(Light)
+        for level in (62.0, 33.0, 47.0):  # from these it is learnt
+            assert isinstance(await lamp.set_level(level), Contradicted)
+        async with lamp.hold("0.88", by="robot", ttl=10) as holding:
+            assert isinstance(holding.outcome, Confirmed)
+            await home.report("lamp", "level", 90.0)
+            await anyio.sleep(5)
+            assert (holding.is_held, isinstance(holding.outcome, Confirmed)) == (True, True)
+            await home.report("lamp", "level", 70.0)
+            await anyio.sleep(5)
+            assert isinstance(holding.outcome, Contradicted)
+
+
 async def test_a_command_for_the_same_and_a_stop_pass(open_home: OpenHome) -> None:
     async with a_door(open_home, hand_time=20) as (home, door), door.hold("open", by="robot"):
         assert (await door.open()).succeeded

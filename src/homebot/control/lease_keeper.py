@@ -202,6 +202,9 @@ class LeaseKeeper:
         else:
             self._hand_back(lease)
             lease.set_so()
+            for one in kept.result.reported if kept.result is not None else ():
+                if one.capability == lease.capability:
+                    lease.note_answer(one.value.plain())
             if kept.seen is not None:
                 self._judge(lease, kept.seen)
 

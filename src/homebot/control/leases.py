@@ -57,6 +57,7 @@ class Lease:
         capability: What is held.
         value: At which value.
         holders: Those who hold it, the first one first.
+        rounded: The value that the device makes of it, where that is another one; None where it is not known to.
         is_so: Whether the device is known to be so.
         again_at: Seconds of the monotonic clock at which the value is commanded again; endless where it need not be.
         hand_until: Until when a hand, or a stop command, outranks the lease.
@@ -67,6 +68,7 @@ class Lease:
     capability: str
     value: PlainValue
     holders: dict[HolderKey, LeaseHolder] = field(default_factory=dict)
+    rounded: PlainValue = None
     is_so: bool = False
     again_at: float = math.inf
     hand_until: float = -math.inf
@@ -101,11 +103,19 @@ class Lease:
 
     def fits(self, value: PlainValue) -> bool:
         """Return whether a report of *value* shows that the device is as it is held."""
-        return fits(self.capability, self.value, value)
+        return any(fits(self.capability, one, value) for one in self._held)
 
     def departs(self, value: PlainValue) -> bool:
         """Return whether a report of *value* shows that the device is not as it is held."""
-        return departs(self.capability, self.value, value)
+        return all(departs(self.capability, one, value) for one in self._held)
+
+    def note_answer(self, value: PlainValue) -> None:
+        """Note that the device reported *value* when it was as it is held."""
+        self.rounded = None if fits(self.capability, self.value, value) else value
+
+    @property
+    def _held(self) -> tuple[PlainValue, ...]:
+        return (self.value,) if self.rounded is None else (self.value, self.rounded)
 
 
 @final
