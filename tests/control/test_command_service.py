@@ -10,6 +10,7 @@ from tests.control.conftest import Home, OpenHome, ignore
 
 from homebot.devices import KeyValue
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, CommandDevicesResponse
+from homebot.devices.gateway_messages import Command
 from homebot.devices.names import COMMAND_DEVICES
 from homebot.devices.value import PlainValue
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
@@ -61,6 +62,21 @@ async def test_a_device_that_is_away_and_does_not_answer_is_said_to_be_away(open
         home.gateway.devices.report_reachable("lamp", reachable=True)
         (result,) = (await command(home, "lamp", "on")).results
         assert result.result.text == "no answer within 10 s"
+
+
+@pytest.mark.parametrize("is_back", [True, False])
+async def test_whether_it_is_away_is_told_as_it_is_in_the_end(open_home: OpenHome, *, is_back: bool) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        home.gateway.devices.report_reachable("lamp", reachable=not is_back)
+        await anyio.sleep(1)
+
+        async def change(home: Home, _: Command) -> None:
+            home.gateway.devices.report_reachable("lamp", reachable=is_back)
+
+        home.behaviours["lamp"] = change
+        (result,) = (await command(home, "lamp", "on")).results
+        assert ("lamp is offline" in result.result.text) is not is_back
 
 
 async def test_the_worst_outcome_is_that_of_all(open_home: OpenHome) -> None:

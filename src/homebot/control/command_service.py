@@ -108,9 +108,17 @@ class CommandService:
                     cause=request.cause,
                 )
             )
-            if result.outcome == "no_answer" and device.reachable.state == "no":
-                result = result.with_checked(text=f"{result.text}; {device.reachable.why}")
+            if result.outcome == "no_answer" and (why_away := await self._why_away(device)):
+                result = result.with_checked(text=f"{result.text}; {why_away}")
         commanded.append(CommandedPart(device=device.id, name=_name(device, part), part=part.id, result=result))
+
+    async def _why_away(self, device: Device) -> str:
+        """Return why *device* is known to be away now, whatever was known when it was commanded; empty if it is not."""
+        try:
+            found = await self._devices(FactIs("id", device.id.casefold()))
+        except ServiceError:
+            found = (device,)
+        return next((one.reachable.why for one in found if one.id == device.id and one.reachable.state == "no"), "")
 
     async def _targets(self, target: str) -> list[_Target]:
         """Return the parts that are meant, those of each device together.
