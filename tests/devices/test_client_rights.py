@@ -7,7 +7,7 @@ from tests.devices.handles.conftest import device, part
 
 from homebot.devices.always_ask import always_asks
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, Right, read_scope
-from homebot.devices.device import Device, Fact
+from homebot.devices.device import Device, Fact, KeyValue
 from homebot.errors import UsageError
 from homebot.messages import Time
 
@@ -27,8 +27,18 @@ OVEN = device("oven", part("x_unknown", "on_off", advertised="oven"))
 ODD_LOCK = device("odd", part("x_setting", "lock"))
 OVEN_PLUG = device("oven plug", part("plug", "on_off"), area="Kitchen")
 GATE_RELAY = device("front gate", part("switch", "on_off"))
+
+
+def of_model(model: str, service_type: str, capability: str) -> Device:
+    """Return a device that nobody gave a name."""
+    one = device("0x00158d0001", part(service_type, capability))
+    return one.model_copy(update={"metadata": (KeyValue(key="model", value=model),)})
+
+
+GARDEN = of_model("Zigbee smart water valve", "switch", "on_off")
+OPENER = of_model("LoraTap garage door opener with wireless sensor", "x_setting", "on_off")
 TAGGED = device("saw", part("plug", "on_off")).model_copy(update={"tags": ("always-ask",)})
-ASKING = [HALL_LOCK, GARAGE, VALVE, ALARM, OVEN, ODD_LOCK, OVEN_PLUG, GATE_RELAY, TAGGED]
+ASKING = [HALL_LOCK, GARAGE, VALVE, ALARM, OVEN, ODD_LOCK, OVEN_PLUG, GATE_RELAY, TAGGED, GARDEN, OPENER]
 
 
 def may(rights: ClientRights, one: Device, number: int = 0) -> bool:
@@ -51,6 +61,21 @@ def test_a_plug_of_another_name_does_not(name: str) -> None:
     one = device(name, part("plug", "on_off"))
     assert not always_asks(one, one.parts[0])
     assert may(LOCAL_RIGHTS, one)
+
+
+@pytest.mark.parametrize(
+    ("model", "service_type"),
+    [
+        ("Thermostatic radiator valve", "thermostat"),
+        ("Zigbee smart water valve", "x_setting"),
+        ("1 gang touch panel switch with backlight and child lock", "switch"),
+        ("Garage door opener", "light"),
+        ("Smart garage door sensor", "x_setting"),
+    ],
+)
+def test_a_part_that_does_not_drive_what_the_model_is_called_does_not_ask(model: str, service_type: str) -> None:
+    one = of_model(model, service_type, "on_off")
+    assert not always_asks(one, one.parts[0])
 
 
 def test_what_is_built_into_a_garage_door_asks_but_for_its_lamp() -> None:

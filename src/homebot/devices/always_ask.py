@@ -2,8 +2,8 @@
 
 What may drive them is the owner's to approve.
 
-A switch or plug that drives such a device is known by its name alone, where that has an English word for it, or by the
-tag ``always_ask``, which the owner may give to any device.
+A switch or plug that drives such a device is known by its name or that of its model, where that has an English word for
+it, or by the tag ``always_ask``, which the owner may give to any device.
 """
 
 from __future__ import annotations
@@ -27,6 +27,9 @@ _OVENS = frozenset({"cooker", "cooktop", "hob", "kiln", "oven", "stove"})
 _ENDINGS = frozenset({"boiler", "gate", "lock", "valve"})
 _RELAYS = frozenset({"plug", "switch", "x_unknown"})
 _HARMLESS = frozenset({"light"})
+_VALVES = frozenset({"irrigation", "valve", "valves"})
+_MOVED_BY_OPENERS = frozenset({"door", "garage", "gate"})
+_BESIDE_RELAYS = frozenset({*_RELAYS, "x_setting"})
 _TAG = fold("always_ask")
 
 
@@ -36,10 +39,13 @@ def always_asks(device: Device, part: DevicePart) -> bool:
     So is every other part of a device with such a part, but for lights: a garage door often has a button beside its
     cover, and a lamp.
     """
-    is_named = part.part.service_type in _RELAYS and _is_named(device, part)
+    kind = part.part.service_type
+    is_named = kind in _RELAYS and _is_named(device, part)
     if is_named or is_declared(part) or _TAG in map(fold, device.tags):
         return True
-    return part.part.service_type not in _HARMLESS and any(map(is_declared, device.parts))
+    if kind in _BESIDE_RELAYS and _is_of_such_a_model(device, kind):
+        return True
+    return kind not in _HARMLESS and any(map(is_declared, device.parts))
 
 
 def is_declared(part: DevicePart) -> bool:
@@ -72,4 +78,19 @@ def _is_named(device: Device, part: DevicePart) -> bool:
         words = words_of(name)
         if not _OVENS.isdisjoint(words) or (words and words[-1] in _ENDINGS) or words[-2:] == ("garage", "door"):
             return True
+    return False
+
+
+def _is_of_such_a_model(device: Device, service_type: str) -> bool:
+    """Return whether the model says what such a part drives: ``Garage door opener``, ``Zigbee smart water valve``.
+
+    A lock for the keys of a switch is none, and what opens a door may do so by something that is called a setting.
+    """
+    for fact in device.metadata:
+        if fact.key == "model":
+            words = words_of(fact.value)
+            if "opener" in words and not _MOVED_BY_OPENERS.isdisjoint(words):
+                return True
+            ends_so = bool(words) and words[-1] in _ENDINGS and words[-2:] != ("child", "lock")
+            return service_type in _RELAYS and (ends_so or not _VALVES.isdisjoint(words))
     return False
