@@ -55,6 +55,7 @@ class Subscription(Generic[MessageT]):
         mailbox: The waiting messages.
         incompatible_qos_count: The number of publishers that offer less than it requests.
         expired: The number of messages not delivered because their lifespan had passed.
+        unbegun: The number of messages that were taken out, each by a task that has not begun to handle it.
     """
 
     def __init__(
@@ -75,6 +76,7 @@ class Subscription(Generic[MessageT]):
         self.from_node = from_node
         self.incompatible_qos_count = 0
         self.expired = 0
+        self.unbegun = 0
         self._is_keyed = message_type.key_field is not None
         self._on_close: Callable[[], None] | None = on_close
         self._on_failure = on_failure
@@ -278,7 +280,8 @@ class _ConcurrentRun(Generic[MessageT]):
                 self._wake_standby()
                 return
             if not is_first or self._mailbox.queue:
-                self._tasks.start_soon(self._handle, message)
+                self._subscription.unbegun += 1
+                self._tasks.start_soon(self._begin, message)
                 continue
             if not self._wake_standby():
                 self._tasks.start_soon(self._read)
@@ -287,6 +290,10 @@ class _ConcurrentRun(Generic[MessageT]):
                 return
             self._standby = asyncio.get_running_loop().create_future()
             await self._standby
+
+    async def _begin(self, message: MessageT) -> None:
+        self._subscription.unbegun -= 1
+        await self._handle(message)
 
     async def _handle(self, message: MessageT) -> None:
         task = asyncio.current_task()

@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import anyio
+import anyio.lowlevel
 import pytest
 
 from homebot.devices import RawCommand
@@ -83,6 +84,18 @@ async def house() -> AsyncIterator[House]:
 async def test_a_command_is_sent_after_the_texts_before_it(count: int) -> None:
     async with house() as home:
         ids = home.say(count)
+        assert (await home.command()).success
+        assert home.gateway.begun == [*ids, "command"]
+
+
+@pytest.mark.parametrize("turns", range(6))
+@pytest.mark.parametrize("count", [1, 2, 3])
+async def test_so_it_is_in_whichever_turn_of_the_loop_it_comes(count: int, turns: int) -> None:
+    """A random day found it: texts that were taken, and not begun yet, were overtaken."""
+    async with house() as home:
+        ids = home.say(count)
+        for _ in range(turns):
+            await anyio.lowlevel.checkpoint()
         assert (await home.command()).success
         assert home.gateway.begun == [*ids, "command"]
 

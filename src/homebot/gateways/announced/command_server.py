@@ -45,8 +45,7 @@ class CommandServer:
         counters: Its counters.
 
     Attributes:
-        raw: The raw commands, of which nobody has begun to send those that are queued: a command that comes after them
-            does not overtake them.
+        raw: The raw commands: one that comes after those that nobody has begun to send does not overtake them.
     """
 
     def __init__(self, gateway: Gateway, perform: Perform, find_part: FindPart, counters: GatewayCounters) -> None:
@@ -63,7 +62,9 @@ class CommandServer:
             self._counters.commands_refused += 1
             return SendCommandResponse(success=False, message=self._gateway.observes_because, problem="refused")
         try:
-            perform = self._perform if self.raw is None or not self.raw.mailbox.queue else self._perform_after_raw
+            raw = self.raw
+            waits = raw is not None and (raw.mailbox.queue or raw.unbegun)
+            perform = self._perform_after_raw if waits else self._perform
             if command.expires_after:
                 await self._perform_in_time(command, perform)
             else:
@@ -108,5 +109,5 @@ class CommandServer:
             for _ in range(len(mailbox.queue)):  # at each change one of them is taken out, or several
                 if mailbox.queue:
                     await mailbox.wait_for_change()
-            await anyio.lowlevel.checkpoint()  # the task that took the last one begins
+            await anyio.lowlevel.checkpoint()  # the tasks of those that were taken begin
         await self._perform(command)
