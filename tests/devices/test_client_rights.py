@@ -27,6 +27,7 @@ OVEN = device("oven", part("x_unknown", "on_off", advertised="oven"))
 ODD_LOCK = device("odd", part("x_setting", "lock"))
 OVEN_PLUG = device("oven plug", part("plug", "on_off"), area="Kitchen")
 GATE_RELAY = device("front gate", part("switch", "on_off"))
+GARAGE_COVER = device("garage door", part("window_covering", "movement"))
 
 
 def of_model(model: str, service_type: str, capability: str) -> Device:
@@ -38,7 +39,7 @@ def of_model(model: str, service_type: str, capability: str) -> Device:
 GARDEN = of_model("Zigbee smart water valve", "switch", "on_off")
 OPENER = of_model("LoraTap garage door opener with wireless sensor", "x_setting", "on_off")
 TAGGED = device("saw", part("plug", "on_off")).model_copy(update={"tags": ("always-ask",)})
-ASKING = [HALL_LOCK, GARAGE, VALVE, ALARM, OVEN, ODD_LOCK, OVEN_PLUG, GATE_RELAY, TAGGED, GARDEN, OPENER]
+ASKING = [HALL_LOCK, GARAGE, VALVE, ALARM, OVEN, ODD_LOCK, OVEN_PLUG, GATE_RELAY, GARAGE_COVER, TAGGED, GARDEN, OPENER]
 
 
 def may(rights: ClientRights, one: Device, number: int = 0) -> bool:

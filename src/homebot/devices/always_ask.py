@@ -2,8 +2,8 @@
 
 What may drive them is the owner's to approve.
 
-A switch or plug that drives such a device is known by its name or that of its model, where that has an English word for
-it, or by the tag ``always_ask``, which the owner may give to any device.
+A switch, plug or cover that drives such a device is known by its name or that of its model, where that has an English
+word for it, or by the tag ``always_ask``, which the owner may give to any device.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ APPROVED: Final = "approved"
 _CAPABILITIES = frozenset({"alarm", "lock", "valve", "water_heater_mode"})
 _OVENS = frozenset({"cooker", "cooktop", "hob", "kiln", "oven", "stove"})
 _ENDINGS = frozenset({"boiler", "gate", "lock", "valve"})
-_RELAYS = frozenset({"plug", "switch", "x_unknown"})
+_RELAYS = frozenset({"plug", "switch", "window_covering", "x_unknown"})
 _HARMLESS = frozenset({"light"})
 _VALVES = frozenset({"irrigation", "valve", "valves"})
 _MOVED_BY_OPENERS = frozenset({"door", "garage", "gate"})
