@@ -98,6 +98,24 @@ async def test_what_is_no_value_is_refused_in_words(
         assert not house.gateway.commands
 
 
+@pytest.mark.parametrize(
+    ("name", "body", "said"),
+    [
+        ("level", b"", "the body is empty; the value of level is a number"),
+        ("level", b" \n", "the body is empty; the value of level is a number"),
+        ("level", b"{", "the body is not valid JSON; the value of level is a number"),
+        ("on_off", b"on", "the body is not valid JSON; the value of on_off is true or false"),
+        ("on_off", b"\xff", "the body is not valid JSON; the value of on_off is true or false"),
+    ],
+)
+async def test_a_body_without_a_value_is_told_what_belongs_there(
+    served_house: OpenHouse, name: str, body: bytes, said: str
+) -> None:
+    async with served_house() as house:
+        _, path = await lamp_of(house)
+        assert (await house.put(f"{path}/properties/{name}", body))[1]["detail"] == said
+
+
 async def test_what_cannot_be_set_is_not_set(served_house: OpenHouse) -> None:
     async with served_house(allows_commands=False) as house:
         lamp, path = await lamp_of(house)

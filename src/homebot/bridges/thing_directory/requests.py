@@ -38,6 +38,7 @@ __all__ = ["MAX_BODY_BYTES", "DirectoryRequest", "DirectoryRequests"]
 MAX_BODY_BYTES = 64 * 1024
 
 _JSON = "application/json"
+_EXPECTED = {"bool": "true or false", "text": "a text in quotes", "number": "a number", "numbers": "a list of numbers"}
 _READ = frozenset({"GET", "HEAD"})
 _MOST_NUMBERS = 16
 
@@ -185,11 +186,13 @@ def _plain_value(one: ListedProperty, body: bytes) -> PlainValue:
     Raises:
         RequestError: It is none of this property.
     """
+    kind = CAPABILITIES[one.capability.name].kind if one.capability.name in CAPABILITIES else "text"
+    expected = f"the value of {one.capability.name} is {_EXPECTED[kind]}"
     try:
         value = parse_json(body, MAX_BODY_BYTES)
     except WireError as exc:
-        raise RequestError(HTTPStatus.BAD_REQUEST, str(exc)) from exc
-    kind = CAPABILITIES[one.capability.name].kind if one.capability.name in CAPABILITIES else "text"
+        problem = "the body is not valid JSON" if body.strip() else "the body is empty"
+        raise RequestError(HTTPStatus.BAD_REQUEST, f"{problem}; {expected}") from exc
     match kind, value:
         case ("bool", bool() as found) | ("text", str() as found):
             return found
@@ -198,8 +201,7 @@ def _plain_value(one: ListedProperty, body: bytes) -> PlainValue:
         case "numbers", list() if len(value) <= _MOST_NUMBERS:
             if all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in value):
                 return tuple(_number(each) for each in value)
-    expected = {"bool": "true or false", "text": "a text", "number": "a number", "numbers": "a list of numbers"}[kind]
-    raise RequestError(HTTPStatus.BAD_REQUEST, f"the value of {one.capability.name} is {expected}")
+    raise RequestError(HTTPStatus.BAD_REQUEST, expected)
 
 
 def _number(value: float) -> float:
