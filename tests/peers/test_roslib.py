@@ -41,4 +41,10 @@ async def test_roslib_reads_publishes_calls_and_serves(roslib: Path, open_house:
     forms = ["none", "png", "cbor"] + ["fragments"] * (version == "2")
     assert told.pop("latched") == dict.fromkeys(forms, state)
     assert told.pop("absent").startswith("service /nobody has no server now")
-    assert told == {"echoed": "you said hi", "called": "done", "served": "served by roslib"}
+    assert told == {
+        "echoed": "you said hi",
+        "called": "done",
+        "served": "served by roslib",
+        "driven": -0.3,
+        "sum": 3,
+    }

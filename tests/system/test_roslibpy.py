@@ -16,6 +16,7 @@ from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door, DoorSettings
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.messages import SetBool, String
+from homebot.messages.geometry_msgs import Twist
 from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse
 
 pytestmark = pytest.mark.system
@@ -61,6 +62,20 @@ CLIENT = textwrap.dedent(
     go.publish(roslibpy.Message({"data": "serving"}))
     report["served"] = heard.get(timeout=40)["data"]
     mine.unadvertise()
+
+    roslibpy.Topic(ros, "/driven", "geometry_msgs/Twist").subscribe(heard.put)
+    still = {"x": 0, "y": 0, "z": 0}
+    drive = roslibpy.Message({"linear": dict(still, x=0.5), "angular": still})
+    roslibpy.Topic(ros, "/cmd_vel", "geometry_msgs/Twist").publish(drive)
+    report["driven"] = heard.get(timeout=40)["linear"]["x"]
+
+    def add(request, response):
+        response["sum"] = request["a"] + request["b"]
+        return True
+
+    numbers = ("/add_two_ints", "example_interfaces/AddTwoInts")
+    roslibpy.Service(ros, *numbers).advertise(add)
+    report["sum"] = roslibpy.Service(ros, *numbers).call(roslibpy.ServiceRequest({"a": 1, "b": 2}), timeout=40)["sum"]
     print(json.dumps(report))
     ros.terminate()
     """
@@ -82,7 +97,7 @@ async def test_roslibpy_subscribes_publishes_calls_and_serves(transport: str) ->
         tasks.cancel_scope.cancel()
     assert done.returncode == 0, done.stderr.decode()
     report: dict[str, Any] = json.loads(done.stdout)
-    assert {"/state", "/hello", "/echoed", "/go"} <= set(report.pop("topics"))
+    assert {"/cmd_vel", "/state", "/hello", "/echoed", "/go"} <= set(report.pop("topics"))
     assert report.pop("time") > 1_700_000_000
     assert "has no server" in report.pop("absent")
     assert report == {
@@ -96,6 +111,8 @@ async def test_roslibpy_subscribes_publishes_calls_and_serves(transport: str) ->
         "echoed": "you said hi",
         "called": "done",
         "served": "served by roslibpy",
+        "driven": 0.5,
+        "sum": 3,
     }
     assert heard == ["hi"]
     assert lamp.get_parameter("rate").value == 9.0
@@ -120,6 +137,8 @@ def _furnish(lamp: Node, heard: list[str]) -> None:
     def switch(request: SetBoolRequest) -> SetBoolResponse:
         return SetBoolResponse(success=request.data, message="done")
 
+    driven = lamp.create_publisher(Twist, "/driven")
+    lamp.create_subscription(Twist, "/cmd_vel", driven.publish)
     lamp.create_subscription(String, "/hello", on_hello)
     lamp.create_subscription(String, "/go", on_go)
     lamp.create_service(SetBool, "/switch", switch)

@@ -6,6 +6,7 @@ from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Part
 from homebot.devices.value import Reading, Value
 from homebot.messages.builtin_interfaces import Time
+from homebot.messages.key_value import KeyValue
 from homebot.messages.message import Message
 
 __all__ = [
@@ -33,13 +34,6 @@ ChangeKind: TypeAlias = Literal[
 
 EVERYTHING: tuple[str, ...] = ("*",)
 """The capabilities of a :class:`Route` that accepts every command of the part."""
-
-
-class KeyValue(Message, ros_type="diagnostic_msgs/msg/KeyValue"):
-    """One fact about a device, as its gateway received it."""
-
-    key: str
-    value: str
 
 
 class Endpoint(Message):

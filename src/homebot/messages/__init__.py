@@ -1,4 +1,7 @@
-"""Frozen, typed messages with exact ROS field types; each is imported when it is first asked for."""
+"""Frozen, typed messages with exact ROS field types; each is imported when it is first asked for.
+
+Those of ROS are in modules with the names of their packages: ``from homebot.messages.geometry_msgs import Twist``.
+"""
 
 from typing import TYPE_CHECKING
 

@@ -22,6 +22,8 @@ _HEADER = b"\x00\x01\x00\x00"  # CDR_LE, no options
 _WITHOUT_FIELDS = b"\x00"  # IDL has no empty structures, so ROS 2 gives them a member `uint8`
 _LAYOUTS = {
     "bool": "?",
+    "byte": "B",
+    "char": "B",
     "int8": "b",
     "uint8": "B",
     "int16": "h",

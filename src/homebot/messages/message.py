@@ -17,6 +17,8 @@ from pydantic_core import CoreSchema
 from homebot.errors import UsageError
 
 __all__ = [
+    "Byte",
+    "Char",
     "Float32",
     "Float64",
     "Int8",
@@ -59,6 +61,10 @@ UInt16 = Annotated[int, RosType("uint16"), Field(ge=0, lt=2**16)]
 UInt32 = Annotated[int, RosType("uint32"), Field(ge=0, lt=2**32)]
 
 UInt64 = Annotated[int, RosType("uint64"), Field(ge=0, lt=2**64)]
+
+Byte = Annotated[int, RosType("byte"), Field(ge=0, lt=2**8)]
+
+Char = Annotated[int, RosType("char"), Field(ge=0, lt=2**8)]
 
 Float32 = Annotated[float, RosType("float32")]
 

@@ -134,6 +134,17 @@ async def test_bytes_are_an_array_of_uint8(ask: Asker) -> None:
     assert (typedef["fieldtypes"][payload], typedef["fieldarraylen"][payload]) == ("uint8", 0)
 
 
+async def test_a_standard_type_is_described_with_all_that_is_in_it(ask: Asker) -> None:
+    typedefs = (await ask("message_details", type="geometry_msgs/TwistStamped"))["typedefs"]
+    assert [(one["type"], one["fieldnames"], one["fieldtypes"]) for one in typedefs] == [
+        ("geometry_msgs/TwistStamped", ["header", "twist"], ["std_msgs/Header", "geometry_msgs/Twist"]),
+        ("std_msgs/Header", ["stamp", "frame_id"], ["builtin_interfaces/Time", "string"]),
+        ("builtin_interfaces/Time", ["sec", "nanosec"], ["int32", "uint32"]),
+        ("geometry_msgs/Twist", ["linear", "angular"], ["geometry_msgs/Vector3"] * 2),
+        ("geometry_msgs/Vector3", ["x", "y", "z"], ["float64"] * 3),
+    ]
+
+
 async def test_service_details_describe_request_and_response(ask: Asker) -> None:
     def find(_request: FindDevicesRequest) -> FindDevicesResponse:
         return FindDevicesResponse(devices=(), sequence=0)

@@ -40,5 +40,17 @@ await mine.advertise((request, response) => {
   return true;
 });
 told.served = await call("/mine", { data: true });
+const cmdVel = new Topic({ ros, name: "/cmd_vel", messageType: "geometry_msgs/Twist" });
+const driven = new Promise((resolve) => cmdVel.subscribe(resolve));
+cmdVel.publish({ linear: { x: 0.1, y: 0.2, z: 0.3 }, angular: { x: -0.1, y: -0.2, z: -0.3 } });
+told.driven = (await driven).angular.z;
+const adder = { ros, name: "/add_two_ints", serviceType: "example_interfaces/AddTwoInts" };
+await new Service(adder).advertise((request, response) => {
+  response.sum = request.a + request.b;
+  return true;
+});
+told.sum = await new Promise((resolve, reject) => {
+  new Service(adder).callService({ a: 1, b: 2 }, (answer) => resolve(answer.sum), reject);
+});
 console.log(JSON.stringify(told));
 process.exit();

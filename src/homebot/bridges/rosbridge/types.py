@@ -1,17 +1,16 @@
 """Python classes by ROS type name, and messages as clients write them.
 
 ``std_msgs/String`` and ``std_msgs/msg/String`` are both accepted, and so is ROS 1's spelling of time (``secs``,
-``nsecs``).
+``nsecs``). The ``seq`` of a ROS 1 header, which counts messages, is left out: ROS 2 has none.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
+from itertools import chain
 from typing import Any
 
 from homebot import devices
-from homebot.bridges.rosbridge.partial_messages import completed
 from homebot.errors import PeerError, TypeMismatchError
 from homebot.graph import Graph
 from homebot.messages.builtin_interfaces import Duration, Time
@@ -30,47 +29,31 @@ __all__ = [
 ]
 
 
-@lru_cache
-def _standard_messages() -> dict[tuple[str, str], type[Message]]:
-    """Return the types that need not be in use, by package and name; loaded when somebody asks for a type by name."""
-    from homebot.messages import rcl_interfaces, std_msgs  # noqa: PLC0415 - as above
+_OWN_PACKAGE = "homebot"
 
-    known: tuple[type[Message], ...] = (
-        Duration,
-        Time,
+
+def _standard_messages(package: str) -> tuple[type[Message], ...]:
+    """Return the types that need not be in use."""
+    from homebot.messages.packages import messages_of  # noqa: PLC0415 - loaded when a type is asked for by name
+
+    if package != _OWN_PACKAGE:
+        return messages_of(package)
+    return (
         devices.Device,
         devices.DeviceChange,
         devices.Endpoint,
-        devices.KeyValue,
         devices.RawCommand,
         devices.RawMessage,
         devices.Sighting,
-        rcl_interfaces.Log,
-        rcl_interfaces.Parameter,
-        rcl_interfaces.ParameterEvent,
-        rcl_interfaces.ParameterValue,
-        std_msgs.Bool,
-        std_msgs.Empty,
-        std_msgs.Float32,
-        std_msgs.Float64,
-        std_msgs.Int32,
-        std_msgs.Int64,
-        std_msgs.String,
-        std_msgs.UInt8,
     )
-    return {_parts(one.ros_type): one for one in known}
 
 
-def _standard_services() -> tuple[ServiceType[Any, Any], ...]:
-    from homebot.messages import std_srvs  # noqa: PLC0415 - as above
+def _standard_services(package: str) -> tuple[ServiceType[Any, Any], ...]:
+    from homebot.messages.packages import services_of  # noqa: PLC0415 - as above
 
-    return (
-        devices.FindDevices,
-        devices.GetIndexData,
-        devices.SubscribeToTopic,
-        std_srvs.SetBool,
-        std_srvs.Trigger,
-    )
+    if package != _OWN_PACKAGE:
+        return services_of(package)
+    return (devices.FindDevices, devices.GetIndexData, devices.SubscribeToTopic)
 
 
 _LONGEST_TYPE = 100
@@ -119,32 +102,35 @@ def service_type_of(graph: Graph, service: str, ros_type: str) -> ServiceType[An
 
 
 def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
-    """Return the message type called *ros_type*, from the standard ones and from those in use on *graph*.
+    """Return the message type called *ros_type*, from those that topics of *graph* carry, or from the standard ones.
 
     Raises:
         PeerError: It is unknown; the message names what is similar.
     """
     wanted = _parts(ros_type)
-    if (standard := _standard_messages().get(wanted)) is not None:
-        return standard
-    in_use = graph.get_message_types()
-    for known in (*in_use, *(inner for outer in in_use for inner in nested_types(outer))):
+    in_use = graph.get_message_types()  # first, as an app may have a class of its own for a standard type
+    inside = (inner for outer in in_use for inner in nested_types(outer))
+    for known in chain(in_use, _standard_messages(wanted[0]), inside):
         if _parts(known.ros_type) == wanted:
             return known
-    raise _unknown("message", ros_type, [known.ros_type for known in _standard_messages().values()])
+    similar = (one for package in _similar_packages(wanted[0]) for one in _standard_messages(package))
+    raise _unknown("message", ros_type, [one.ros_type for one in similar])
 
 
 def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
-    """Return the service type called *ros_type*, from the standard ones and from those in use on *graph*.
+    """Return the service type called *ros_type*, from those of servers on *graph*, or from the standard ones.
 
     Raises:
         PeerError: It is unknown; the message names what is similar.
     """
     wanted = _parts(ros_type)
-    for known in (*_standard_services(), *graph.get_service_types()):
+    for known in chain(graph.get_service_types(), _standard_services(wanted[0])):
         if _parts(known.ros_type) == wanted:
             return known
-    raise _unknown("service", ros_type, [known.ros_type for known in _standard_services()])
+    from homebot.messages.packages import SERVICE_PACKAGES  # noqa: PLC0415 - as above
+
+    all_services = (one for package in (*SERVICE_PACKAGES, _OWN_PACKAGE) for one in _standard_services(package))
+    raise _unknown("service", ros_type, [known.ros_type for known in all_services])
 
 
 def _parts(ros_type: str) -> tuple[str, str]:
@@ -152,15 +138,28 @@ def _parts(ros_type: str) -> tuple[str, str]:
     return package, rest.removeprefix("msg/").removeprefix("srv/")
 
 
+def _similar_packages(package: str) -> list[str]:
+    """Return the packages that may be meant: not all are loaded for a type that nobody has."""
+    from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.similar
+
+    from homebot.messages.packages import MESSAGE_PACKAGES  # noqa: PLC0415 - as above
+
+    return get_close_matches(package[:_LONGEST_TYPE], (*MESSAGE_PACKAGES, _OWN_PACKAGE), n=2, cutoff=0.7)
+
+
 def _unknown(kind: str, ros_type: str, known: list[str]) -> PeerError:
     from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.similar
 
-    similar = get_close_matches(ros_type[:_LONGEST_TYPE], known, n=3, cutoff=0.5)  # it takes the square of the length
+    shown = ros_type[:_LONGEST_TYPE]  # a comparison takes the square of the length
+    names = {_parts(one)[1]: one for one in known}
+    similar = [names[one] for one in get_close_matches(_parts(shown)[1], names, n=3, cutoff=0.7)]
     hint = f"; similar: {', '.join(similar)}" if similar else ""
-    return PeerError(f"unknown {kind} type {ros_type[:_LONGEST_TYPE]!r}{hint}")
+    return PeerError(f"unknown {kind} type {shown!r}{hint}")
 
 
 _ROS2_NAMES = {"secs": "sec", "nsecs": "nanosec"}
+_HEADER = "std_msgs/msg/Header"
+_ROS1_COUNTER = "seq"
 
 
 def message_from_client(message_type: type[Message], value: Mapping[str, object]) -> Message:
@@ -180,6 +179,8 @@ def partial_message_from_client(
     Raises:
         TypeMismatchError: A field is unknown, of another type, or cannot be zero; the message names it and its value.
     """
+    from homebot.bridges.rosbridge.partial_messages import completed  # noqa: PLC0415 - most clients leave out nothing
+
     whole, missing = completed(message_type, _in_ros2(message_type, value))
     return message_from_json(message_type, whole), missing
 
@@ -188,6 +189,8 @@ def _in_ros2(message_type: type[Message], value: Mapping[str, object]) -> dict[s
     if message_type in {Time, Duration}:
         return {_ROS2_NAMES.get(name, name): item for name, item in value.items()}
     fields = {field.name: field for field in fields_of(message_type)}
+    if message_type.ros_type == _HEADER and _ROS1_COUNTER not in fields:
+        value = {name: item for name, item in value.items() if name != _ROS1_COUNTER}
     return {name: _element(fields[name], item) if name in fields else item for name, item in value.items()}
 
 

@@ -1,0 +1,123 @@
+"""ROS ``std_msgs`` of many numbers each, with the layout of the matrix that they are."""
+
+from homebot.messages import message as fields
+from homebot.messages.message import Message, UInt32
+
+__all__ = [
+    "ByteMultiArray",
+    "Float32MultiArray",
+    "Float64MultiArray",
+    "Int8MultiArray",
+    "Int16MultiArray",
+    "Int32MultiArray",
+    "Int64MultiArray",
+    "MultiArrayDimension",
+    "MultiArrayLayout",
+    "UInt8MultiArray",
+    "UInt16MultiArray",
+    "UInt32MultiArray",
+    "UInt64MultiArray",
+]
+
+
+class MultiArrayDimension(Message, ros_type="std_msgs/msg/MultiArrayDimension"):
+    """One dimension of a matrix.
+
+    Attributes:
+        label: Its name, such as ``rows``.
+        size: Elements along it.
+        stride: Elements of it and of the dimensions after it together.
+    """
+
+    label: str
+    size: UInt32
+    stride: UInt32
+
+
+class MultiArrayLayout(Message, ros_type="std_msgs/msg/MultiArrayLayout"):
+    """The dimensions of a matrix that lies in a row.
+
+    Attributes:
+        dim: The outermost dimension first.
+        data_offset: Elements before the first one that counts.
+    """
+
+    dim: tuple[MultiArrayDimension, ...]
+    data_offset: UInt32
+
+
+class ByteMultiArray(Message, ros_type="std_msgs/msg/ByteMultiArray"):
+    """A matrix of numbers from 0 to 255, as a list in JSON."""
+
+    layout: MultiArrayLayout
+    data: tuple[fields.Byte, ...]
+
+
+class Int8MultiArray(Message, ros_type="std_msgs/msg/Int8MultiArray"):
+    """A matrix of whole numbers of 8 bits."""
+
+    layout: MultiArrayLayout
+    data: tuple[fields.Int8, ...]
+
+
+class Int16MultiArray(Message, ros_type="std_msgs/msg/Int16MultiArray"):
+    """A matrix of whole numbers of 16 bits."""
+
+    layout: MultiArrayLayout
+    data: tuple[fields.Int16, ...]
+
+
+class Int32MultiArray(Message, ros_type="std_msgs/msg/Int32MultiArray"):
+    """A matrix of whole numbers of 32 bits."""
+
+    layout: MultiArrayLayout
+    data: tuple[fields.Int32, ...]
+
+
+class Int64MultiArray(Message, ros_type="std_msgs/msg/Int64MultiArray"):
+    """A matrix of whole numbers of 64 bits."""
+
+    layout: MultiArrayLayout
+    data: tuple[fields.Int64, ...]
+
+
+class UInt8MultiArray(Message, ros_type="std_msgs/msg/UInt8MultiArray"):
+    """A matrix of whole numbers from 0 to 255, as ``bytes``."""
+
+    layout: MultiArrayLayout
+    data: bytes
+
+
+class UInt16MultiArray(Message, ros_type="std_msgs/msg/UInt16MultiArray"):
+    """A matrix of whole numbers of 16 bits, from 0."""
+
+    layout: MultiArrayLayout
+    data: tuple[fields.UInt16, ...]
+
+
+class UInt32MultiArray(Message, ros_type="std_msgs/msg/UInt32MultiArray"):
+    """A matrix of whole numbers of 32 bits, from 0."""
+
+    layout: MultiArrayLayout
+    data: tuple[fields.UInt32, ...]
+
+
+class UInt64MultiArray(Message, ros_type="std_msgs/msg/UInt64MultiArray"):
+    """A matrix of whole numbers of 64 bits, from 0."""
+
+    layout: MultiArrayLayout
+    data: tuple[fields.UInt64, ...]
+
+
+class Float32MultiArray(Message, ros_type="std_msgs/msg/Float32MultiArray"):
+    """A matrix of real numbers of 32 bits."""
+
+    layout: MultiArrayLayout
+    data: tuple[fields.Float32, ...]
+
+
+class Float64MultiArray(Message, ros_type="std_msgs/msg/Float64MultiArray"):
+    """A matrix of real numbers of 64 bits."""
+
+    layout: MultiArrayLayout
+    data: tuple[fields.Float64, ...]

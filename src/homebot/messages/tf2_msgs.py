@@ -1,0 +1,12 @@
+"""ROS ``tf2_msgs``: coordinate frames."""
+
+from homebot.messages.geometry_msgs import TransformStamped
+from homebot.messages.message import Message
+
+__all__ = ["TFMessage"]
+
+
+class TFMessage(Message, ros_type="tf2_msgs/msg/TFMessage"):
+    """The places of coordinate frames, as on ``/tf``."""
+
+    transforms: tuple[TransformStamped, ...]

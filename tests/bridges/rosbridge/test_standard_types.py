@@ -1,0 +1,105 @@
+"""The messages and services of ROS's packages at the door, which nobody in the house has to use first."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from homebot.bridges.rosbridge.types import find_message_type, find_service_type
+from homebot.errors import PeerError
+from homebot.graph import Graph, Node
+from homebot.messages import Time
+from homebot.messages.geometry_msgs import Twist, Vector3
+from homebot.messages.message import Message
+from homebot.messages.std_msgs import Header
+
+DRIVE = {"linear": {"x": 0.5, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": -0.25}}
+
+
+@pytest.mark.parametrize("spelling", ["geometry_msgs/Twist", "geometry_msgs/msg/Twist"])
+async def test_a_client_drives_what_another_listens_for(open_house: Any, spelling: str) -> None:
+    async with open_house() as house, house.peer() as robot, house.peer() as joystick:
+        await robot.send("subscribe", topic="/cmd_vel", type=spelling)
+        await robot.settle()
+        await joystick.send("advertise", topic="/cmd_vel", type="geometry_msgs/Twist")
+        await joystick.send("publish", topic="/cmd_vel", msg=DRIVE)
+        assert await robot.receive() == {"op": "publish", "topic": "/cmd_vel", "msg": DRIVE}
+
+
+async def test_an_app_hears_a_message_that_is_there_in_part(open_house: Any) -> None:
+    """JavaScript writes 1.0 as 1."""
+    async with open_house() as house, house.peer() as joystick:
+        heard = house.node("robot").create_subscription(Twist, "/cmd_vel")
+        await joystick.send("advertise", topic="/cmd_vel", type="geometry_msgs/Twist")
+        await joystick.send("publish", topic="/cmd_vel", msg={"linear": {"x": 1}})
+        still = Vector3(x=0.0, y=0.0, z=0.0)
+        assert await heard.receive() == Twist(linear=Vector3(x=1.0, y=0.0, z=0.0), angular=still)
+
+
+async def test_the_header_of_ros_1_is_taken_without_its_counter(open_house: Any) -> None:
+    stamped = {"header": {"seq": 7, "stamp": {"secs": 1, "nsecs": 2}, "frame_id": "map"}, "twist": DRIVE}
+    async with open_house() as house, house.peer() as robot, house.peer() as old:
+        await robot.send("subscribe", topic="/drive", type="geometry_msgs/TwistStamped")
+        await robot.send("subscribe", topic="/header", type="std_msgs/Header")
+        await robot.settle()
+        await old.send("publish", topic="/drive", msg=stamped)
+        header = {"stamp": {"sec": 1, "nanosec": 2}, "frame_id": "map"}
+        assert (await robot.receive())["msg"] == {"header": header, "twist": DRIVE}
+        await old.send("publish", topic="/header", msg=stamped["header"])
+        assert (await robot.receive())["msg"] == header
+
+
+async def test_only_a_header_has_that_counter(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        house.node("robot").create_subscription(Twist, "/cmd_vel")
+        await peer.send("publish", topic="/cmd_vel", msg=DRIVE | {"seq": 7})
+        assert "field 'seq' is unknown" in (await peer.receive())["msg"]
+
+
+async def test_a_client_adds_for_another(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as server, house.peer() as caller:
+        await server.send("advertise_service", service="/add_two_ints", type="example_interfaces/AddTwoInts")
+        await server.settle()
+        await caller.send("call_service", service="/add_two_ints", args={"a": 1, "b": 2})
+        asked = await server.receive()
+        assert asked["args"] == {"a": 1, "b": 2}
+        await server.send("service_response", service="/add_two_ints", id=asked["id"], values={"sum": 3}, result=True)
+        assert (await caller.receive())["values"] == {"sum": 3}
+
+
+async def test_a_class_of_an_app_for_a_standard_type_is_used() -> None:
+    class Stamped(Message, ros_type="std_msgs/msg/Header"):
+        """What an app wrote before there was one here."""
+
+        stamp: Time
+        frame_id: str
+
+    async with Node(Graph(), "robot") as node:
+        assert find_message_type(node.graph, "std_msgs/Header") is Header
+        node.create_publisher(Stamped, "/stamped")
+        assert find_message_type(node.graph, "std_msgs/Header") is Stamped
+
+
+@pytest.mark.parametrize(
+    ("wrong", "hint"),
+    [
+        ("geometry_msgs/Twits", "; similar: geometry_msgs/msg/Twist"),
+        ("geometry_msg/msg/Twist", "; similar: geometry_msgs/msg/Twist"),
+        ("std_msgs/Duration", ""),
+        ("turtlesim/Pose", ""),
+        ("homebot/Devic", "; similar: homebot/msg/Device"),
+        ("Twist", ""),
+    ],
+)
+async def test_an_unknown_message_type_is_told_with_similar_ones(wrong: str, hint: str) -> None:
+    with pytest.raises(PeerError) as refused:
+        find_message_type(Graph(), wrong)
+    assert str(refused.value) == f"unknown message type {wrong!r}{hint}"
+
+
+async def test_a_service_type_of_another_package_is_told() -> None:
+    """Tutorials of ROS 1 say so."""
+    with pytest.raises(PeerError) as refused:
+        find_service_type(Graph(), "rospy_tutorials/AddTwoInts")
+    assert str(refused.value).endswith("; similar: example_interfaces/srv/AddTwoInts")
