@@ -107,6 +107,13 @@ async def test_what_is_only_pressed_or_called_needs_no_value(open_home: OpenHome
         ("on", {"level": "40 %", "kelvin": "2700 K"}, [("color_temperature", 2700.0), ("level", 40.0)]),
         ("set", {"color": "120,80"}, [("color", (120.0, 80.0))]),
         ("0.4", {}, [("level", 40.0)]),
+        ("ON", {}, [("on_off", True)]),
+        ("Turn_On", {"level": "40"}, [("level", 40.0)]),
+        ("40%", {}, [("level", 40.0)]),
+        ("40 %", {}, [("level", 40.0)]),
+        ("0 %", {}, [("on_off", False)]),
+        ("2700K", {}, [("color_temperature", 2700.0)]),
+        ("2700 k", {}, [("color_temperature", 2700.0)]),
     ],
 )
 async def test_words_and_values_are_settings(
@@ -128,6 +135,8 @@ async def test_words_and_values_are_settings(
         ("x_lawn_mower", "mower", ("mowing", "paused", "docked"), "start", {}, "mowing"),
         ("x_lawn_mower", "mower", ("mowing", "paused", "docked"), "dock", {}, "docked"),
         ("fan", "fan_mode", ("auto", "sleep"), "set", {"mode": "sleep"}, "sleep"),
+        ("fan", "fan_mode", ("auto", "Sleep"), "set", {"mode": "SLEEP"}, "Sleep"),
+        ("robotic_vacuum_cleaner", "vacuum", ("cleaning", "returning"), "Dock", {}, "returning"),
         ("x_humidifier", "humidifier_mode", ("eco",), "set", {"mode": "eco"}, "eco"),
     ],
 )
@@ -154,7 +163,10 @@ async def test_robots_take_words_and_mode_is_that_of_the_device(
 @pytest.mark.parametrize(
     ("word", "values", "problem"),
     [
-        ("banana", {}, "this part takes on, off"),
+        ("banana", {}, "the word 'banana': this part takes on, off"),
+        ("Banana", {}, "the word 'Banana': this part takes on, off"),
+        ("140 %", {}, "the word '140 %': this part takes on, off"),
+        ("-5%", {}, "the word '-5%': this part takes on, off"),
         ("on", {"level": "x"}, "'x' as level of Lamp: it takes a number in %"),
         ("on", {"level": "300"}, "300 as level of Lamp: it takes 0 to 100 %"),
         ("on", {"level": "40 lx"}, "'40 lx' as level of Lamp: "),

@@ -14,6 +14,7 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
 from homebot.devices.setting_check import accepted_values, check_setting
 from homebot.devices.text.commands import decode_command
+from homebot.devices.text.states import FRACTION_CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.numbers import to_number
@@ -32,7 +33,7 @@ _MODES: Final = ("thermostat_mode", "fan_mode", "humidifier_mode", "water_heater
 _PRESSED: Final = frozenset({"locate", "push", "scene"})
 """Capabilities that are made true and nothing else, so that no value need be given."""
 
-_SAME_WORDS: Final[Mapping[str, str]] = MappingProxyType({"turn_on": "on", "turn_off": "off"})
+_SAME_WORDS: Final[Mapping[str, str]] = MappingProxyType({"turn_on": "on", "turn_off": "off", "on": "on", SET: SET})
 _ROBOTS: Final = frozenset({"vacuum", "mower"})
 _ROBOT_STATES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {"start": ("cleaning", "mowing"), "pause": ("paused",), "stop": ("idle",), "dock": ("returning", "docked")}
@@ -43,13 +44,15 @@ _FLAGS: Final[Mapping[str, bool]] = MappingProxyType(
     {"on": True, "true": True, "yes": True, "1": True, "off": False, "false": False, "no": False, "0": False}
 )
 _NUMBER: Final = re.compile(r"([+-]?[\d.]+)\s*(\S*)")
+_KELVIN: Final = re.compile(r"([\d.]+)\s*k")
 
 
 def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target: str) -> dict[str, PlainValue]:
     """Return the values by capability that a command sets at *part*.
 
     Args:
-        command: A word that the part takes, such as ``on``, ``close``, ``0.4`` or ``2700 K``; :data:`SET` for none.
+        command: A word that the part takes, such as ``on``, ``close``, ``0.4``, ``40 %`` or ``2700 K``; :data:`SET` for
+            none. Capitals make no difference.
         values: Further values by capability, as text: ``level`` is ``40``.
         part: The part.
         target: Its name, for errors.
@@ -59,7 +62,7 @@ def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target
             takes. Or they cannot be so together, such as ``off`` with a level of 50.
     """
     word = command.strip()
-    word = _SAME_WORDS.get(word, word)
+    word = _SAME_WORDS.get(word.casefold(), word)
     found: dict[str, PlainValue] = {}
     given = [(_capability(one.key, part), one.value) for one in values]
     is_light_on = word == "on" and bool(given) and part.service_type == "light"  # a level turns a lamp on
@@ -96,10 +99,13 @@ def _capability(word: str, part: Part) -> str:
     return next((name for name in _MODES if name in settable), word)
 
 
-def _decoded(word: str, part: Part) -> tuple[str, PlainValue]:
+def _decoded(given: str, part: Part) -> tuple[str, PlainValue]:
+    word = given.casefold()
     try:
-        return decode_command(word, part)
+        return decode_command(given, part)
     except RefusedError:
+        if (respelt := _respelt(word, part)) is not None:
+            return respelt
         for state in _ROBOT_STATES.get(word, ()):
             for one in part.capabilities:
                 if one.settable and state in one.options and one.name in _ROBOTS:
@@ -111,6 +117,19 @@ def _decoded(word: str, part: Part) -> tuple[str, PlainValue]:
         if capability in _PRESSED:
             return capability, True
         raise RefusedError(f"{word} without a value", f"it takes {accepted}") from None
+
+
+def _respelt(word: str, part: Part) -> tuple[str, PlainValue] | None:
+    """Return what *word* means where parts take it in another spelling: in small letters, ``2700k`` or ``40 %``."""
+    kelvin = _KELVIN.fullmatch(word)
+    percentage = to_number(word.removesuffix("%").strip()) if word.endswith("%") else None
+    spelling = f"{kelvin[1]} K" if kelvin else word if percentage is None else f"{percentage / 100:g}"
+    try:
+        capability, value = decode_command(spelling, part)
+    except RefusedError:
+        return None
+    is_fraction = capability in FRACTION_CAPABILITIES or capability == "on_off"  # 0 turns off what has a switch too
+    return (capability, value) if percentage is None or is_fraction else None
 
 
 def _value(name: str, text: str, part: Part, target: str) -> PlainValue:
@@ -126,7 +145,8 @@ def _value(name: str, text: str, part: Part, target: str) -> PlainValue:
         return _number(name, plain, part, target)
     if kind == "numbers":
         return tuple(_number(name, one.strip(), part, target) for one in plain.split(","))
-    return plain
+    options = next((one.options for one in part.capabilities if one.name == name), ())
+    return next((one for one in options if one.casefold() == plain.casefold()), plain)
 
 
 def _number(name: str, text: str, part: Part, target: str) -> float:
