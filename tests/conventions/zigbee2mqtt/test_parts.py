@@ -462,3 +462,15 @@ def test_an_endpoint_that_the_bridge_has_no_name_for_is_named_in_the_topic() -> 
     assert said(valve, occupied_heating_setpoint_3=19.5) == {"heating_setpoint": 19.5}
     assert floor.codec.write("number", 5.0) == (Publication(f"{TOPIC}/3/set", b'{"floor_min":5}'),)
     assert code.codec.write("number", 5.0) == (Publication(f"{TOPIC}/set", b'{"code_1":5}'),)
+
+
+def test_codes_and_passwords_are_never_read() -> None:
+    """A Yale lock reports the PIN that was set last, an Ecolink keypad the one that was typed."""
+    pin = feature("composite", "pin_code", features=[feature("numeric", "user"), feature("numeric", "pin_code")])
+    parts = built(pin, feature("text", "last_used_pin_code", 1), feature("text", "action_code", 1), onoff())
+    assert [one.part.id for one in parts] == ["state"]
+    password = only(feature("text", "wifi_password"))
+    assert said(password, wifi_password="secret") == {}
+    assert [one.readable for one in password.part.capabilities] == [False]
+    assert not password.state_requests
+    assert told(password, "text", "other") == {"wifi_password": "other"}

@@ -103,12 +103,21 @@ def build_generic(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | 
     """Describe one generic expose, as a part of its own; None for one that neither reports nor takes anything.
 
     What can be set is a setting, whatever it is called: a child lock is no door lock, and nobody who turns off
-    everything wants to turn off an indicator. Only a binary that is called ``state`` is a switch.
+    everything wants to turn off an indicator. Only a binary that is called ``state`` is a switch. A code or password
+    may be set, but is never read.
     """
     if expose.type == "enum" and expose.name == "action":
         return _buttons(topics, expose)
+    if _SECRETS.search(expose.name):
+        expose = replace(expose, access=expose.access & ~_IS_READ)
     part = _setting(topics, expose) if expose.is_settable else _sensor(topics, expose) if expose.is_published else None
     return None if part is None or part.is_empty else part.build()
+
+
+_SECRETS = re.compile(r"pin_?code|password|wifi_config|(?:action|admin|user)_code")
+"""What opens a lock or a network: whoever may see what devices report, or a recording of it, is not to learn it."""
+
+_IS_READ = 1 | 4
 
 
 def _part(topics: Zigbee2MqttTopics, expose: Expose, service_type: str, category: Category) -> Zigbee2MqttPart:
