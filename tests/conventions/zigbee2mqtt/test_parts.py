@@ -474,3 +474,12 @@ def test_codes_and_passwords_are_never_read() -> None:
     assert [one.readable for one in password.part.capabilities] == [False]
     assert not password.state_requests
     assert told(password, "text", "other") == {"wifi_password": "other"}
+
+
+def test_settings_of_several_endpoints_have_names_of_their_own() -> None:
+    both = [
+        feature("enum", "power_on_behavior", key=f"power_on_behavior_{end}", endpoint=end, label="Power-on behavior")
+        for end in ("l1", "l2")
+    ]
+    named = feature("numeric", "power", 1, key="power_a", endpoint="a", label="Power a")
+    assert [one.part.name for one in built(*both, named)] == ["Power-on behavior l1", "Power-on behavior l2", "Power a"]

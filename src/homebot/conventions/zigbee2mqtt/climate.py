@@ -101,7 +101,7 @@ def build_thermometer(topics: Zigbee2MqttTopics, climate: Expose) -> DescribedPa
     local = climate.feature("local_temperature")
     if local is None or not local.is_published:
         return None
-    part = Zigbee2MqttPart(topics, clean_text(local.key), "temperature_sensor", name=local.label, advertised=local.name)
+    part = Zigbee2MqttPart(topics, clean_text(local.key), "temperature_sensor", name=local.title, advertised=local.name)
     part.add_number(local, "temperature")
     return part.build()
 

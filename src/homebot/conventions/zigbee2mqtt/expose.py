@@ -13,6 +13,7 @@ from typing import TypeAlias
 
 from homebot.conventions.payload import clean_text
 from homebot.devices.part import Category
+from homebot.folding import words_of
 from homebot.numbers import finite_number
 
 __all__ = ["SPECIFIC_TYPES", "Expose", "Scalar", "read_exposes"]
@@ -79,6 +80,12 @@ class Expose:
     def suffix(self) -> str:
         """Suffix of the properties of its endpoint."""
         return f"_{self.endpoint}" if self.endpoint else ""
+
+    @property
+    def title(self) -> str:
+        """The label, and the endpoint, which tells several of one label apart."""
+        is_titled = set(words_of(self.endpoint)) <= set(words_of(self.label))
+        return self.label if is_titled else clean_text(f"{self.label} {self.endpoint}", _MAX_TEXT)
 
     @cached_property
     def options(self) -> Mapping[str, Scalar]:

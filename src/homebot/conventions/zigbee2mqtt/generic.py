@@ -122,7 +122,7 @@ _IS_READ = 1 | 4
 
 def _part(topics: Zigbee2MqttTopics, expose: Expose, service_type: str, category: Category) -> Zigbee2MqttPart:
     part_id = clean_text(expose.key)
-    return Zigbee2MqttPart(topics, part_id, service_type, name=expose.label, advertised=expose.name, category=category)
+    return Zigbee2MqttPart(topics, part_id, service_type, name=expose.title, advertised=expose.name, category=category)
 
 
 def _buttons(topics: Zigbee2MqttTopics, action: Expose) -> DescribedPart:
