@@ -483,3 +483,21 @@ def test_settings_of_several_endpoints_have_names_of_their_own() -> None:
     ]
     named = feature("numeric", "power", 1, key="power_a", endpoint="a", label="Power a")
     assert [one.part.name for one in built(*both, named)] == ["Power-on behavior l1", "Power-on behavior l2", "Power a"]
+
+
+@pytest.mark.parametrize(
+    ("name", "service_type", "capability"),
+    [
+        ("water_leak_alarm_1", "water_leak_detector", "water_leak"),
+        ("gas_alarm_2", "smoke_co_alarm", "gas"),
+        ("smoke_alarm_1", "smoke_co_alarm", "smoke"),
+        ("carbon_monoxide_alarm_1", "smoke_co_alarm", "carbon_monoxide_alarm"),
+        ("contact_alarm_1", "contact_sensor", "contact"),
+        ("occupancy_alarm_1", "occupancy_sensor", "occupancy"),
+    ],
+)
+def test_each_alarm_of_a_detector_is_what_it_detects(name: str, service_type: str, capability: str) -> None:
+    part = only(feature("binary", name, 1, value_on=True, value_off=False))
+    assert part.part.service_type == service_type
+    assert said(part, **{name: True}) == {capability: True}
+    assert said(part, **{name: False}) == {capability: False}

@@ -47,6 +47,9 @@ _CONDITION_NAMES: Mapping[str, tuple[str, ...]] = {
 _CONDITIONS: Mapping[str, str] = {name: capability for capability, names in _CONDITION_NAMES.items() for name in names}
 """Capability of a binary that is reported and cannot be set; true is its ``value_on``."""
 
+_ALARM_OF_ZONE = re.compile(r"(contact|occupancy|smoke|carbon_monoxide|gas|water_leak|vibration|tamper)_alarm_[12]")
+"""A binary of a detector that tells its two alarms apart; either is what a single one is."""
+
 _TRUE_IS_CLOSED = frozenset({"garage_door_contact"})
 """Binaries whose ``value_on`` is true where it should be false: what they report is whether the contact is closed."""
 
@@ -141,7 +144,8 @@ def _read_action(key: str, message: JsonMessage) -> Readings:
 def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
     category: Category = "diagnostic" if expose.category else ""
     if expose.type == "binary":
-        capability = _CONDITIONS.get(expose.name, "state")
+        zone = _ALARM_OF_ZONE.fullmatch(expose.name)
+        capability = _CONDITIONS.get(zone[1] if zone else expose.name, "state")
         service_type = "x_battery" if capability == "battery_charging" else sensor_type(capability)
         if expose.name in _TRUE_IS_CLOSED:
             expose = replace(expose, value_on=False, value_off=True)
