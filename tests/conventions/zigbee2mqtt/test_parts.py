@@ -501,3 +501,17 @@ def test_each_alarm_of_a_detector_is_what_it_detects(name: str, service_type: st
     assert part.part.service_type == service_type
     assert said(part, **{name: True}) == {capability: True}
     assert said(part, **{name: False}) == {capability: False}
+
+
+def test_an_alarm_that_has_a_sound_is_a_siren() -> None:
+    alarm = feature("binary", "alarm", 3, value_on=True, value_off=False)
+    siren, melody = built(alarm, feature("enum", "melody", 3, values=["1", "2"]))
+    assert (siren.part.service_type, siren.part.category) == ("siren", "")
+    assert said(siren, alarm=True) == {"on_off": True}
+    assert told(siren, "on_off", value=False) == {"alarm": False}
+    assert melody.part.service_type == "x_setting"
+
+
+def test_an_alarm_without_a_sound_is_a_setting() -> None:
+    """That of an air monitor only says whether it is to warn."""
+    assert only(feature("binary", "alarm", 3, value_on="ON", value_off="OFF")).part.service_type == "x_setting"

@@ -69,6 +69,9 @@ def _described(device: BridgeDevice, whole: Zigbee2MqttTopics, exposes: tuple[Ex
         elif expose.type == "composite" and expose.name == "warning" and expose.is_settable:
             yield build_siren(Zigbee2MqttPart(topics, "siren" + expose.suffix, "siren", advertised="warning"), expose)
             rest = []
+        elif expose is beside.get("siren"):
+            yield _switched_siren(topics, expose)
+            rest = []
         else:
             rest = [] if expose is beside.get("effect") else [expose]
         yield from (part for one in rest if (part := build_generic(topics, one)) is not None)
@@ -89,13 +92,17 @@ def _key_lock_as_setting(expose: Expose) -> Expose:
 
 
 def _beside(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
-    """Return the exposes that stand beside a part and belong to it.
+    """Return the exposes that stand beside a part and belong to it, or are a part by what stands beside them.
 
-    The effects of the lamp, how the motor of a cover turns, and whether a thermostat follows its program.
+    The effects of the lamp, how the motor of a cover turns, whether a thermostat follows its program, and the alarm of
+    what has a melody or a volume for it.
     """
     found: dict[str, Expose] = {}
     has_lamp = any(one.type == "light" and not one.endpoint for one in exposes)
+    is_loud = any(one.name in _SOUNDS for one in exposes)
     for one in exposes:
+        if is_loud and one.type == "binary" and one.name in _ALARMS and one.is_settable:
+            found.setdefault("siren", one)
         if one.type != "enum":
             continue
         if one.name == "effect" and one.is_settable and not one.endpoint and has_lamp:
@@ -105,6 +112,18 @@ def _beside(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
         if is_program(one):
             found.setdefault("program", one)
     return found
+
+
+_ALARMS = frozenset({"alarm", "siren_on"})
+_SOUNDS = frozenset({"alarm_duration", "alarm_ring", "melody", "ringtone", "volume"})
+
+
+def _switched_siren(topics: Zigbee2MqttTopics, alarm: Expose) -> DescribedPart:
+    """Describe a siren that is switched by a binary, as those of Tuya are; how it sounds is set beside it."""
+    part = Zigbee2MqttPart(topics, clean_text(alarm.key), "siren", name=alarm.title, advertised=alarm.name)
+    part.add_flag(alarm, "on_off")
+    part.request(alarm)
+    return part.build()
 
 
 def _specific(
