@@ -178,6 +178,15 @@ def test_a_zone_of_an_irrigation_controller_is_a_valve(say: Say, part: Find) -> 
     assert (told.topic, call["method"], call["params"]) == ("x/rpc", "Boolean.Set", {"id": 200, "value": True})
 
 
+@pytest.mark.parametrize(("access", "capability"), [("crw", "number"), ("cr", "measurement")])
+def test_a_number_of_the_user_has_the_unit_that_the_device_shows(
+    say: Say, part: Find, access: str, capability: str
+) -> None:
+    config = {"id": 200, "access": access, "meta": {"ui": {"view": "slider", "unit": "W", "step": 1}}}
+    (found,) = part(introduce(say, "number:200", {"value": 5}, config), "number:200").part.capabilities
+    assert (found.name, found.unit) == (capability, "W")
+
+
 def test_a_boolean_of_the_user_is_no_zone_whatever_its_role(say: Say, part: Find) -> None:
     mine = part(introduce(say, "boolean:200", {"value": False}, {"name": "zone0", "role": "zone0"}), "boolean:200")
     assert mine.part.service_type == "x_setting"

@@ -17,7 +17,7 @@ from homebot.conventions.command_values import (
 )
 from homebot.conventions.description import Publications
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings, clean_text, shown
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, clean_text, shown
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent
 from homebot.conventions.units import sensor_type
 from homebot.devices.value import PlainValue
@@ -31,6 +31,7 @@ VIRTUAL: Mapping[str, str] = {"boolean": "state", "number": "number", "text": "t
 
 _MOST = 1e15
 _LONGEST_TEXT = 255
+_LONGEST_UNIT = 20
 _MOST_OPTIONS = 100
 
 
@@ -71,6 +72,7 @@ def build_virtual(component: ShellyComponent) -> tuple[JsonPart, ...]:
     part.add_capability(
         capability,
         writer=write,
+        unit=_unit(component.config) if capability == "number" else "",
         bounds=bounds if is_number else (),
         options=options if component.kind == "enum" else (),
     )
@@ -94,7 +96,9 @@ def _build_zone(component: ShellyComponent) -> JsonPart:
 
 def _build_watched(component: ShellyComponent, role: str) -> JsonPart:
     """Describe a value that is only reported."""
-    capability, unit = _WATCHED.get(role if component.kind == "number" else "", (_READ_ONLY[component.kind], ""))
+    plain = _READ_ONLY[component.kind]
+    own_unit = _unit(component.config) if plain == "measurement" else ""
+    capability, unit = _WATCHED.get(role if component.kind == "number" else "", (plain, own_unit))
 
     def decode(status: Fields) -> Readings:
         value = _plain(component.kind, status.get("value"))
@@ -163,6 +167,12 @@ def _options(config: Fields) -> tuple[str, ...]:
     if not isinstance(options, list):
         return ()
     return tuple(one for one in options[:_MOST_OPTIONS] if isinstance(one, str) and len(one) <= _LONGEST_TEXT)
+
+
+def _unit(config: Fields) -> str:
+    """Return the unit in which the device's own pages show a number; empty where it has none."""
+    unit = as_fields(as_fields(config.get("meta")).get("ui")).get("unit")
+    return clean_text(unit, _LONGEST_UNIT) if isinstance(unit, str) else ""
 
 
 def _bounds(config: Fields) -> tuple[float, ...]:
