@@ -8,6 +8,7 @@ from tests.devices.handles.conftest import device, part
 from homebot.devices.always_ask import always_asks
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, Right, read_scope
 from homebot.devices.device import Device, Fact, KeyValue
+from homebot.devices.part import Capability
 from homebot.errors import UsageError
 from homebot.messages import Time
 
@@ -25,6 +26,9 @@ VALVE = device("main-valve", part("water_valve", "valve"))
 ALARM = device("alarm", part("x_alarm_panel", "alarm"))
 OVEN = device("oven", part("x_unknown", "on_off", advertised="oven"))
 ODD_LOCK = device("odd", part("x_setting", "lock"))
+HOT_WATER = Capability(name="number", settable=True, unit="°C", bounds=(30.0, 80.0))
+BOILER = device("boiler", part("x_setting", name="Hot water", capabilities=(HOT_WATER,)))
+RADIATOR = device("radiator valve", part("x_setting", name="Most", capabilities=(HOT_WATER,)))
 OVEN_PLUG = device("oven plug", part("plug", "on_off"), area="Kitchen")
 GATE_RELAY = device("front gate", part("switch", "on_off"))
 GARAGE_COVER = device("garage door", part("window_covering", "movement"))
@@ -39,7 +43,21 @@ def of_model(model: str, service_type: str, capability: str) -> Device:
 GARDEN = of_model("Zigbee smart water valve", "switch", "on_off")
 OPENER = of_model("LoraTap garage door opener with wireless sensor", "x_setting", "on_off")
 TAGGED = device("saw", part("plug", "on_off")).model_copy(update={"tags": ("always-ask",)})
-ASKING = [HALL_LOCK, GARAGE, VALVE, ALARM, OVEN, ODD_LOCK, OVEN_PLUG, GATE_RELAY, GARAGE_COVER, TAGGED, GARDEN, OPENER]
+ASKING = [
+    HALL_LOCK,
+    GARAGE,
+    VALVE,
+    ALARM,
+    OVEN,
+    ODD_LOCK,
+    OVEN_PLUG,
+    GATE_RELAY,
+    GARAGE_COVER,
+    BOILER,
+    TAGGED,
+    GARDEN,
+    OPENER,
+]
 
 
 def may(rights: ClientRights, one: Device, number: int = 0) -> bool:
@@ -77,6 +95,10 @@ def test_a_plug_of_another_name_does_not(name: str) -> None:
 def test_a_part_that_does_not_drive_what_the_model_is_called_does_not_ask(model: str, service_type: str) -> None:
     one = of_model(model, service_type, "on_off")
     assert not always_asks(one, one.parts[0])
+
+
+def test_the_limit_of_a_radiator_valve_does_not_ask() -> None:
+    assert not always_asks(RADIATOR, RADIATOR.parts[0])
 
 
 def test_what_is_built_into_a_garage_door_asks_but_for_its_lamp() -> None:

@@ -3,7 +3,8 @@
 What may drive them is the owner's to approve.
 
 A switch, plug or cover that drives such a device is known by its name or that of its model, where that has an English
-word for it, or by the tag ``always_ask``, which the owner may give to any device.
+word for it, or by the tag ``always_ask``, which the owner may give to any device; so is the setting that says how hot
+a boiler or an oven becomes.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ APPROVED: Final = "approved"
 _CAPABILITIES = frozenset({"alarm", "lock", "valve", "water_heater_mode"})
 _OVENS = frozenset({"cooker", "cooktop", "hob", "kiln", "oven", "stove"})
 _ENDINGS = frozenset({"boiler", "gate", "lock", "valve"})
+_HEATERS = frozenset({"boiler"})
+_DEGREES = frozenset({"°C", "°F", "K"})
 _RELAYS = frozenset({"plug", "switch", "window_covering", "x_unknown"})
 _HARMLESS = frozenset({"light"})
 _VALVES = frozenset({"irrigation", "valve", "valves"})
@@ -40,7 +43,7 @@ def always_asks(device: Device, part: DevicePart) -> bool:
     cover, and a lamp.
     """
     kind = part.part.service_type
-    is_named = kind in _RELAYS and _is_named(device, part)
+    is_named = (kind in _RELAYS or (kind == "x_setting" and _is_degrees(part))) and _is_named(device, part)
     if is_named or is_declared(part) or _TAG in map(fold, device.tags):
         return True
     if kind in _BESIDE_RELAYS and _is_of_such_a_model(device, kind):
@@ -72,11 +75,17 @@ def waits_for_approval(device: Device) -> bool:
     return False
 
 
+def _is_degrees(part: DevicePart) -> bool:
+    """Return whether *part* is the number of degrees to which something heats."""
+    return any(one.settable and one.name == "number" and one.unit in _DEGREES for one in part.part.capabilities)
+
+
 def _is_named(device: Device, part: DevicePart) -> bool:
-    """Return whether the name of *part*, a relay, says what it drives: ``Oven``, ``Front gate``, ``Garage door``."""
+    """Return whether the name of *part* says what it drives: ``Oven``, ``Front gate``, ``Garage door``."""
+    endings = _ENDINGS if part.part.service_type in _RELAYS else _HEATERS
     for name in (device.name, *device.names, part.part.name):
         words = words_of(name)
-        if not _OVENS.isdisjoint(words) or (words and words[-1] in _ENDINGS) or words[-2:] == ("garage", "door"):
+        if not _OVENS.isdisjoint(words) or (words and words[-1] in endings) or words[-2:] == ("garage", "door"):
             return True
     return False
 
