@@ -44,3 +44,23 @@ def test_what_is_absolute_needs_no_clock() -> None:
 def test_a_format_of_times_has_plain_fields_only(form: str) -> None:
     with pytest.raises(TemplateError, match="plain fields"):
         compile_template("{{ 0 | timestamp_custom(form, false) }}").render({"form": form})
+
+
+@pytest.mark.parametrize(
+    ("source", "text"),
+    [
+        ("{{ strptime(value, '%d.%m.%Y %H:%M').isoformat() }}", "2026-03-04T05:06:00"),
+        ("{{ as_timestamp(strptime(value, '%d.%m.%Y %H:%M') | as_local) | int }}", "1772593560"),
+        ("{{ strptime(value, '%Y', none) }}", "None"),
+        ("{{ strptime(value, '%d%d', 'no time') }}", "no time"),
+        ("{{ strptime(5, '%d', 'no time') }}", "no time"),
+    ],
+)
+def test_a_time_is_read_by_its_format(source: str, text: str) -> None:
+    assert compile_template(source).render_value("04.03.2026 05:06", now=NOW) == text
+
+
+@pytest.mark.parametrize("value", ["soon", "1" * 300])
+def test_what_is_not_in_the_format_and_has_no_default_fails(value: str) -> None:
+    with pytest.raises(TemplateError, match="strptime"):
+        compile_template("{{ strptime(value, '%d') }}").render_value(value)

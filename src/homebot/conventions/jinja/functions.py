@@ -5,6 +5,7 @@ The clock and the time zone are those of the caller, or what needs them fails.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from typing import Final
@@ -82,6 +83,23 @@ def _as_datetime(_: Run, value: object, default: object = MISSING) -> object:
         return None if default is MISSING else default
 
 
+def _strptime(_: Run, value: object, date_format: object, default: object = MISSING) -> object:
+    template = strftime_format(text(date_format))
+    try:
+        return datetime.strptime(_short(value), template)  # noqa: DTZ007 - without a zone, as it is in Home Assistant
+    except (ValueError, TypeError, re.error):
+        return _or_default(default, "strptime")
+
+
+def _short(value: object) -> str:
+    if not isinstance(value, str) or len(value) > _LONGEST_MOMENT:
+        raise TypeError("a time must be a short text")
+    return value
+
+
+_LONGEST_MOMENT = 255
+
+
 def _as_timestamp(run: Run, value: object, default: object = MISSING) -> object:
     if isinstance(value, Undefined):
         value.fail()
@@ -113,6 +131,7 @@ _TIME_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
     "as_local": _as_local,
     "as_timestamp": _as_timestamp,
     "now": _now,
+    "strptime": _strptime,
     "timedelta": _timedelta,
     "utcnow": _utc_now,
 }
