@@ -515,3 +515,11 @@ def test_an_alarm_that_has_a_sound_is_a_siren() -> None:
 def test_an_alarm_without_a_sound_is_a_setting() -> None:
     """That of an air monitor only says whether it is to warn."""
     assert only(feature("binary", "alarm", 3, value_on="ON", value_off="OFF")).part.service_type == "x_setting"
+
+
+def test_what_is_done_once_is_pushed() -> None:
+    """A feeder reports no meal before and after each: who waited for its ``START`` would feed again and again."""
+    feeder = only(feature("enum", "feed", 3, values=["", "START"]))
+    assert [(one.name, one.readable) for one in feeder.part.capabilities] == [("push", False)]
+    assert told(feeder, "push", value=True) == {"feed": "START"}
+    assert said(feeder, feed="") == {}

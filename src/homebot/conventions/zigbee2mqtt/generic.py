@@ -15,7 +15,7 @@ from homebot.conventions.command_values import push_writer
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, shown
 from homebot.conventions.units import Quantity, conversion_of, sensor_type
-from homebot.conventions.zigbee2mqtt.expose import Expose
+from homebot.conventions.zigbee2mqtt.expose import Expose, Scalar
 from homebot.conventions.zigbee2mqtt.features import MAX_VALUE, Zigbee2MqttPart, Zigbee2MqttTopics, text_of
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
@@ -175,9 +175,9 @@ def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart | Non
             part.add_flag(expose, "on_off")
         case "numeric":
             part.add_number(expose, "number", unit=expose.unit)
-        case "enum" if len(expose.options) == 1:
+        case "enum" if len(deeds := _deeds(expose)) == 1:
             push = "locate" if expose.name == "identify" else "push"
-            writer = push_writer(push, lambda: topics.publish({expose.key: expose.values[0]}))
+            writer = push_writer(push, lambda: topics.publish({expose.key: deeds[0]}))
             part.add_capability(push, readable=False, writer=writer)
             part.add_command_topics(topics.command)
         case "enum":
@@ -189,6 +189,12 @@ def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart | Non
     if is_switch:
         part.request(expose)
     return part
+
+
+def _deeds(expose: Expose) -> list[Scalar]:
+    """Return what an enum can be told to do; of several, what a feeder reports before and after its deed is none."""
+    values = list(expose.options.values())
+    return [one for one in values if one != ""] or values
 
 
 _MAX_TEXT = 4_096
