@@ -1,5 +1,6 @@
 """WLED: what the lights of a controller are, what they report, and how they are commanded. Pure."""
 
+from homebot.conventions.wled.presets import preset_names
 from homebot.conventions.wled.strip import MASTER, Fields, WledStrip, effect_names
 
-__all__ = ["MASTER", "Fields", "WledStrip", "effect_names"]
+__all__ = ["MASTER", "Fields", "WledStrip", "effect_names", "preset_names"]

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from homebot.conventions.command_values import (
     require_bool,
@@ -21,6 +22,7 @@ from homebot.conventions.command_values import (
 )
 from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
 from homebot.conventions.payload import Readings, as_fields, clean_text, shown
+from homebot.conventions.wled.presets import shown_preset
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Capability, Category, Part
 from homebot.devices.value import PlainValue
@@ -33,6 +35,9 @@ Fields = Mapping[str, object]
 
 MASTER = ""
 """The part that is the whole controller."""
+
+_PRESET = "preset"
+_NO_PRESETS: Mapping[int, str] = MappingProxyType({})
 
 _RGB, _WHITE, _CCT = 1, 2, 4
 _MOST_SEGMENTS = 64
@@ -84,23 +89,25 @@ class WledStrip:
     Args:
         document: Its state and info, the answer to ``/json/si`` or a message of its WebSocket.
         effects: The names of its effects, by number; those that cannot be chosen are empty.
+        presets: The names of its presets and playlists, by number.
 
     Raises:
         WireError: The document has no state or no info.
     """
 
-    def __init__(self, document: Fields, effects: tuple[str, ...]) -> None:
+    def __init__(self, document: Fields, effects: tuple[str, ...], presets: Mapping[int, str] = _NO_PRESETS) -> None:
         state, info = document.get("state"), document.get("info")
         if not isinstance(state, dict) or not isinstance(info, dict):
             raise WireError("a message has no state or no info")
         self._state: Fields = state
         self._info: Fields = info
         self._effects = effects if any(effects) else ()
+        self._presets = presets
         self._segments = tuple(_segments(state, as_fields(info.get("leds"))))
 
     def with_state(self, state: Fields) -> WledStrip:
         """Return the same controller in another state."""
-        return WledStrip({"state": state, "info": self._info}, self._effects)
+        return WledStrip({"state": state, "info": self._info}, self._effects, self._presets)
 
     @property
     def name(self) -> str:
@@ -141,6 +148,10 @@ class WledStrip:
         for part_id, (owner, field, name) in _SWITCHES.items():
             if field in as_fields(self._state.get(owner)):
                 found.append(_extra(part_id, "switch", "config", name, _ON_OFF))
+        if self._presets:
+            options = tuple(self._presets.values())
+            choice = Capability(name="option", settable=True, options=options)
+            found.append(_extra(_PRESET, "x_setting", "config", "Preset", choice))
         if isinstance(self._info.get("live"), bool):
             found.append(
                 _extra("live", "x_binary_sensor", "diagnostic", "Lit by another program", Capability(name="state"))
@@ -159,6 +170,8 @@ class WledStrip:
         for part_id, (owner, field, _) in _SWITCHES.items():
             if isinstance(value := as_fields(self._state.get(owner)).get(field), bool):
                 yield part_id, {"on_off": value}
+        if self._presets:
+            yield _PRESET, {"option": shown_preset(self._state, self._presets)}
         if isinstance(live := self._info.get("live"), bool):
             yield "live", {"state": live}
         wifi = as_fields(self._info.get("wifi"))
@@ -177,6 +190,9 @@ class WledStrip:
         if part in _SWITCHES and capability == "on_off":
             owner, field, _ = _SWITCHES[part]
             return {owner: {field: require_bool(capability, value)}}
+        if part == _PRESET and self._presets and capability == "option":
+            chosen = require_option(capability, value, tuple(self._presets.values()))
+            return given | {"ps": next(number for number, name in self._presets.items() if name == chosen)}
         segment = next((one for one in self._segments if one.part == part), None)
         if segment is not None:
             return given | self._write_segment(segment, capability, value)

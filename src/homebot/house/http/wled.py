@@ -43,6 +43,8 @@ class ServedWled(ServedDevice):
         segment: The colours and the effect, as the state says them.
         sync: Whether it sends its state to others, and takes theirs.
         night_light: The night light.
+        presets: Its presets, by number as text.
+        preset: The number of the preset that was chosen last; -1 for none.
     """
 
     def __init__(
@@ -60,6 +62,8 @@ class ServedWled(ServedDevice):
         self.segment: dict[str, object] = {"col": [[255, 160, 0], [0, 0, 0], [0, 0, 0]], "fx": 0, "sx": 128, "ix": 128}
         self.sync = {"send": False, "recv": True}
         self.night_light = {"on": False, "dur": 60, "mode": 1, "tbri": 0, "rem": -1}
+        self.presets: dict[str, object] = {"0": {}}
+        self.preset = -1
         self._is_announced = announced
 
     @property
@@ -95,7 +99,7 @@ class ServedWled(ServedDevice):
             "/json/fxdata": lambda: [""] * len(EFFECTS),
             "/json/pal": lambda: PALETTES,
             "/json/cfg": dict,
-            "/presets.json": lambda: {"0": {}},
+            "/presets.json": lambda: self.presets,
         }
         if path in documents:
             return WebReply(as_json(documents[path]()))
@@ -127,6 +131,8 @@ class ServedWled(ServedDevice):
         listed = wanted.get("seg")
         first = listed[0] if isinstance(listed, list) and listed else listed
         segment = first if isinstance(first, dict) else {}
+        if isinstance(chosen := wanted.get("ps"), int):
+            self.preset = chosen
         self.segment |= {name: segment[name] for name in ("col", "fx", "sx", "ix") if name in segment}
         for own, given in ((self.sync, wanted.get("udpn")), (self.night_light, wanted.get("nl"))):
             if isinstance(given, dict):
@@ -156,7 +162,7 @@ class ServedWled(ServedDevice):
             "on": self.state.is_on,
             "bri": max(1, round(self.state.brightness * FULL)),
             "transition": 7,
-            "ps": -1,
+            "ps": self.preset,
             "pl": -1,
             "nl": self.night_light,
             "udpn": self.sync,
@@ -211,7 +217,7 @@ class ServedWled(ServedDevice):
             "fxcount": len(EFFECTS),
             "palcount": len(PALETTES),
             "wifi": {"bssid": "02:00:00:00:00:01", "rssi": -62, "signal": 76, "channel": 6},
-            "fs": {"u": 12, "t": 983, "pmt": 0},
+            "fs": {"u": 12, "t": 983, "pmt": len(self.presets)},
             "ndc": 0,
             "arch": "esp32",
             "core": "v3.3.6-16-gcc5440f6a2",

@@ -104,6 +104,24 @@ async def test_a_setting_is_a_switch() -> None:
     assert strip.sync == {"send": True, "recv": True}
 
 
+async def test_presets_are_options_and_read_anew_when_they_change() -> None:
+    host, strip = KeepingHost(), Obeying()
+    strip.presets = {"0": {}, "3": {"n": "Evening", "on": True}}
+    async with served(strip):
+        wled = driver(strip.server.port, host)
+        async with running(wled):
+            await host.until(lambda: ("preset", "option") in host.values)
+            assert host.values["preset", "option"] is None
+            await wled.perform(command("preset", "option", "Evening"))
+            await host.until(lambda: host.values["preset", "option"] == "Evening")
+            assert strip.preset == 3
+            strip.presets |= {"4": {"playlist": {"ps": [3]}, "n": "Party"}}
+            strip.preset = 4
+            strip.show()
+            await host.until(lambda: host.values["preset", "option"] == "Party")
+    assert host.refused == []
+
+
 async def test_what_it_cannot_do_is_refused_and_nothing_is_sent() -> None:
     host, strip = KeepingHost(), Obeying()
     async with served(strip):

@@ -9,15 +9,15 @@ Source: WLED, https://kno.wled.ge/interfaces/websocket and /json-api.
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from typing import Final
 
 import anyio
 
 from homebot.conventions.payload import as_fields, parse_object
-from homebot.conventions.wled import Fields, WledStrip, effect_names
+from homebot.conventions.wled import Fields, WledStrip, effect_names, preset_names
 from homebot.devices.gateway_messages import Command
-from homebot.errors import LinkError, RefusedError
+from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import DriverHost, FoundService
 from homebot.gateways.drivers.first_answer import first_answer
@@ -60,6 +60,8 @@ class WledSession:
         self._origin = ""
         self._strip: WledStrip | None = None
         self._effects: tuple[str, ...] = ()
+        self._presets: Mapping[int, str] = {}
+        self._presets_of: object = None
 
     async def run(self) -> None:
         """Connect, and report what the controller says, until cancelled.
@@ -134,7 +136,21 @@ class WledSession:
         return await _patiently(lambda: self._client.send_json("POST", f"{self._origin}/json/state", state))
 
     async def _take(self, document: Fields) -> None:
-        await self._publish(WledStrip(document, self._effects))
+        files = as_fields(as_fields(document.get("info")).get("fs"))
+        if "pmt" in files and files["pmt"] != self._presets_of:
+            self._presets = await self._ask_presets()
+            self._presets_of = files["pmt"]
+        await self._publish(WledStrip(document, self._effects, self._presets))
+
+    async def _ask_presets(self) -> Mapping[int, str]:
+        """Return the presets, of which there are none where there is no such file; it is read anew when it changes."""
+        try:
+            return preset_names(await self._ask("/presets.json"))
+        except RefusedError:
+            return {}
+        except WireError as error:
+            self._host.reject(b"", f"its presets cannot be read: {error}")
+            return {}
 
     async def _publish(self, strip: WledStrip) -> None:
         """Publish description and state of the controller, or that it is still there if nothing changed."""
