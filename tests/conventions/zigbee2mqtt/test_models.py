@@ -3,7 +3,8 @@
 ``models.jsonl`` has a device per line, as ``bridge/devices`` of Zigbee2MQTT 2.14.1 lists it (without descriptions):
 
 - ``types``: what Home Assistant core 2025.4.4 takes it for, by Zigbee2MQTT's own discovery messages, in our words
-  (left out for two thermostats without modes, for which it assumes those of an air conditioner);
+  (left out for two thermostats without modes, for which it assumes those of an air conditioner, and for a garage door,
+  which it takes for a switch that is on and off and which moves at both);
 - ``says``: messages one after the other, and what Home Assistant then knows, by part and capability;
 - ``told``: part, capability, value and transition, and which properties Home Assistant sets for that.
 """

@@ -523,3 +523,24 @@ def test_what_is_done_once_is_pushed() -> None:
     assert [(one.name, one.readable) for one in feeder.part.capabilities] == [("push", False)]
     assert told(feeder, "push", value=True) == {"feed": "START"}
     assert said(feeder, feed="") == {}
+
+
+def test_a_pulse_that_moves_a_garage_door_is_pushed() -> None:
+    """Told that it is off, the relay moves the door too: to turn it off is not the safe side."""
+    trigger = feature("binary", "trigger", 3, value_on=True, value_off=False)
+    opener, contact = built(trigger, feature("binary", "garage_door_contact", 1, value_on=False, value_off=True))
+    assert (opener.part.service_type, contact.part.service_type) == ("closure", "contact_sensor")
+    assert [one.name for one in opener.part.capabilities] == ["push"]
+    assert told(opener, "push", value=True) == {"trigger": True}
+    with pytest.raises(RefusedError):
+        told(opener, "push", value=False)
+
+
+def test_a_garage_door_that_is_told_where_to_go_moves() -> None:
+    trigger = feature("binary", "trigger", 3, value_on=True, value_off=False)
+    contact = feature("binary", "garage_door_contact", 1, value_on=True, value_off=False)
+    opener, *_ = built(trigger, contact, feature("numeric", "run_time", 3, value_min=0, value_max=120))
+    assert opener.part.service_type == "closure"
+    assert said(opener, trigger=False, garage_door_contact=True) == {"movement": "closed"}
+    assert said(opener, garage_door_contact=False) == {"movement": "open"}
+    assert told(opener, "movement", "closed") == {"trigger": False}

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from homebot.conventions.command_values import bool_writer, number_writer, option_writer
+from homebot.conventions.command_values import bool_writer, number_writer, option_writer, push_writer
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.zigbee2mqtt.expose import Expose
@@ -25,6 +25,7 @@ __all__ = [
     "build_cover",
     "build_fan",
     "build_lock",
+    "build_opener",
     "build_siren",
 ]
 
@@ -199,6 +200,26 @@ def _add_speed_range(part: Zigbee2MqttPart, speed: Expose) -> None:
 
     writer = number_writer("fan_speed", _PERCENT, "%", publish) if speed.is_settable else None
     part.add_feature(speed, "fan_speed", percent_of, writer)
+
+
+def build_opener(part: Zigbee2MqttPart, trigger: Expose, contact: Expose, *, is_pulse: bool) -> DescribedPart:
+    """Describe a garage door by what moves it, and the *contact*, which is on while it is closed.
+
+    One that only gives a pulse moves the door whichever value it is given, so it is pushed.
+    """
+    part.add_command_topics(part.topics.command)
+    if is_pulse:
+        writer = push_writer("push", lambda: part.topics.publish({trigger.key: trigger.value_on}))
+        part.add_capability("push", readable=False, writer=writer)
+        return part.build()
+    targets = {"open": trigger.value_on, "closed": trigger.value_off}
+    part.read_feature(contact, "movement", lambda value: _DOORS.get(value) if isinstance(value, bool) else None)
+    writer = option_writer("movement", targets, lambda target: part.topics.publish({trigger.key: targets[target]}))
+    part.add_capability("movement", writer=writer, options=tuple(targets))
+    return part.build()
+
+
+_DOORS: Mapping[bool, str] = {True: "closed", False: "open"}
 
 
 def build_siren(part: Zigbee2MqttPart, warning: Expose) -> DescribedPart:

@@ -26,6 +26,7 @@ from homebot.conventions.zigbee2mqtt.controls import (
     build_cover,
     build_fan,
     build_lock,
+    build_opener,
     build_siren,
 )
 from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, read_exposes
@@ -58,6 +59,7 @@ _MOST_PARTS = 500
 
 def _described(device: BridgeDevice, whole: Zigbee2MqttTopics, exposes: tuple[Expose, ...]) -> Iterable[DescribedPart]:
     beside = _beside(exposes)
+    names = {one.name for one in exposes}
     has_thermometer = any(one.name in ("temperature", "local_temperature") and one.is_published for one in exposes)
     for expose in map(_key_lock_as_setting, exposes):
         topics = whole.of(expose)
@@ -68,6 +70,9 @@ def _described(device: BridgeDevice, whole: Zigbee2MqttTopics, exposes: tuple[Ex
             rest = [one for one in expose.features if one.name not in _FEATURES[expose.type]]
         elif expose.type == "composite" and expose.name == "warning" and expose.is_settable:
             yield build_siren(Zigbee2MqttPart(topics, "siren" + expose.suffix, "siren", advertised="warning"), expose)
+            rest = []
+        elif expose is beside.get("opener"):
+            yield build_opener(_opener_part(topics, expose), expose, beside["door"], is_pulse="run_time" not in names)
             rest = []
         elif expose is beside.get("siren"):
             yield _switched_siren(topics, expose)
@@ -95,12 +100,15 @@ def _beside(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
     """Return the exposes that stand beside a part and belong to it, or are a part by what stands beside them.
 
     The effects of the lamp, how the motor of a cover turns, whether a thermostat follows its program, and the alarm of
-    what has a melody or a volume for it.
+    what has a melody or a volume for it, and what moves a garage door.
     """
     found: dict[str, Expose] = {}
     has_lamp = any(one.type == "light" and not one.endpoint for one in exposes)
     is_loud = any(one.name in _SOUNDS for one in exposes)
+    door = next((one for one in exposes if one.name == "garage_door_contact" and one.type == "binary"), None)
     for one in exposes:
+        if door is not None and one.type == "binary" and one.name in _TRIGGERS and one.is_settable:
+            found.update(opener=one, door=door)
         if is_loud and one.type == "binary" and one.name in _ALARMS and one.is_settable:
             found.setdefault("siren", one)
         if one.type != "enum":
@@ -112,6 +120,13 @@ def _beside(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
         if is_program(one):
             found.setdefault("program", one)
     return found
+
+
+_TRIGGERS = frozenset({"trigger", "state"})
+
+
+def _opener_part(topics: Zigbee2MqttTopics, trigger: Expose) -> Zigbee2MqttPart:
+    return Zigbee2MqttPart(topics, clean_text(trigger.key), "closure", name=trigger.title, advertised=trigger.name)
 
 
 _ALARMS = frozenset({"alarm", "siren_on"})
