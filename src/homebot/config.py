@@ -32,6 +32,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, TypeAlias, TypeVar, get_args, get_origin
 
@@ -284,13 +285,15 @@ def value_errors() -> Iterator[None]:
 def check_secret_file(path: Path, found: os.stat_result) -> None:
     """Refuse the file *path*, which is *found* so, where others can write it; warn where others can read it.
 
+    A file that is read several times, as one is that is checked before it is used, is warned of once.
+
     Raises:
         UsageError: Others can write it.
     """
     if problem := why_not_private(path, found):
         raise UsageError(problem)
     if warning := readable_by_others(path, found):
-        _log.warning(READABLE, message=warning, file=str(path))
+        _warn_of_readers(warning, str(path), (found.st_dev, found.st_ino, found.st_ctime_ns))
 
 
 _SECRET_KEYS = ("password", "passwd", "passphrase", "token", "url", "secret", "key", "credential", "pin")
@@ -298,6 +301,11 @@ _COMPLETE_ERRORS = {"extra_forbidden", "missing", "value_error"}
 _TABLE_ERRORS = {"dict_type", "model_type"}
 _ARRAY_ERRORS = {"list_type", "tuple_type"}
 _PATH_OF_TABLE = re.compile(r"[\w-]+(\.[\w-]+)*", re.ASCII)
+
+
+@lru_cache(maxsize=64)
+def _warn_of_readers(warning: str, file: str, _identity: tuple[int, int, int]) -> None:
+    _log.warning(READABLE, message=warning, file=file)
 
 
 def _unreadable(error: OSError | ValueError) -> str:
