@@ -22,6 +22,7 @@ password_file = "password"
 [gateways.garage]
 class = "mqtt"
 root = "garage"
+act = true
 
 [apps.light_service]
 
@@ -33,7 +34,7 @@ token_file = "token"
 
 GOLDEN = """\
 homebot.toml is valid: home villa
-  gateways:  mqtt, garage
+  gateways:  mqtt (observing only), garage
   apps:      light_service
   rosbridge: 0.0.0.0:9191 (token required)
 """

@@ -151,6 +151,11 @@ class Gateway(ABC):
         return settings
 
     @classmethod
+    def observes(cls, settings: BaseModel) -> bool:
+        """Return whether a gateway with *settings* sends no commands."""
+        return isinstance(settings, GatewaySettings) and not settings.act
+
+    @classmethod
     def home(cls, settings: BaseModel) -> str:  # noqa: ARG003 - most protocols carry one home
         """Return the name of the home in a protocol that carries several; empty for all of them."""
         return ""

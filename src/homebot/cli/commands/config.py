@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from homebot.cli.arguments import add_verb, add_verbs, set_command
 from homebot.cli.commands.run import with_tokens
 from homebot.config import load_config, load_tables, parse_config
 from homebot.errors import ConfigError
+from homebot.gateways import Gateway
 from homebot.log import configure_logging
-from homebot.runtime.plan import make_plan, plan_errors
+from homebot.runtime.plan import PlannedComponent, make_plan, plan_errors
 
 __all__ = ["add_arguments"]
 
@@ -41,8 +42,8 @@ def _check(options: argparse.Namespace) -> int:
     config = load_config(path)
     plan = make_plan(with_tokens(config))
     print(f"{config.source} is valid: home {plan.home}")
-    print(f"  gateways:  {_names(plan.gateways)}")
-    print(f"  apps:      {_names(plan.apps)}")
+    print(f"  gateways:  {_list(map(_gateway_text, plan.gateways))}")
+    print(f"  apps:      {_list(app.name for app in plan.apps)}")
     print(f"  rosbridge: {plan.door.host}:{plan.door.port}{' (token required)' if plan.door.token else ''}")
     if plan.thing_directory is not None:
         things = plan.thing_directory
@@ -61,5 +62,9 @@ def _errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError, ...]
     return (*found, *_errors(rest, path)) if len(rest) < len(tables) else found
 
 
-def _names(components: tuple[object, ...]) -> str:
-    return ", ".join(getattr(component, "name", "") for component in components) or "none"
+def _gateway_text(gateway: PlannedComponent[Gateway]) -> str:
+    return f"{gateway.name} (observing only)" if gateway.kind.observes(gateway.settings) else gateway.name
+
+
+def _list(names: Iterable[str]) -> str:
+    return ", ".join(names) or "none"

@@ -149,6 +149,13 @@ class MqttGateway(Gateway):
         return settings.model_copy(update={"url": hosted.url, "act": act, "client": settings.client or "native"})
 
     @classmethod
+    def observes(cls, settings: BaseModel) -> bool:
+        """Return whether a gateway with *settings* sends no commands; on the embedded broker it usually does."""
+        if not isinstance(settings, MqttGatewaySettings):
+            return False
+        return settings.url != EMBEDDED if settings.act is None else not settings.act
+
+    @classmethod
     def home(cls, settings: BaseModel) -> str:
         """Return the first level of its topics; empty for every home on the broker."""
         return settings.root if isinstance(settings, MqttGatewaySettings) else ""
