@@ -103,9 +103,11 @@ def _decoded(given: str, part: Part) -> tuple[str, PlainValue]:
     word = given.casefold()
     try:
         return decode_command(given, part)
-    except RefusedError:
+    except RefusedError as exc:
         if (respelt := _respelt(word, part)) is not None:
             return respelt
+        if to_number(word) is not None and _respelt(f"{word}%", part) is not None:
+            raise RefusedError(exc.what, f"{exc.reason}; did you mean {word} %?") from None
         for state in _ROBOT_STATES.get(word, ()):
             for one in part.capabilities:
                 if one.settable and state in one.options and one.name in _ROBOTS:
