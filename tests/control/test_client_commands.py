@@ -40,6 +40,28 @@ async def test_a_client_without_the_right_does_not_unlock(open_home: OpenHome, s
         assert "such a device takes a right that names it" in result.reason
 
 
+@pytest.mark.parametrize(
+    ("issuer", "scope", "advice"),
+    [
+        (
+            "client:local",
+            (),
+            """make one: a table [door.tokens.NAME] in homebot.toml with token_file and scope = ['read', {}]""",
+        ),
+        ("client:local", ("read", "act: light"), "add {} to that, in the table [door] of homebot.toml"),
+        ("client:robot", ("act: light",), "add {} to that, in the table [door.tokens.robot] of homebot.toml"),
+    ],
+)
+async def test_the_refusal_says_where_the_right_is_given(
+    open_home: OpenHome, issuer: str, scope: tuple[str, ...], advice: str
+) -> None:
+    async with open_home() as home:
+        await put_house(home)
+        result = await unlock(home, issuer, *scope)
+        lock = await home.handle(DoorLock, "door")
+        assert result.reason.endswith(advice.format(f"""'act: id="{lock.device.id}"'"""))
+
+
 @pytest.mark.parametrize("scope", [(), ("read", "act: harmless")])
 async def test_who_may_command_what_is_harmless_locks(open_home: OpenHome, scope: tuple[str, ...]) -> None:
     """As an app without a grant may."""

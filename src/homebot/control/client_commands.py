@@ -8,7 +8,14 @@ from typing import Final
 from homebot.control.policies.safe_side import may_make_safe
 from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import always_asks
-from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights, is_client, read_scope
+from homebot.devices.client_rights import (
+    LOCAL_CLIENT,
+    LOCAL_RIGHTS,
+    ClientRights,
+    is_client,
+    issuer_of_client,
+    read_scope,
+)
 from homebot.devices.command_messages import CommandRequest
 from homebot.errors import UsageError
 
@@ -35,8 +42,16 @@ def client_refusal(request: CommandRequest, device: Device, part: DevicePart) ->
     right = f"""act: {f'id="{device.id}"' if asks else part.part.service_type}"""
     why = "such a device takes a right that names it" if asks else "it is not among what the client may command"
     has = f"the scope of the client is {', '.join(request.scope)}" if request.scope else "the client has no token"
-    advice = f"add {right!r} to that" if request.scope else f"give it one with the scope {right!r}"
-    return f"{request.issuer} may not command {device.id}: {why}, and {has}; {advice}"
+    return f"{request.issuer} may not command {device.id}: {why}, and {has}; {_advice(request, right)}"
+
+
+def _advice(request: CommandRequest, right: str) -> str:
+    """Return where in the configuration the client gets *right*."""
+    if not request.scope:
+        return f"make one: a table [door.tokens.NAME] in homebot.toml with token_file and scope = ['read', '{right}']"
+    is_local = request.issuer == issuer_of_client(LOCAL_CLIENT)
+    table = "door" if is_local else f"door.tokens.{request.issuer.partition(':')[2]}"
+    return f"add '{right}' to that, in the table [{table}] of homebot.toml"
 
 
 @lru_cache(maxsize=256)
