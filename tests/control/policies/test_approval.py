@@ -65,6 +65,11 @@ def test_what_a_device_announces_of_itself_is_no_approval() -> None:
     assert judged("door_lock", "unlocked", fact()).allowed
 
 
+def test_a_setting_that_can_hurt_is_not_turned_off_before_its_approval() -> None:
+    relock = make_device("relock", "x_setting", settable=("on_off", "lock"))
+    assert not judge_approval(make_command(relock, {"on_off": False}, "/app", ("act: all",)), make_facts()).allowed
+
+
 @given(
     st.sampled_from(sorted(KINDS)).flatmap(lambda kind: st.tuples(st.just(kind), st.sampled_from(KINDS[kind][1]))),
     st.sampled_from(["it", "Oven", "Main valve", "Lamp"]),

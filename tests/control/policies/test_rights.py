@@ -63,6 +63,13 @@ def test_the_safe_side_is_for_everybody_without_a_scope() -> None:
     assert refused_by(("act: light",), LOCK, lock="locked") == "always_ask"
 
 
+def test_to_turn_off_a_setting_is_not_the_safe_side() -> None:
+    """A lock that does not lock itself any more stands open."""
+    relock = make_device("relock", "x_setting", settable=("on_off", "lock"))
+    assert refused_by((), relock, on_off=False) == "always_ask"
+    assert refused_by((), relock, lock="locked") == ""
+
+
 def test_garage_doors_valves_and_ovens_always_ask() -> None:
     assert refused_by((), GARAGE, movement="open") == "always_ask"
     assert refused_by((), GARAGE, movement="closed") == "always_ask"
