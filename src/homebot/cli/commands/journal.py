@@ -24,7 +24,7 @@ _NO_DEVICE = "-"
 _EXAMPLES = """\
   homebot journal
   homebot journal --follow
-  homebot journal --device 'Kitchen lamp' --since 2h
+  homebot journal 'Kitchen lamp' --since 2h
 
 Each step of each command and lease, each change of a device that no command explains (somebody did it by hand, or the
 device did it by itself), and what the door refused. `homebot why DEVICE` tells one of them as a story.
@@ -34,7 +34,9 @@ device did it by itself), and what the door refused. `homebot why DEVICE` tells 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot journal``."""
     set_client_command(parser, _journal, _EXAMPLES)
-    parser.add_argument("--device", metavar="DEVICE", default="", help="only entries about this device, by id or name")
+    about = parser.add_mutually_exclusive_group()
+    about.add_argument("about", metavar="DEVICE", nargs="?", help="only entries about this device, by id or name")
+    about.add_argument("--device", metavar="DEVICE", help="the same")
     parser.add_argument(
         "--command", metavar="ID", default="", dest="command_id", help="only entries about this command"
     )
@@ -49,7 +51,8 @@ def _journal(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         client = JournalClient(door)
-        device = named_device(door, options.device)["id"] if options.device else ""
+        about = options.about or options.device
+        device = named_device(door, about)["id"] if about else ""
         now = house_time(door)
         if options.follow:
             door.subscribe(JOURNAL_ENTRIES)

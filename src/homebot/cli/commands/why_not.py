@@ -84,7 +84,7 @@ def _print_asked(
     print()
     print_rows([_row(one, client, now) for one in asked[-_MOST:]])
     if len(asked) > _MOST:
-        print(f"  … the last {_MOST} of {len(asked)}; all: homebot journal --device {_quoted(device)}")
+        print(f"  … the last {_MOST} of {len(asked)}; all: homebot journal {_quoted(device)}")
 
 
 def _unasked(device: DeviceRecord, options: argparse.Namespace, begins: TimeRecord, now: float) -> str:
