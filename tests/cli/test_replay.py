@@ -86,3 +86,15 @@ def test_a_recording_without_its_end_is_replayed_and_said_to_end_early(
     (folder / "cut").write_bytes(b"".join(WHOLE.splitlines(keepends=True)[:2]))
     assert main(["replay", "cut", "--diff"]) == 0
     assert capsys.readouterr().err == f"{ENDS_EARLY}homebot or the recorder stopped before it was over\n"
+
+
+@pytest.mark.parametrize(("options", "said"), [([], "; --log shows where\n"), (["--log"], "\n")])
+def test_the_app_that_crashes_is_told_and_how_to_see_where(
+    folder: Path, capsys: pytest.CaptureFixture[str], options: list[str], said: str
+) -> None:
+    (folder / "day").write_bytes(WHOLE)
+    (folder / "mine.py").write_text(
+        "from homebot import App\n\n\nclass Mine(App):\n    async def run(self):\n        raise ValueError('odd')\n"
+    )
+    assert main(["replay", "day", "--app", "mine.py", *options]) == 0
+    assert f"homebot: mine crashed: ValueError: odd{said}" in capsys.readouterr().err

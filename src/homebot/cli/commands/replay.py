@@ -78,7 +78,7 @@ def _replay(options: argparse.Namespace) -> int:
     except HomebotError as exc:
         print(f"homebot: {exc}", file=sys.stderr)
         return _TROUBLE
-    _warn(recording, replayed)
+    _warn(recording, replayed, has_log=options.log)
     names = part_names([*recording.devices.values(), *replayed.devices])
     if not options.diff:
         _print_commands(recording, replayed.commands, names, as_json=options.json)
@@ -88,9 +88,9 @@ def _replay(options: argparse.Namespace) -> int:
     return 1 if diff.different else 0
 
 
-def _warn(recording: Recording, replayed: Replayed) -> None:
+def _warn(recording: Recording, replayed: Replayed, *, has_log: bool) -> None:
     for name, error in replayed.crashes.items():
-        print(f"homebot: {name} crashed: {error}", file=sys.stderr)
+        print(f"homebot: {name} crashed: {error}{'' if has_log else '; --log shows where'}", file=sys.stderr)
     if recording.lost:
         why = "did not fit" if recording.end else "came too fast"
         print(f"homebot: the recording lacks {recording.lost:,} lines, which {why}", file=sys.stderr)
