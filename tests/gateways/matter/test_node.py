@@ -115,6 +115,11 @@ def orders(attributes: Mapping[str, object], name: str, value: PlainValue, code:
         ({"1/29/0": [{"0": 0x0510, "1": 1}], "1/145/1": {"0": 2_500_000}}, "electrical_meter", {"energy": 2.5}),
         ({"1/29/0": [{"0": 0x002C, "1": 1}], "1/1066/0": 7.5, "1/1066/8": 4}, "air_quality_sensor", {"pm25": 7.5}),
         (
+            {"1/29/0": [{"0": 0x002C, "1": 1}], "1/1070/0": 120.0, "1/1070/8": 1},
+            "air_quality_sensor",
+            {"measurement": 120.0},
+        ),
+        (
             {"1/29/0": [{"0": 0x002B, "1": 1}], "1/514/0": 2, "1/514/1": 2, "1/514/2": 50, "1/514/3": 50},
             "fan",
             {"on_off": True, "fan_speed": 50.0, "fan_mode": "medium"},

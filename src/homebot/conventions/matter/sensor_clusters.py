@@ -77,6 +77,9 @@ _CONCENTRATIONS: Final[Mapping[int, tuple[str, Mapping[int, float]]]] = {
 """By cluster: what is measured, and the factors of the units that can be converted."""
 
 _CONCENTRATION, _UNIT = 0, 8
+_ORGANIC: Final = 1070
+_PARTS: Final = {0: "ppm", 1: "ppb", 2: "ppt"}
+"""Units of a mixture of gases that no factor makes micrograms: it is a plain measurement."""
 
 _ALARMS: Final[Mapping[tuple[int, int], str]] = {(92, 1): "smoke", (92, 2): "carbon_monoxide_alarm"}
 _FLAGS: Final[Mapping[tuple[int, int], str]] = {(92, 6): "problem"}
@@ -101,6 +104,10 @@ def sensor_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
         if endpoint.has(cluster, _CONCENTRATION) and unit is not None and unit in factors:
             read = partial(_read_number, cluster, _CONCENTRATION, _scaled(1 / factors[unit], 0))
             yield MatterAbility(cluster, Capability(name=name), read)
+    unit = endpoint.whole(_ORGANIC, _UNIT)
+    if endpoint.has(_ORGANIC, _CONCENTRATION) and unit is not None and unit in _PARTS:
+        read = partial(_read_number, _ORGANIC, _CONCENTRATION, _scaled(1, 0))
+        yield MatterAbility(_ORGANIC, Capability(name="measurement", unit=_PARTS[unit]), read)
     for name, attribute in (("energy", _IMPORTED), ("energy_returned", _EXPORTED)):
         if endpoint.has(ENERGY, attribute):
             yield MatterAbility(ENERGY, Capability(name=name), partial(_read_energy, attribute))
