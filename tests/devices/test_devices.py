@@ -9,11 +9,11 @@ import anyio
 import pytest
 from structlog.testing import capture_logs
 
-from homebot.devices import Device, Devices, Endpoint, RawCommand, RawMessage, SubscribeToTopic
+from homebot.devices import Device, Devices, Endpoint, GatewayState, RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.discovery import Directory
 from homebot.errors import LinkError, RefusedError, ServiceFailedError, ServiceUnavailableError, WireError
-from homebot.graph import Graph, Node
+from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.messages import Time
 from homebot.testing import FakeGateway
 
@@ -239,6 +239,23 @@ async def test_a_command_for_a_gateway_that_is_away_is_not_lost_in_silence() -> 
     async with Node(Graph(), "app") as node:
         with pytest.raises(LinkError, match="'off' was not sent to lights/x: its gateway fake is not running"):
             await Devices(node).tell(_device("fake"), "off")
+
+
+async def test_a_command_for_a_gateway_without_its_network_is_not_lost_in_silence() -> None:
+    """It is sent once the gateway reaches its network again."""
+    graph = Graph()
+    async with Node(graph, "app") as node, Node(graph, "fake", namespace="/gateway") as gateway:
+        out = gateway.create_subscription(RawCommand, "~/out", qos_profile=10)
+        states = gateway.create_publisher(GatewayState, "~/state", qos_profile_latched)
+        devices = Devices(node)
+        await devices.tell(_device("fake"), "on")
+        states.publish(GatewayState(state="unavailable", reason="the broker is away", acts=True))
+        with pytest.raises(LinkError, match="its gateway fake is unavailable: the broker is away"):
+            await devices.tell(_device("fake"), "off")
+        states.publish(GatewayState(state="active", reason="", acts=True))
+        await devices.tell(_device("fake"), "on")
+        assert [(await out.receive()).payload for _ in range(2)] == ["on", "on"]
+        assert out.take() is None
 
 
 async def test_a_command_that_waits_for_a_gateway_that_goes_away_is_not_lost_in_silence() -> None:

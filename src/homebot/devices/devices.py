@@ -173,7 +173,8 @@ class Devices:
 
         Raises:
             RefusedError: The device accepts no commands, its gateway only observes, or a policy or a lease says no.
-            LinkError: None of its gateways is running, or the control layer is away; nothing was sent.
+            LinkError: None of its gateways is running and reaches its network, or the control layer is away; nothing
+                was sent.
         """
         if self._texts is None:
             from homebot.devices.text_commander import TextCommander  # noqa: PLC0415 - few apps send texts

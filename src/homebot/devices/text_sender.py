@@ -48,7 +48,7 @@ class TextSender:
 
         Raises:
             RefusedError: The device accepts no commands, or its gateway only observes.
-            LinkError: None of its gateways is running.
+            LinkError: None of its gateways is running and reaches its network.
         """
         gateway = ""
         problem: RefusedError | None = None
@@ -66,13 +66,13 @@ class TextSender:
                 peer = self._gateways[endpoint.gateway] = _GatewayClient(self._node, endpoint.gateway)
             if why_not := peer.refusal():
                 raise RefusedError(f"a command to {device.id}", why_not)
-            if peer.out.reaches(peer.node):
+            if not peer.unavailable and peer.out.reaches(peer.node):
                 return _target(device, endpoint, payload)
         if problem is not None:
             raise problem
         if not gateway:
             raise RefusedError(f"a command to {device.id}", "it takes no commands")
-        raise _away(device, payload, gateway)
+        raise _away(device, payload, gateway, self._gateways[gateway].unavailable)
 
     async def send(
         self,
@@ -108,6 +108,8 @@ class _GatewayClient:
     Attributes:
         node: The full name of its node.
         out: Publishes to it.
+        unavailable: The reason why it does not reach its network, by the state that :meth:`refusal` read last; empty
+            where it does.
     """
 
     def __init__(self, sender: Node, gateway: str) -> None:
@@ -118,11 +120,13 @@ class _GatewayClient:
             GatewayState, names.state, qos_profile=qos_profile_latched, from_node=names.node
         )
         self._refusal = ""
+        self.unavailable = ""
 
     def refusal(self) -> str:
         """Return why it sends no commands, by its last state; empty where it does, or reported none yet."""
         if (state := self._states.take()) is not None:
             self._refusal = "" if state.acts else state.reason or ONLY_OBSERVES
+            self.unavailable = (state.reason or "no reason is known") if state.state == "unavailable" else ""
         return self._refusal
 
 
@@ -145,5 +149,6 @@ def _target(device: Device, endpoint: Endpoint, payload: str) -> TextTarget:
     return TextTarget(endpoint.gateway, address, others_at(device, address, payload))
 
 
-def _away(device: Device, payload: str, gateway: str) -> LinkError:
-    return LinkError(f"{payload!r} was not sent to {device.id}: its gateway {gateway} is not running")
+def _away(device: Device, payload: str, gateway: str, unavailable: str = "") -> LinkError:
+    why = f"unavailable: {unavailable}" if unavailable else "not running"
+    return LinkError(f"{payload!r} was not sent to {device.id}: its gateway {gateway} is {why}")
