@@ -75,11 +75,75 @@ def test_a_device_that_lets_in_or_floods_or_burns_always_asks(one: Device) -> No
     assert may(ALL_RIGHTS, one)
 
 
-@pytest.mark.parametrize("name", ["Gate light", "Lock monitor", "Plug", "Garage", "Door"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "valve_group_1",
+        "Garage door left",
+        "Gate motor 2",
+        "Front gate",
+        "Main valve",
+        "Gates",
+        "Back door lock",
+        "Door garage",
+        "Door of the garage",
+        "Garage left door",
+        "GarageDoor",
+        "Valve of the garden",
+        "Gate to the field",
+        "Door opener",
+        "Gate opener 2",
+        "Lock relay",
+        "Boiler 1",
+        "Kitchen oven clock",
+    ],
+)
+@pytest.mark.parametrize("service_type", ["plug", "switch", "window_covering"])
+def test_a_relay_or_cover_asks_whichever_one_its_name_says_it_is(name: str, service_type: str) -> None:
+    one = device("0x1", part(service_type, "on_off", name=name))
+    assert always_asks(one, one.parts[0])
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Gate light",
+        "Lock monitor",
+        "Plug",
+        "Garage",
+        "Door",
+        "Door lamp",
+        "Garage light",
+        "Valve battery",
+        "Heizung Bad",
+        "Door bell garage",
+        "Garage door light",
+        "Garage heater left",
+        "Gate lamp 2",
+        "Valve amplifier",
+        "Front left",
+        "Navigate",
+        "Block heater",
+        "Child lock",
+        "Child lock 2",
+        "Clock",
+        "Gateway",
+        "Letter opener",
+        "Door sensor 1",
+        "EV charger",
+    ],
+)
 def test_a_plug_of_another_name_does_not(name: str) -> None:
     one = device(name, part("plug", "on_off"))
     assert not always_asks(one, one.parts[0])
     assert may(LOCAL_RIGHTS, one)
+
+
+@pytest.mark.parametrize("service_type", ["light", "x_sensor", "x_setting", "thermostat", "fan"])
+@pytest.mark.parametrize("name", ["Oven clock", "Garage door left", "Valve battery", "Gate motor 2", "Boiler 1"])
+def test_what_is_no_relay_or_cover_does_not_ask_by_its_name(name: str, service_type: str) -> None:
+    one = device(name, part(service_type, "on_off"))
+    assert not always_asks(one, one.parts[0])
 
 
 @pytest.mark.parametrize(

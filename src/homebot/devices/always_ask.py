@@ -9,6 +9,7 @@ a boiler or an oven becomes.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Final
 
 from homebot.devices.device import Device, DevicePart
@@ -25,7 +26,9 @@ APPROVED: Final = "approved"
 
 _CAPABILITIES = frozenset({"alarm", "lock", "valve", "water_heater_mode"})
 _OVENS = frozenset({"cooker", "cooktop", "hob", "kiln", "oven", "stove"})
-_ENDINGS = frozenset({"boiler", "gate", "lock", "valve"})
+_ENDINGS = frozenset(
+    {"boiler", "deadbolt", "doorlock", "garagedoor", "gate", "gates", "lock", "locks", "valve", "valves"}
+)
 _HEATERS = frozenset({"boiler"})
 _DEGREES = frozenset({"°C", "°F", "K"})
 _RELAYS = frozenset({"plug", "switch", "window_covering", "x_unknown"})
@@ -33,6 +36,11 @@ _HARMLESS = frozenset({"light"})
 _VALVES = frozenset({"irrigation", "valve", "valves"})
 _MOVED_BY_OPENERS = frozenset({"door", "garage", "gate"})
 _BESIDE_RELAYS = frozenset({*_RELAYS, "x_setting"})
+_WHICH = frozenset(
+    {"a", "b", "back", "channel", "control", "controller", "east", "front", "group", "left", "main", "motor", "north"}
+    | {"of", "rear", "relay", "right", "south", "switch", "the", "to", "west"}
+)
+_BEFORE_PLACES = frozenset({"at", "for", "in", "of", "to"})
 _TAG = fold("always_ask")
 
 
@@ -81,13 +89,31 @@ def _is_degrees(part: DevicePart) -> bool:
 
 
 def _is_named(device: Device, part: DevicePart) -> bool:
-    """Return whether the name of *part* says what it drives: ``Oven``, ``Front gate``, ``Garage door``."""
+    """Return whether the name of *part* says what it drives: ``Oven``, ``Front gate``, ``Garage door left``."""
     endings = _ENDINGS if part.part.service_type in _RELAYS else _HEATERS
     for name in (device.name, *device.names, part.part.name):
         words = words_of(name)
-        if not _OVENS.isdisjoint(words) or (words and words[-1] in endings) or words[-2:] == ("garage", "door"):
+        if words and (not _OVENS.isdisjoint(words) or _is_called(words, endings)):
             return True
     return False
+
+
+@lru_cache(maxsize=1024)
+def _is_called(words: tuple[str, ...], endings: frozenset[str]) -> bool:
+    """Return whether *words* call something one of *endings*, a garage door or its opener.
+
+    Words that only say which one it is, or where, change nothing: ``Gate motor 2``, ``valve_group_1``, ``Valve of the
+    garden``, ``Door garage``.
+    """
+    place = next((number for number, word in enumerate(words) if word in _BEFORE_PLACES), len(words))
+    whole, called = (_without_which(one) for one in (words, words[:place]))
+    if {*whole[-2:]} == {"garage", "door"} or (whole[-1:] == ("opener",) and not _MOVED_BY_OPENERS.isdisjoint(whole)):
+        return True
+    return any(one and one[-1] in endings and one[-2:] != ("child", "lock") for one in (whole, called))
+
+
+def _without_which(words: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(word for word in words if word not in _WHICH and not word.isdigit())
 
 
 def _is_of_such_a_model(device: Device, service_type: str) -> bool:
