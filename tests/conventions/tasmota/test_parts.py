@@ -252,6 +252,7 @@ def test_buttons_that_switch_directly_tell_nothing() -> None:
         ({"A": {"Temperature": 212}, "TempUnit": "F"}, "A_Temperature", "temperature_sensor", {"temperature": 100}),
         ({"A": {"Humidity": 45.5}}, "A_Humidity", "humidity_sensor", {"humidity": 45.5}),
         ({"A": {"Pressure": 750}, "PressureUnit": "mmHg"}, "A_Pressure", "pressure_sensor", {"pressure": 999.9}),
+        ({"A": {"Pressure": 29.9}, "PressureUnit": "inHg"}, "A_Pressure", "pressure_sensor", {"pressure": 1012.5}),
         ({"ENERGY": {"Total": 1.5}}, "ENERGY_Total", "electrical_meter", {"energy": 1.5}),
         ({"ENERGY": {"Power": [1, 2]}}, "ENERGY_Power_1", "electrical_meter", {"power": 2.0}),
         ({"ENERGY": {"Factor": 0.5}}, "ENERGY_Factor", "x_sensor", {"measurement": 0.5}),

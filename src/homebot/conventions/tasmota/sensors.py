@@ -81,7 +81,7 @@ _KNOWN: Mapping[str, Quantity] = {
     "Weight": _plain("kg"),
 }
 _TEMPERATURES: Mapping[str, Quantity] = {unit: quantity("temperature", f"°{unit}") for unit in ("C", "F")}
-_PRESSURES: Mapping[str, Quantity] = {unit: quantity("pressure", unit) for unit in ("hPa", "mmHg")}
+_PRESSURES: Mapping[str, Quantity] = {unit: quantity("pressure", unit) for unit in ("hPa", "mmHg", "inHg")}
 _SPEEDS: Mapping[str, Quantity] = {unit: _plain(unit) for unit in ("m/s", "km/h", "kn", "mph", "ft/s", "yd/s")}
 
 _WITH_UNITS: Mapping[str, tuple[str, Mapping[str, Quantity]]] = {
