@@ -350,6 +350,29 @@ def test_a_thermostat_is_told_degrees_and_mode(say: Say, part: Find) -> None:
     )
 
 
+def test_a_thermostat_that_is_set_up_to_cool_cools(say: Say, part: Find) -> None:
+    status = {"enable": True, "target_C": 24, "current_C": 26.5, "output": True}
+    heard = introduce(say, {"thermostat:0": status}, config={"thermostat:0": {"type": "cooling"}})
+    thermostat = part(heard, "thermostat:0").codec
+    told = thermostat.read(f"{ID}/status/thermostat:0", json.dumps(status).encode(), retained=False)
+    assert told == {
+        "cooling_setpoint": 24.0,
+        "local_temperature": 26.5,
+        "thermostat_mode": "cool",
+        "thermostat_action": "cooling",
+    }
+    assert called(thermostat.write("cooling_setpoint", 23.0)) == (
+        "Thermostat.SetConfig",
+        {"id": 0, "config": {"target_C": 23.0}},
+    )
+    assert called(thermostat.write("thermostat_mode", "cool")) == (
+        "Thermostat.SetConfig",
+        {"id": 0, "config": {"enable": True}},
+    )
+    with pytest.raises(RefusedError, match="off, cool"):
+        thermostat.write("thermostat_mode", "heat")
+
+
 def test_an_answer_of_no_device_is_refused(shelly: Shelly, say: Say) -> None:
     with pytest.raises(WireError, match="src"):
         say("homebot/rpc", {"id": 1, "src": None, "result": INFO})

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 from homebot.conventions.command_values import (
     Writer,
@@ -34,7 +35,6 @@ _COMMANDS = {"open": "Cover.Open", "closed": "Cover.Close", "stopped": "Cover.St
 _PERCENT = (0.0, 100.0)
 _THERMOSTAT_BOUNDS = (5.0, 35.0)
 _VALVE_BOUNDS = (4.0, 30.0)
-_MODES = ("off", "heat")
 
 
 def build_switch(component: ShellyComponent) -> tuple[JsonPart, ...]:
@@ -70,23 +70,36 @@ def _go_to(component: ShellyComponent, capability: str, param: str) -> Writer:
 
 
 def build_thermostat(component: ShellyComponent) -> tuple[JsonPart, ...]:
-    """Describe the thermostat of a wall display."""
+    """Describe the thermostat of a wall display: it heats, or cools where it is set up to."""
+    work = _COOLING if component.config.get("type") == "cooling" else _HEATING
 
-    def heat(celsius: float) -> Publications:
+    def aim(celsius: float) -> Publications:
         return component.call("Thermostat.SetConfig", config={"target_C": round(celsius, 1)})
 
     def choose(mode: str) -> Publications:
-        return component.call("Thermostat.SetConfig", config={"enable": mode == "heat"})
+        return component.call("Thermostat.SetConfig", config={"enable": mode == work.mode})
 
+    modes = ("off", work.mode)
     part = component.part("", "thermostat")
-    component.read_status(part, _decode_thermostat)
+    component.read_status(part, partial(_decode_thermostat, work))
     component.add_command_topic(part)
-    writer = number_writer("heating_setpoint", _THERMOSTAT_BOUNDS, "°C", heat)
-    part.add_capability("heating_setpoint", writer=writer, bounds=_THERMOSTAT_BOUNDS)
+    writer = number_writer(work.setpoint, _THERMOSTAT_BOUNDS, "°C", aim)
+    part.add_capability(work.setpoint, writer=writer, bounds=_THERMOSTAT_BOUNDS)
     part.add_capability("local_temperature")
-    part.add_capability("thermostat_mode", writer=option_writer("thermostat_mode", _MODES, choose), options=_MODES)
-    part.add_capability("thermostat_action", options=("heating", "idle"))
+    part.add_capability("thermostat_mode", writer=option_writer("thermostat_mode", modes, choose), options=modes)
+    part.add_capability("thermostat_action", options=(work.action, "idle"))
     return (part,)
+
+
+@dataclass(frozen=True, slots=True)
+class _ThermalWork:
+    mode: str
+    action: str
+    setpoint: str
+
+
+_HEATING = _ThermalWork("heat", "heating", "heating_setpoint")
+_COOLING = _ThermalWork("cool", "cooling", "cooling_setpoint")
 
 
 def build_radiator_valve(component: ShellyComponent) -> tuple[JsonPart, ...]:
@@ -118,16 +131,16 @@ def _decode_cover(status: Fields) -> Readings:
     return found
 
 
-def _decode_thermostat(status: Fields) -> Readings:
+def _decode_thermostat(work: _ThermalWork, status: Fields) -> Readings:
     found = {
-        **measured("target_C", "heating_setpoint")(status),
+        **measured("target_C", work.setpoint)(status),
         **measured("current_C", "local_temperature")(status),
     }
     enable, output = status.get("enable"), status.get("output")
     if isinstance(enable, bool):
-        found["thermostat_mode"] = "heat" if enable else "off"
+        found["thermostat_mode"] = work.mode if enable else "off"
     if isinstance(output, bool):
-        found["thermostat_action"] = "heating" if output else "idle"
+        found["thermostat_action"] = work.action if output else "idle"
     return found
 
 
