@@ -168,6 +168,24 @@ def test_a_button_heard_by_bluetooth_tells_each_press(say: Say, part: Find, key:
     assert heard == {"press": "double"}
 
 
+@pytest.mark.parametrize(
+    ("components", "key", "category"),
+    [
+        ({"em:0": {"total_act_power": 1}}, "temperature:0", "diagnostic"),
+        ({"em1:0": {"act_power": 1}}, "temperature:0", "diagnostic"),
+        ({"em:0": {"total_act_power": 1}}, "temperature:100", ""),
+        ({"switch:0": {"output": True}}, "temperature:0", ""),
+    ],
+)
+def test_the_warmth_of_an_energy_meter_is_not_that_of_the_room(
+    say: Say, part: Find, components: dict[str, object], key: str, category: str
+) -> None:
+    say("homebot/rpc", {"id": 1, "src": "x", "result": {"id": "x", "mac": "A8032ABE54DC"}})
+    status = {"sys": {"mac": "A8"}, **components, key: {"tC": 50.2}}
+    thermometer = part(say("homebot/rpc", {"id": 1, "src": "x", "result": status}), key).part
+    assert (thermometer.service_type, thermometer.category) == ("temperature_sensor", category)
+
+
 def test_a_zone_of_an_irrigation_controller_is_a_valve(say: Say, part: Find) -> None:
     config = {"id": 200, "name": "Lawn", "owner": "service:0", "role": "zone0", "access": "crw"}
     zone = part(introduce(say, "boolean:200", {"value": False}, config), "boolean:200")

@@ -66,6 +66,7 @@ class ShellyComponent:
         status: What it reported when it was asked.
         config: How it is set up; empty where that is not known.
         load: What people say that it feeds: ``light``; empty where they say nothing.
+        is_inside: Whether it measures the device itself and not its surroundings.
     """
 
     topics: Gen2Topics
@@ -73,6 +74,7 @@ class ShellyComponent:
     status: Fields
     config: Fields = field(default_factory=dict)
     load: str = ""
+    is_inside: bool = False
 
     @property
     def kind(self) -> str:

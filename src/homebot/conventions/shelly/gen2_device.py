@@ -121,6 +121,9 @@ def _build_parts(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[De
 
 _AS_SENDER = frozenset({"bthomedevice", "bthomesensor"})
 _KEY = re.compile(r"[a-z0-9]{1,20}:[0-9]{1,5}")
+_OWN_TEMPERATURE = re.compile("temperature:[0-9]{1,2}")
+"""That of an energy meter's inside; sensors that people wire to an add-on begin at 100."""
+
 _Build = Callable[[ShellyComponent], tuple[JsonPart, ...]]
 _LOAD: tuple[_Build, ...] = (build_meters, build_own_temperature)
 _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
@@ -143,12 +146,14 @@ _RANKS = {kind: rank for rank, kind in enumerate(_BUILDERS)}
 
 def _components(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[ShellyComponent, ...]:
     found: list[ShellyComponent] = []
+    is_meter = any(key.startswith(("em:", "em1:")) for key in status)
     for key, fields in status.items():
         if len(found) >= MAX_COMPONENTS:
             break
         if isinstance(fields, dict) and _KEY.fullmatch(key) and key.partition(":")[0] in _RANKS:
             load = _load(config, key) if key.startswith("switch:") else ""
-            found.append(ShellyComponent(topics, key, fields, as_fields(config.get(key)), load))
+            is_inside = is_meter and _OWN_TEMPERATURE.fullmatch(key) is not None
+            found.append(ShellyComponent(topics, key, fields, as_fields(config.get(key)), load, is_inside))
     return tuple(sorted(found, key=lambda one: (_RANKS[one.kind], one.index)))
 
 

@@ -46,7 +46,7 @@ def build_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
     field, capability = SENSORS[component.kind]
     if component.kind == "illuminance" and field not in component.status and "illumination" in component.status:
         field, capability = "illumination", "value"
-    part = component.part("", sensor_type(capability))
+    part = component.part("", sensor_type(capability), category="diagnostic" if component.is_inside else "")
     component.read_status(part, partial(_decode_sensor, field, capability))
     part.add_capability(capability)
     return (part,)
