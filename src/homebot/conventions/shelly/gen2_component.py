@@ -67,6 +67,7 @@ class ShellyComponent:
         config: How it is set up; empty where that is not known.
         load: What people say that it feeds: ``light``; empty where they say nothing.
         is_inside: Whether it measures the device itself and not its surroundings.
+        sender: Name of the device that a gateway hears it from; empty where there is none.
     """
 
     topics: Gen2Topics
@@ -75,6 +76,7 @@ class ShellyComponent:
     config: Fields = field(default_factory=dict)
     load: str = ""
     is_inside: bool = False
+    sender: str = ""
 
     @property
     def kind(self) -> str:
@@ -88,9 +90,9 @@ class ShellyComponent:
 
     @property
     def name(self) -> str:
-        """Name that people gave it; empty where there is none."""
+        """Name that people gave it, or what sends it; empty where there is none."""
         name = self.config.get("name")
-        return clean_text(name) if isinstance(name, str) else ""
+        return (clean_text(name) if isinstance(name, str) else "") or self.sender
 
     def part(self, suffix: str, service_type: str, *, tag: str = "", category: Category = "") -> JsonPart:
         """Return a part of it without capabilities; its *suffix* is empty for the main part of the component."""

@@ -147,14 +147,24 @@ _RANKS = {kind: rank for rank, kind in enumerate(_BUILDERS)}
 def _components(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[ShellyComponent, ...]:
     found: list[ShellyComponent] = []
     is_meter = any(key.startswith(("em:", "em1:")) for key in status)
+    senders = _senders(config)
     for key, fields in status.items():
         if len(found) >= MAX_COMPONENTS:
             break
         if isinstance(fields, dict) and _KEY.fullmatch(key) and key.partition(":")[0] in _RANKS:
             load = _load(config, key) if key.startswith("switch:") else ""
             is_inside = is_meter and _OWN_TEMPERATURE.fullmatch(key) is not None
-            found.append(ShellyComponent(topics, key, fields, as_fields(config.get(key)), load, is_inside))
+            own = as_fields(config.get(key))
+            sender = senders.get(text_of(own.get("addr")), "") if key.startswith("bthomesensor:") else ""
+            found.append(ShellyComponent(topics, key, fields, own, load, is_inside, sender))
     return tuple(sorted(found, key=lambda one: (_RANKS[one.kind], one.index)))
+
+
+def _senders(config: Fields) -> dict[str, str]:
+    """Return by its address what people call each Bluetooth device that a gateway hears."""
+    devices = [as_fields(fields) for key, fields in config.items() if key.startswith("bthomedevice:")]
+    named = {text_of(one.get("addr")): text_of(one.get("name")) for one in devices}
+    return {address: name for address, name in named.items() if address}
 
 
 def _load(config: Fields, key: str) -> str:
