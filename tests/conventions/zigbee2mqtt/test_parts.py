@@ -476,6 +476,11 @@ def test_codes_and_passwords_are_never_read() -> None:
     assert told(password, "text", "other") == {"wifi_password": "other"}
 
 
+def test_a_code_within_another_value_is_never_read() -> None:
+    user = feature("composite", "keypad", 1, features=[feature("numeric", "user"), feature("text", "pin_code")])
+    assert [one.part.id for one in built(user, onoff())] == ["state"]
+
+
 def test_settings_of_several_endpoints_have_names_of_their_own() -> None:
     both = [
         feature("enum", "power_on_behavior", key=f"power_on_behavior_{end}", endpoint=end, label="Power-on behavior")

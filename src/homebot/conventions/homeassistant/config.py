@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource, command_topic, state_topic
 from homebot.conventions.jinja import Template, compile_template
 from homebot.conventions.payload import clean_text, shown
+from homebot.conventions.secrets import names_secret
 from homebot.errors import WireError
 
 __all__ = ["MAX_OPTIONS", "DiscoveryConfig"]
@@ -23,6 +24,8 @@ MAX_OPTIONS = 2_000
 
 _MAX_TEXT = 8 * 1024
 _MAX_OPTION = 255
+_TELLS_TEXTS = frozenset({"number", "sensor", "text"})
+_HAS_MEANING = frozenset({"device_class", "state_class", "unit_of_measurement"})
 
 
 class DiscoveryConfig:
@@ -54,6 +57,18 @@ class DiscoveryConfig:
             self.retain = self.flag("retain")
             encoding = self.text("encoding", "utf-8").lower()
             self.encoding = encoding if encoding in _CODECS else "utf-8"
+
+    @property
+    def is_secret(self) -> bool:
+        """True if what it reports is a code or password, by its name, by its id where it has none, or by its template.
+
+        An id often has the name of the device, as that of the battery of a keypad for PIN codes; what has a unit or a
+        class is none.
+        """
+        if self.component not in _TELLS_TEXTS or not _HAS_MEANING.isdisjoint(self.values):
+            return False
+        named = self.text("name") or self.text("unique_id") or self.discovery_id
+        return names_secret(named) or names_secret(self.text("value_template"))
 
     def has(self, key: str) -> bool:
         """Return whether the field is there and not null."""

@@ -16,6 +16,7 @@ from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
 from homebot.conventions.part_builder import PartBuilder
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, meaning_reader, read_number, shown
+from homebot.conventions.secrets import names_secret
 from homebot.devices.part import Capability, Category
 from homebot.errors import WireError
 
@@ -194,7 +195,7 @@ class Entity(PartBuilder[StateMessage]):
         read_source: Callable[[ValueSource, ReadT, StateMessage], Readings],
         read: ReadT,
     ) -> bool:
-        if source is None:
+        if source is None or self._config.is_secret:
             return False
         if not source.problem:
             self.read_from(source.topic, partial(read_source, source, read))
@@ -233,7 +234,7 @@ def _read_text(source: ValueSource, read: Callable[[str], Readings], message: St
 
 def _read_raw(encoding: str, message: StateMessage) -> Readings:
     text = message.text(encoding)
-    return NO_READINGS if text is None else {"raw": clean_text(text, _MAX_RAW)}
+    return NO_READINGS if text is None or names_secret(text) else {"raw": clean_text(text, _MAX_RAW)}
 
 
 _WIDE = (-1e15, 1e15)

@@ -54,7 +54,10 @@ class HomeAssistantReader:
         return (_described(topic, where, announced, device, parts),)
 
     def _parts(self, where: ConfigTopic, announced: Announced) -> _Parts:
-        """Build the parts. In a message of a whole device a broken component costs that component alone."""
+        """Build the parts. In a message of a whole device a broken component costs that component alone.
+
+        What only reports a code or password is no part.
+        """
         parts: _Parts = {}
         broken: WireError | None = None
         for component in announced.components:
@@ -70,6 +73,8 @@ class HomeAssistantReader:
                     raise
                 self.rejected += 1
                 broken = error
+                continue
+            if not part.part.capabilities and config.is_secret:
                 continue
             if part.part.id in parts:
                 part = replace(part, part=part.part.model_copy(update={"id": component.discovery_id}))

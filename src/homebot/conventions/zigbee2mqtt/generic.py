@@ -14,6 +14,7 @@ from functools import partial
 from homebot.conventions.command_values import push_writer
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, shown
+from homebot.conventions.secrets import names_secret
 from homebot.conventions.units import Quantity, conversion_of, sensor_type
 from homebot.conventions.zigbee2mqtt.expose import Expose, Scalar
 from homebot.conventions.zigbee2mqtt.features import MAX_VALUE, Zigbee2MqttPart, Zigbee2MqttTopics, text_of
@@ -111,14 +112,16 @@ def build_generic(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | 
     """
     if expose.type == "enum" and expose.name == "action":
         return _buttons(topics, expose)
-    if _SECRETS.search(expose.name):
+    if _is_secret(expose):
         expose = replace(expose, access=expose.access & ~_IS_READ)
     part = _setting(topics, expose) if expose.is_settable else _sensor(topics, expose) if expose.is_published else None
     return None if part is None or part.is_empty else part.build()
 
 
-_SECRETS = re.compile(r"pin_?code|password|wifi_config|(?:action|admin|user)_code")
-"""What opens a lock or a network: whoever may see what devices report, or a recording of it, is not to learn it."""
+def _is_secret(expose: Expose) -> bool:
+    """Return whether *expose*, or a part of what it reports, is a code or password."""
+    return names_secret(expose.name) or any(map(_is_secret, expose.features))
+
 
 _IS_READ = 1 | 4
 

@@ -11,6 +11,7 @@ from dataclasses import replace
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import with_own_ids
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
+from homebot.conventions.secrets import names_secret
 from homebot.conventions.zigbee2mqtt.bridge_device import BridgeDevice
 from homebot.conventions.zigbee2mqtt.climate import (
     FEATURES_OF_CLIMATE,
@@ -215,7 +216,8 @@ def _unknown(topics: Zigbee2MqttTopics) -> DescribedPart:
 
 
 def _read_raw(message: JsonMessage) -> Readings:
-    text = ", ".join(f"{key}={text_of(value)}" for key, value in list(message.items())[:_MOST_RAW])
+    shown = [(key, value) for key, value in message.items() if not names_secret(key)]
+    text = ", ".join(f"{key}={text_of(value)}" for key, value in shown[:_MOST_RAW])
     return {"raw": clean_text(text, _MAX_RAW)}
 
 

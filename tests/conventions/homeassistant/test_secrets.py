@@ -1,0 +1,75 @@
+"""Codes and passwords that Home Assistant discovery announces: they may be set, and are never read."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+
+import pytest
+
+from homebot.conventions.description import DescribedPart, DeviceAnnounced, DeviceWithdrawn
+from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+
+STATE = "zigbee2mqtt/door"
+MESSAGE = b'{"state": "LOCK", "battery": 80, "user_code": 4711, "pin_code": "4711", "x": "4711"}'
+
+
+def parts(component: str, fields: Mapping[str, object]) -> tuple[DescribedPart, ...]:
+    config = {"state_topic": STATE, "unique_id": "0x1_x", **fields}
+    if component != "sensor":
+        config["command_topic"] = f"{STATE}/set"
+    taken = HomeAssistantDiscovery(HomeAssistantSettings()).take(
+        f"homeassistant/{component}/0x1/x/config", json.dumps(config).encode(), retained=True
+    )
+    (heard,) = taken
+    assert isinstance(heard, (DeviceAnnounced, DeviceWithdrawn))
+    return heard.parts if isinstance(heard, DeviceAnnounced) else ()
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"name": "PIN code"},
+        {"name": "Last used pin code"},
+        {"name": "User code"},
+        {"name": "Wi-Fi password"},
+        {"name": "Guest passcode"},
+        {"unique_id": "0x1_action_code_zigbee2mqtt"},
+        {"name": "Code", "value_template": '{{ value_json["pin_code"] }}'},
+    ],
+    ids=str,
+)
+def test_a_code_or_password_is_not_read(fields: Mapping[str, object]) -> None:
+    fields = {"value_template": "{{ value_json.x }}", **fields}
+    assert parts("sensor", fields) == ()
+    for component in ("text", "number"):
+        (one,) = parts(component, {"max": 255, **fields})
+        assert [(two.readable, two.settable) for two in one.part.capabilities] == [(False, True)]
+        assert one.codec.topics() == ()
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"name": "Error code"},
+        {"name": "Barcode"},
+        {"name": "Country code"},
+        {"name": "User"},
+        {"name": "Encode"},
+        {"name": "Superuser codec"},
+        {"name": "Battery", "unique_id": "pin_code_pad_battery"},
+        {"name": "Pin code pad", "device_class": "battery"},
+    ],
+    ids=str,
+)
+def test_what_is_called_otherwise_is_read(fields: Mapping[str, object]) -> None:
+    (one,) = parts("sensor", {"value_template": "{{ value_json.battery }}", **fields})
+    assert list(one.codec.read(STATE, MESSAGE, retained=False).values()) in ([80.0], ["80"])
+
+
+def test_a_message_that_is_shown_as_it_is_has_no_code() -> None:
+    """As the payload of a template that is not understood."""
+    (one,) = parts("sensor", {"name": "Odd", "value_template": "{{ states('x') }}"})
+    assert [two.name for two in one.part.capabilities] == ["raw"]
+    assert one.codec.read(STATE, MESSAGE, retained=False) == {}
+    assert one.codec.read(STATE, b"fine", retained=False) == {"raw": "fine"}
