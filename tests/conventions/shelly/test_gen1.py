@@ -302,6 +302,17 @@ def test_a_radiator_valve_is_told_degrees(say: Say, part: Find) -> None:
     assert valve.read(f"{base}/info", status, retained=False) == expected
 
 
+def test_a_radiator_valve_that_counts_in_fahrenheit_is_told_so(say: Say, part: Find) -> None:
+    valve = part(say("shellies/announce", {"id": "shellytrv-256273", "model": "SHTRV-01"}), "thermostat:0").codec
+    base = "shellies/shellytrv-256273"
+    status = b'{"pos":40,"target_t":{"value":68,"units":"F"},"tmp":{"value":59,"units":"F","is_valid":true}}'
+    expected = {"heating_setpoint": 20.0, "local_temperature": 15.0, "position": 40.0}
+    assert valve.read(f"{base}/status", status, retained=False) == expected
+    assert valve.write("heating_setpoint", 21.5) == (Publication(f"{base}/thermostat/0/command/target_t", b"70.7"),)
+    valve.read(f"{base}/status", b'{"target_t":{"value":20,"units":"C"}}', retained=False)
+    assert valve.write("heating_setpoint", 21.5) == (Publication(f"{base}/thermostat/0/command/target_t", b"21.5"),)
+
+
 @pytest.mark.parametrize(
     "announcement", ["", "[]", "{", {"mac": "A8032A122881"}, {"id": "a/b"}, {"id": 3}, {"id": "x", "mac": 3}]
 )

@@ -14,7 +14,7 @@ from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, read_number, to_json, to_text
 from homebot.conventions.shelly.gen1_models import Gen1Topics
-from homebot.conventions.units import sensor_type
+from homebot.conventions.units import sensor_type, to_celsius, to_fahrenheit
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.numbers import to_number
@@ -162,15 +162,17 @@ def build_motion(topics: Gen1Topics) -> tuple[BytesPart, ...]:
 
 
 def build_valve(topics: Gen1Topics) -> tuple[BytesPart, ...]:
-    """Describe a radiator valve."""
+    """Describe a radiator valve. It takes degrees in the unit that it reports them in."""
     topic = topics.at("thermostat/0/command/target_t")
+    reader = _ValveReader()
 
     def heat(celsius: float) -> Publications:
-        return (Publication(topic, f"{round(celsius, 1):g}".encode()),)
+        degrees = to_fahrenheit(celsius) if reader.is_fahrenheit else celsius
+        return (Publication(topic, f"{round(degrees, 1):g}".encode()),)
 
     part = BytesPart("thermostat:0", "thermostat", advertised="thermostat", tag="radiator_valve")
-    part.read_from(topics.at("status"), _read_valve)
-    part.read_from(topics.at("info"), _read_valve)
+    part.read_from(topics.at("status"), reader.read)
+    part.read_from(topics.at("info"), reader.read)
     part.add_command_topics(topic)
     writer = number_writer("heating_setpoint", _VALVE_BOUNDS, "°C", heat)
     part.add_capability("heating_setpoint", writer=writer, bounds=_VALVE_BOUNDS)
@@ -198,7 +200,14 @@ def _temperature(status: Mapping[str, object]) -> PlainValue | object:
     temperature = status.get("tmp")
     if not isinstance(temperature, dict):
         return _UNCLEAR
-    return None if temperature.get("is_valid") is False else _number(temperature.get("value"))
+    return None if temperature.get("is_valid") is False else _degrees(temperature)
+
+
+def _degrees(fields: Mapping[str, object]) -> PlainValue | object:
+    number = to_number(fields.get("value"))
+    if number is None:
+        return _UNCLEAR
+    return to_celsius(number) if fields.get("units") == "F" else number
 
 
 _Find = Callable[[Mapping[str, object]], PlainValue | object]
@@ -223,17 +232,25 @@ def _status_part(topics: Gen1Topics, part_id: str, capability: str, find: _Find,
     return part
 
 
-def _read_valve(payload: bytes) -> Readings:
-    status = as_fields(to_json(payload))
-    listed = status.get("thermostats")
-    valve = listed[0] if isinstance(listed, list) and listed and isinstance(listed[0], dict) else status
-    found: dict[str, PlainValue] = {}
-    setpoint = to_number(as_fields(valve.get("target_t")).get("value"))
-    if setpoint is not None:
-        found["heating_setpoint"] = setpoint
-    temperature = _temperature(valve)
-    if temperature is None or isinstance(temperature, float):
-        found["local_temperature"] = temperature
-    if to_number(valve.get("pos")) is not None:
-        found["position"] = percent_of(valve["pos"])
-    return found
+class _ValveReader:
+    """Reads what a radiator valve reports, and whether it counts in Fahrenheit."""
+
+    def __init__(self) -> None:
+        self.is_fahrenheit = False
+
+    def read(self, payload: bytes) -> Readings:
+        status = as_fields(to_json(payload))
+        listed = status.get("thermostats")
+        valve = listed[0] if isinstance(listed, list) and listed and isinstance(listed[0], dict) else status
+        found: dict[str, PlainValue] = {}
+        target = as_fields(valve.get("target_t"))
+        setpoint = _degrees(target)
+        if isinstance(setpoint, float):
+            self.is_fahrenheit = target.get("units") == "F"
+            found["heating_setpoint"] = setpoint
+        temperature = _temperature(valve)
+        if temperature is None or isinstance(temperature, float):
+            found["local_temperature"] = temperature
+        if to_number(valve.get("pos")) is not None:
+            found["position"] = percent_of(valve["pos"])
+        return found
