@@ -37,7 +37,7 @@ def client_refusal(request: CommandRequest, device: Device, part: DevicePart) ->
         return ""
     asks = always_asks(device, part)
     settings = {one.capability: one.value.plain() for one in request.settings}
-    if asks and may_make_safe(rights, part, settings, request.trigger):
+    if asks and may_make_safe(rights, device, part, settings, request.trigger):
         return ""
     right = f"""act: {f'id="{device.id}"' if asks else part.part.service_type}"""
     why = "such a device takes a right that names it" if asks else "it is not among what the client may command"

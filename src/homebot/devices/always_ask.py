@@ -16,7 +16,7 @@ from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import OWNER
 from homebot.folding import fold, words_of
 
-__all__ = ["ALWAYS_ASK", "APPROVED", "always_asks", "is_approved", "is_declared", "waits_for_approval"]
+__all__ = ["ALWAYS_ASK", "APPROVED", "always_asks", "is_approved", "is_declared", "is_opener", "waits_for_approval"]
 
 ALWAYS_ASK = frozenset({"closure", "door_lock", "water_heater", "water_valve", "x_alarm_panel"})
 """Device types of the class: garage doors and gates, locks, boilers, valves, alarm panels."""
@@ -54,7 +54,7 @@ def always_asks(device: Device, part: DevicePart) -> bool:
     is_named = (kind in _RELAYS or (kind == "x_setting" and _is_degrees(part))) and _is_named(device, part)
     if is_named or is_declared(part) or _TAG in map(fold, device.tags):
         return True
-    if kind in _BESIDE_RELAYS and _is_of_such_a_model(device, kind):
+    if kind in _BESIDE_RELAYS and (is_opener(device) or (kind in _RELAYS and _is_of_such_a_model(device))):
         return True
     return kind not in _HARMLESS and any(map(is_declared, device.parts))
 
@@ -73,6 +73,18 @@ def is_declared(part: DevicePart) -> bool:
 def is_approved(device: Device) -> bool:
     """Return whether the owner approved *device*; what it announces of itself does not count."""
     return any(one.name == APPROVED and one.convention == OWNER and not one.gateway for one in device.facts)
+
+
+def is_opener(device: Device) -> bool:
+    """Return whether the model of *device* says that it opens a door or gate: ``Garage door opener``.
+
+    It may do so by something that is called a setting, and when that is turned off as well.
+    """
+    for fact in device.metadata:
+        if fact.key == "model":
+            words = words_of(fact.value)
+            return "opener" in words and not _MOVED_BY_OPENERS.isdisjoint(words)
+    return False
 
 
 def waits_for_approval(device: Device) -> bool:
@@ -116,16 +128,11 @@ def _without_which(words: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(word for word in words if word not in _WHICH and not word.isdigit())
 
 
-def _is_of_such_a_model(device: Device, service_type: str) -> bool:
-    """Return whether the model says what such a part drives: ``Garage door opener``, ``Zigbee smart water valve``.
-
-    A lock for the keys of a switch is none, and what opens a door may do so by something that is called a setting.
-    """
+def _is_of_such_a_model(device: Device) -> bool:
+    """Return whether the model says what a relay drives: ``Zigbee smart water valve``; a lock for its keys is none."""
     for fact in device.metadata:
         if fact.key == "model":
             words = words_of(fact.value)
-            if "opener" in words and not _MOVED_BY_OPENERS.isdisjoint(words):
-                return True
             ends_so = bool(words) and words[-1] in _ENDINGS and words[-2:] != ("child", "lock")
-            return service_type in _RELAYS and (ends_so or not _VALVES.isdisjoint(words))
+            return ends_so or not _VALVES.isdisjoint(words)
     return False

@@ -16,6 +16,7 @@ from homebot.devices import FIND_DEVICES, Fact, FindDevices
 from homebot.devices.always_ask import always_asks, waits_for_approval
 from homebot.devices.approval_messages import ApproveDevice, GetUnapproved
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
+from homebot.devices.device import KeyValue
 from homebot.devices.handles import DoorLock, Light
 from homebot.devices.health import GetHealth
 from homebot.devices.lease_messages import HoldPart, HoldRequest
@@ -63,6 +64,14 @@ def test_what_a_device_announces_of_itself_is_no_approval() -> None:
     assert not judged("door_lock", "unlocked", fact(convention="homeassistant")).allowed
     assert not judged("door_lock", "unlocked", fact(name="tag")).allowed
     assert judged("door_lock", "unlocked", fact()).allowed
+
+
+@pytest.mark.parametrize("value", [True, False])
+def test_the_relay_of_a_door_opener_is_not_told_anything_before_its_approval(*, value: bool) -> None:
+    """Told that it is off, the relay moves the door too."""
+    opener = make_device("opener", "switch", settable=("on_off",))
+    opener = opener.model_copy(update={"metadata": (KeyValue(key="model", value="Garage door opener"),)})
+    assert not judge_approval(make_command(opener, {"on_off": value}, "/app", ("act: all",)), make_facts()).allowed
 
 
 def test_a_setting_that_can_hurt_is_not_turned_off_before_its_approval() -> None:

@@ -23,6 +23,7 @@ from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publ
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices import Device, DevicePart, Sighting
+from homebot.devices.always_ask import always_asks
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.discovery import DeviceIndex
@@ -257,3 +258,31 @@ def test_every_setting_is_there_once_and_none_is_found_as_a_load(model: Model) -
     of_settings = frozenset[str]().union(*(used[one.id] for one in settings))
     loads = [one for one in parts if one.part.service_type in LOADS and not one.part.category]
     assert not [one.id for one in loads if used[one.id] and used[one.id] <= of_settings]
+
+
+def test_a_garage_door_opener_asks_whichever_announcement_comes_first() -> None:
+    """To Home Assistant it is a switch, to us what moves the door; its model may be said by one of them alone."""
+    trigger = {"type": "binary", "name": "trigger", "property": "trigger", "access": 3}
+    contact = {"type": "binary", "name": "garage_door_contact", "property": "garage_door_contact", "access": 1}
+    definition = {"vendor": "Tuya", "model": "GDO", "description": "Garage door opener", "exposes": []}
+    exposes = [{**trigger, "value_on": True, "value_off": False}, {**contact, "value_on": False, "value_off": True}]
+    relay = {
+        "name": "Trigger",
+        "command_topic": "zigbee2mqtt/dev/set/trigger",
+        "state_topic": "zigbee2mqtt/dev",
+        "value_template": "{{ value_json.trigger }}",
+        "unique_id": "0x00158d00000000ff_switch_trigger_zigbee2mqtt",
+    }
+    entry = {"ieee_address": "0x00158d00000000ff", "type": "Router", "friendly_name": "dev"}
+    row = {
+        "entry": {**entry, "definition": {**definition, "exposes": exposes}},
+        "device": {"identifiers": ["zigbee2mqtt_0x00158d00000000ff"], "name": "dev", "model": "Garage door opener"},
+        "discovery": {"switch/0x00158d00000000ff/switch_trigger": relay},
+    }
+    own, foreign = map(sighting, described(row))
+    for order in ([own], [foreign], [own, foreign], [foreign, own]):
+        index = DeviceIndex(forget_after=1000.0)
+        for one in order:
+            index.observe(one)
+        (device,) = index.devices()
+        assert all(always_asks(device, part) for part in device.parts)

@@ -28,7 +28,7 @@ def judge_approval(command: IssuedCommand, _facts: Facts) -> Verdict:
     device = command.device
     if not concerns_approval(command):
         return _NOT_CONCERNED
-    if is_safe(command.part, command.settings):
+    if is_safe(device, command.part, command.settings):
         return Verdict(NAME, allowed=True, reason="it is to the safe side")
     used = FactUsed(f"{APPROVED} of {device.id}", value=False)
     hint = f"approve it with `homebot approve {shlex.quote(device.name or device.id)}`"

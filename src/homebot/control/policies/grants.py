@@ -37,7 +37,7 @@ def judge_grants(command: IssuedCommand, _facts: Facts) -> Verdict:
     if not always_asks(command.device, command.part):
         own = ", ".join(command.rights.act_scope) or "nothing"
         return Verdict(NAME, allowed=False, reason=f"{command.issuer} may not command {command.label}, only: {own}")
-    if may_make_safe(command.rights, command.part, command.settings, command.trigger):
+    if may_make_safe(command.rights, command.device, command.part, command.settings, command.trigger):
         return Verdict(ALWAYS_ASK, allowed=True, reason="it is to the safe side")
     reason = f"{command.label} takes a right that names it, and {command.issuer} has none; {_hint(command)} gives one"
     return Verdict(ALWAYS_ASK, allowed=False, reason=reason)
