@@ -68,7 +68,10 @@ def test_what_is_called_otherwise_is_read(fields: Mapping[str, object]) -> None:
 
 
 def test_a_message_that_is_shown_as_it_is_has_no_code() -> None:
-    """As the payload of a template that is not understood."""
+    """As that of a sensor without a template, and of one whose template is not understood."""
+    (whole,) = parts("sensor", {"name": "State"})
+    assert whole.codec.read(STATE, MESSAGE, retained=False) == {}
+    assert whole.codec.read(STATE, b"Enter the user code", retained=False) == {"value": "Enter the user code"}
     (one,) = parts("sensor", {"name": "Odd", "value_template": "{{ states('x') }}"})
     assert [two.name for two in one.part.capabilities] == ["raw"]
     assert one.codec.read(STATE, MESSAGE, retained=False) == {}
