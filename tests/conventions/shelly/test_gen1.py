@@ -292,6 +292,11 @@ def test_a_motion_sensor_tells_all_in_one_message(say: Say, part: Find) -> None:
     assert next(iter(told)) == "motion"
 
 
+def test_the_first_motion_sensor_has_no_thermometer(say: Say) -> None:
+    heard = say("shellies/announce", {"id": "shellymotionsensor-233F91", "model": "SHMOS-01"})
+    assert list(ids(heard)) == ["motion", "vibration", "lux", "battery"]
+
+
 def test_a_radiator_valve_is_told_degrees(say: Say, part: Find) -> None:
     valve = part(say("shellies/announce", {"id": "shellytrv-256273", "model": "SHTRV-01"}), "thermostat:0").codec
     base = "shellies/shellytrv-256273"

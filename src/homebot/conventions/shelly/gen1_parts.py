@@ -47,7 +47,10 @@ def build_parts(
         parts.append(build_meter(topics, "meter", {"power": "relay/power", "energy": "relay/energy"}))
     parts.extend(build_sensor(topics, SENSORS[suffix]) for suffix in SENSORS if suffix in suffixes)
     if "status" in suffixes:
-        parts.extend(build_valve(topics) if model is not None and model.name == "SHTRV-01" else build_motion(topics))
+        name = model.name if model is not None else ""
+        parts.extend(
+            build_valve(topics) if name == "SHTRV-01" else build_motion(topics, has_thermometer=name != "SHMOS-01")
+        )
     for part in parts[:1]:
         part.add_state_request(Publication(f"{topics.topic}/command", b"update"))
     return tuple(part.build() for part in parts)

@@ -154,10 +154,12 @@ _VALVE_BOUNDS = (4.0, 31.0)
 _UNCLEAR = object()
 
 
-def build_motion(topics: Gen1Topics) -> tuple[BytesPart, ...]:
+def build_motion(topics: Gen1Topics, *, has_thermometer: bool) -> tuple[BytesPart, ...]:
     """Describe what a motion sensor reports in its one ``status``."""
     return tuple(
-        _status_part(topics, part_id, capability, find, category) for part_id, capability, find, category in _MOTION
+        _status_part(topics, part_id, capability, find, category)
+        for part_id, capability, find, category in _MOTION
+        if has_thermometer or capability != "temperature"
     )
 
 
