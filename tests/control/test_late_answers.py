@@ -79,6 +79,22 @@ async def test_what_is_another_value_or_later_than_a_minute_is_no_late_answer(op
         assert isinstance(await lamp.turn_off(), NoAnswer)
 
 
+async def test_a_deaf_lamp_that_says_again_how_it_is_gives_no_late_answer(open_home: OpenHome) -> None:
+    """Else the next failure would be told of only after a minute."""
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        await home.report("lamp", "on_off", False)
+        home.behaviours["lamp"] = ignore
+        lamp = await home.handle(Light)
+        for _ in range(3):
+            for command in (lamp.turn_on, lamp.turn_off):
+                began = anyio.current_time()
+                assert isinstance(await command(), NoAnswer)
+                assert anyio.current_time() - began <= 10.1
+            home.later(30.0, "lamp", "on_off", False)
+            await anyio.sleep(35)
+
+
 async def test_a_newer_command_ends_the_wait_for_a_late_answer(open_home: OpenHome) -> None:
     async with open_home() as home:
         home.put("lamp", "light", "on_off")

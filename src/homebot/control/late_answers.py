@@ -7,9 +7,11 @@ from functools import partial
 from typing import Final, TypeAlias, final
 
 from homebot.clock import Clock
+from homebot.control.command import IssuedCommand
 from homebot.control.pending import PendingCommand
 from homebot.control.report_watch import PartWatch
 from homebot.control.response_times import ResponseTimes
+from homebot.control.tolerance import fits
 from homebot.devices.outcomes import Contradicted, NoAnswer
 from homebot.devices.value import PlainValue
 from homebot.time_limits import TimeLimits
@@ -53,6 +55,8 @@ class LateAnswers:
         was_sent = not (isinstance(outcome, NoAnswer) and outcome.reason)
         if not was_sent or pending.is_over or not pending.is_verified or pending.command.is_momentary:
             return False
+        if _was_so(pending.command):
+            return False
         place = pending.command.place
         self.end(place)
         awaited = self.awaited[place] = _Listened(pending, watch)
@@ -76,3 +80,9 @@ class LateAnswers:
                 times.note(target, name, seconds, sendings=pending.sendings)
             times.note_silence(target, is_silent=True)  # told once, it shows how long it takes
             self.end(pending.command.place)
+
+
+def _was_so(command: IssuedCommand) -> bool:
+    """Return whether the part had last reported what was commanded: a deaf one says it again, which is no answer."""
+    last = {one.capability: one.value.plain() for one in command.device.states if one.part == command.part.id}
+    return all(name in last and fits(name, value, last[name]) for name, value in command.expected.items())
