@@ -7,9 +7,10 @@ from typing import Any
 
 import anyio
 import pytest
+from pydantic import SecretStr
 from tests.patience import PATIENCE
 
-from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge import ClientToken, DoorSettings
 from homebot.errors import ServiceFailedError, ServiceGoneError, ServiceTimeoutError
 from homebot.messages import SetBool, Trigger
 from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse, SuccessResponse, TriggerRequest
@@ -229,3 +230,42 @@ async def test_a_second_server_is_refused(open_house: Any) -> None:
         await peer.send("set_level", level="error")
         await peer.send("advertise_service", id="a", service="/switch", type="std_srvs/SetBool")
         assert "already served by /lamp" in (await peer.receive())["msg"]
+
+
+async def test_a_client_that_comes_back_provides_its_service_again(open_house: Any) -> None:
+    """Its old connection may be dead for long before that shows, and it offers the service once."""
+    async with open_house() as house, house.peer() as old, house.peer() as new:
+        await old.send("advertise_service", service="/mine", type="std_srvs/Trigger")
+        await old.settle()
+        await new.send("advertise_service", service="mine", type="std_srvs/Trigger")
+        await new.settle()
+        assert "/mine is provided by a newer connection of the client local now" in (await old.receive())["msg"]
+        await old.connection.close()
+        while house.door.client_count > 1:
+            await new.settle()
+        client = house.node("app").create_client(Trigger, "/mine")
+        async with anyio.create_task_group() as tasks:
+
+            async def answer() -> None:
+                request = await new.receive()
+                values = {"success": True, "message": "here again"}
+                await new.send("service_response", id=request["id"], service="mine", values=values, result=True)
+
+            tasks.start_soon(answer)
+            assert (await client.call(TriggerRequest(), timeout=PATIENCE)).message == "here again"
+        await new.send("unadvertise_service", service="mine")
+        await new.settle()
+        assert house.entities() == set()
+
+
+async def test_the_service_of_another_client_is_not_taken_over(open_house: Any) -> None:
+    tokens = {name: ClientToken(token=SecretStr(name), scope=("read", "act: harmless")) for name in ("one", "two")}
+    async with (
+        open_house(DoorSettings(port=0, tokens=tokens)) as house,
+        house.peer(Authorization="Bearer one") as one,
+        house.peer(Authorization="Bearer two") as two,
+    ):
+        await one.send("advertise_service", service="/mine", type="std_srvs/Trigger")
+        await one.settle()
+        await two.send("advertise_service", service="/mine", type="std_srvs/Trigger")
+        assert "already served by /rosbridge_websocket" in (await two.receive())["msg"]

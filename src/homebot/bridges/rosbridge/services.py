@@ -1,44 +1,36 @@
-"""Service calls that a client makes, and the services that it provides to everybody on the graph."""
+"""Service calls that a client makes."""
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from homebot.bridges.rosbridge.access import ClientAccess
-from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
-    AdvertiseService,
     CallService,
     Frame,
-    ServiceResponse,
-    UnadvertiseService,
     service_failure,
-    service_request,
     service_success,
 )
-from homebot.bridges.rosbridge.types import message_from_client, service_type_of
+from homebot.bridges.rosbridge.types import message_from_client
 from homebot.bridges.turns import Turns
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND
 from homebot.devices.query import Or, QueryTerm, query_terms
 from homebot.devices.services import QueryDevicesResponse
 from homebot.errors import (
     HomebotError,
-    PeerError,
-    RefusedError,
     ServiceFailedError,
     ServiceUnavailableError,
     TypeMismatchError,
     UsageError,
 )
-from homebot.graph import Client, EntityKind, Node, Service
+from homebot.graph import Client, EntityKind, Node
 from homebot.isolation import error_text
 from homebot.messages.definition import fields_of
-from homebot.messages.json import message_to_json, message_to_pieces
-from homebot.messages.message import Message, ServiceType
+from homebot.messages.json import message_to_pieces
+from homebot.messages.message import Message
 
-__all__ = ["ProvidedServices", "call_service", "missing_service", "parse_queries", "refusal"]
+__all__ = ["call_service", "missing_service", "parse_queries", "refusal"]
 
 
 def parse_queries(
@@ -170,91 +162,3 @@ def _values(request_type: type[Message], args: dict[str, Any] | list[Any]) -> di
     if len(args) > len(names):
         raise TypeMismatchError(f"{request_type.ros_type} has {len(names)} fields, got {len(args)} values")
     return dict(zip(names, args, strict=False))
-
-
-class ProvidedServices:
-    """The services that one client provides, under the names that the client uses.
-
-    Args:
-        node: The node that serves in the client's stead.
-        limit: Calls that the client may owe an answer to; one more fails at once.
-        outbox: Takes frames to the client.
-    """
-
-    def __init__(self, node: Node, limit: int, outbox: Outbox) -> None:
-        self._node = node
-        self._limit = limit
-        self._outbox = outbox
-        self._services: dict[str, Service[Any, Any]] = {}
-        self._pending: dict[str, asyncio.Future[ServiceResponse]] = {}
-        self._calls = 0
-
-    def __len__(self) -> int:
-        return len(self._services)
-
-    def advertise(self, op: AdvertiseService) -> None:
-        """Offer a service of the client; the same once more is fine.
-
-        Raises:
-            InvalidNameError: The name is illegal.
-            DuplicateNameError: Somebody else serves it.
-            TypeMismatchError: It is of another type.
-            PeerError: The type is unknown.
-        """
-        service_type = service_type_of(self._node.graph, self._node.resolve_name(op.service, "service name"), op.type)
-        if op.service in self._services:
-            return
-
-        async def ask(request: Message) -> Message:
-            return await self._ask(op.service, service_type, request)
-
-        self._services[op.service] = self._node.create_service(
-            service_type, op.service, ask, concurrent=True, cancel_with_caller=True
-        )
-
-    def unadvertise(self, op: UnadvertiseService) -> None:
-        """Withdraw a service; calls under way fail.
-
-        Raises:
-            PeerError: The client does not provide it.
-        """
-        service = self._services.pop(op.service, None)
-        if service is None:
-            raise PeerError(f"service {op.service} is not provided by this client")
-        service.close()
-
-    def answer(self, op: ServiceResponse) -> None:
-        """Take the client's answer to a call.
-
-        Raises:
-            PeerError: No call waits for it.
-        """
-        pending = self._pending.get(str(op.id))
-        if pending is None or pending.done():
-            raise PeerError(f"no call of {op.service} with the id {op.id!r} is waiting for a response")
-        pending.set_result(op)
-
-    def close_one(self) -> bool:
-        """Withdraw one service, whose calls under way fail; return whether there was one."""
-        if not self._services:
-            return False
-        self._services.popitem()[1].close()
-        return True
-
-    async def _ask(self, name: str, service_type: ServiceType[Any, Any], request: Message) -> Message:
-        if len(self._pending) >= self._limit:
-            raise RefusedError(f"the call of {name}", f"its provider has {self._limit} calls waiting already")
-        if not self._outbox.has_room:
-            raise RefusedError(f"the call of {name}", "its provider is not reading its messages")
-        self._calls += 1
-        identifier = f"service_request:{name}:{self._calls}"
-        pending = self._pending[identifier] = asyncio.get_running_loop().create_future()
-        try:
-            self._outbox.answer(service_request(name, identifier, message_to_json(request)))
-            response = await pending
-        finally:
-            del self._pending[identifier]
-        if not response.result:
-            raise RefusedError(f"the call of {name}", str(response.values or "its provider gave no reason")[:500])
-        values = response.values if isinstance(response.values, dict) else {}
-        return message_from_client(service_type.Response, values)

@@ -38,8 +38,9 @@ from homebot.bridges.rosbridge.protocol import (
     service_failure,
     status_frame,
 )
+from homebot.bridges.rosbridge.provided_services import ProvidedServices
 from homebot.bridges.rosbridge.publications import Publications
-from homebot.bridges.rosbridge.services import ProvidedServices, call_service, missing_service
+from homebot.bridges.rosbridge.services import call_service, missing_service
 from homebot.bridges.rosbridge.shared_state import SharedState, operation_text
 from homebot.bridges.rosbridge.subscriptions import Subscriptions
 from homebot.bridges.turns import Turns
@@ -105,7 +106,14 @@ class ClientSession:
                 Subscriptions(
                     node, settings.queue_depth, backlog, self._outbox, self._shared.expected, self._report_type_mismatch
                 ),
-                ProvidedServices(node, settings.max_calls, self._outbox),
+                ProvidedServices(
+                    node,
+                    self._access.name,
+                    settings.max_calls,
+                    self._outbox,
+                    self._shared.providers,
+                    self._report_taken,
+                ),
                 tasks,
             )
             try:
@@ -252,6 +260,17 @@ class ClientSession:
                 f"{self._client} sends {limit}: it is being throttled to that rate",
                 client=self._client,
             )
+
+    def _report_taken(self, service: str) -> None:
+        problem = f"service {service} is provided by a newer connection of the client {self._access.name} now"
+        self._shared.error_log.log(
+            f"taken over {self._client.rpartition(':')[0]}",
+            "door.service_taken_over",
+            f"{self._client}: {problem}",
+            client=self._client,
+            service=service,
+        )
+        self._remark("error", problem, None)
 
     def _report_type_mismatch(self, op: SubscribeOperation, problem: str) -> None:
         """Report that a topic came which the client waited for, and that it is of another type than expected."""

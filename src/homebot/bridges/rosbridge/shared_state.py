@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, final
 
 import anyio
@@ -16,6 +16,7 @@ from homebot.bridges.turns import Turns
 from homebot.graph import EntityKind, Graph, Node
 
 if TYPE_CHECKING:
+    from homebot.bridges.rosbridge.provided_services import ProvidedServices
     from homebot.bridges.rosbridge.refusals import Refusals
 
 __all__ = ["DoorCounters", "ExpectedTopics", "SharedState", "operation_text"]
@@ -110,6 +111,7 @@ class SharedState:
         counters: What is counted.
         error_log: Logs what clients do wrong.
         refusals: Notes what clients had no right to.
+        providers: The connection that provides each service, by its full name.
     """
 
     node: Node
@@ -120,6 +122,7 @@ class SharedState:
     counters: DoorCounters
     error_log: ClientErrorLog
     refusals: Refusals
+    providers: dict[str, ProvidedServices] = field(default_factory=dict)
 
     def held_by_all(self) -> int:
         """Return how many entities all clients together hold on the graph."""
