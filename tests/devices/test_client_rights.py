@@ -8,7 +8,7 @@ from tests.devices.handles.conftest import device, part
 from homebot.devices.always_ask import always_asks
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, Right, read_scope
 from homebot.devices.device import Device, Fact, KeyValue
-from homebot.devices.part import Capability
+from homebot.devices.part import Capability, Category
 from homebot.errors import UsageError
 from homebot.messages import Time
 
@@ -96,12 +96,51 @@ def test_a_device_that_lets_in_or_floods_or_burns_always_asks(one: Device) -> No
         "Lock relay",
         "Boiler 1",
         "Kitchen oven clock",
+        "Open gate",
+        "Garage door toggle",
+        "Gate impulse",
+        "Open front door",
+        "Door open",
+        "Open garage",
+        "Unlock the front door",
+        "Front door unlock",
+        "Unlatch",
+        "Front door release",
+        "Gate strike",
     ],
 )
-@pytest.mark.parametrize("service_type", ["plug", "switch", "window_covering"])
-def test_a_relay_or_cover_asks_whichever_one_its_name_says_it_is(name: str, service_type: str) -> None:
-    one = device("0x1", part(service_type, "on_off", name=name))
+@pytest.mark.parametrize(
+    ("service_type", "capability"),
+    [
+        ("plug", "on_off"),
+        ("switch", "on_off"),
+        ("window_covering", "on_off"),
+        ("x_setting", "push"),
+        ("x_setting", "option"),
+        ("x_scene", "scene"),
+    ],
+)
+def test_a_relay_or_button_asks_whichever_one_its_name_says_it_is(
+    name: str, service_type: str, capability: str
+) -> None:
+    one = device("0x1", part(service_type, capability, name=name))
     assert always_asks(one, one.parts[0])
+
+
+def test_a_button_asks_by_the_name_of_its_device() -> None:
+    one = device("Garage door", part("x_setting", "push", name="Toggle"))
+    assert always_asks(one, one.parts[0])
+
+
+@pytest.mark.parametrize(("category", "tag"), [("config", ""), ("", "restart"), ("", "identify")])
+def test_a_button_that_keeps_a_device_in_order_does_not(category: Category, tag: str) -> None:
+    one = device("Garage door", part("x_setting", "push", name="Press", category=category, tag=tag))
+    assert not always_asks(one, one.parts[0])
+
+
+def test_a_choice_does_not_ask_by_the_name_of_its_device() -> None:
+    one = device("Front gate", part("x_setting", "option", name="Sensitivity"))
+    assert not always_asks(one, one.parts[0])
 
 
 @pytest.mark.parametrize(
@@ -131,10 +170,18 @@ def test_a_relay_or_cover_asks_whichever_one_its_name_says_it_is(name: str, serv
         "Letter opener",
         "Door sensor 1",
         "EV charger",
+        "Door open alarm",
+        "Window open detection",
+        "Open",
+        "Toggle",
+        "Release",
+        "Door chime",
+        "Stop",
     ],
 )
-def test_a_plug_of_another_name_does_not(name: str) -> None:
-    one = device(name, part("plug", "on_off"))
+@pytest.mark.parametrize(("service_type", "capability"), [("plug", "on_off"), ("x_setting", "push")])
+def test_a_plug_or_button_of_another_name_does_not(name: str, service_type: str, capability: str) -> None:
+    one = device(name, part(service_type, capability))
     assert not always_asks(one, one.parts[0])
     assert may(LOCAL_RIGHTS, one)
 

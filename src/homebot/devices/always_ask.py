@@ -3,8 +3,8 @@
 What may drive them is the owner's to approve.
 
 A switch, plug or cover that drives such a device is known by its name or that of its model, where that has an English
-word for it, or by the tag ``always_ask``, which the owner may give to any device; so is the setting that says how hot
-a boiler or an oven becomes.
+word for it, or by the tag ``always_ask``, which the owner may give to any device; so is a button, scene or choice by
+its name, and the setting that says how hot a boiler or an oven becomes.
 """
 
 from __future__ import annotations
@@ -35,10 +35,17 @@ _RELAYS = frozenset({"plug", "switch", "window_covering", "x_unknown"})
 _HARMLESS = frozenset({"light"})
 _VALVES = frozenset({"irrigation", "valve", "valves"})
 _MOVED_BY_OPENERS = frozenset({"door", "garage", "gate"})
+_LETS_IN = frozenset({"unlatch", "unlock"})
+_RELEASES = frozenset({"buzzer", "release", "strike"})
+_OPENED = frozenset({"door", "doors", "garage"})
+_BUTTONS = frozenset({"x_scene", "x_setting"})
+_PRESSED = frozenset({"push", "scene"})
+_NO_DEED = frozenset({"identify", "restart", "update"})
 _BESIDE_RELAYS = frozenset({*_RELAYS, "x_setting"})
 _WHICH = frozenset(
     {"a", "b", "back", "channel", "control", "controller", "east", "front", "group", "left", "main", "motor", "north"}
     | {"of", "rear", "relay", "right", "south", "switch", "the", "to", "west"}
+    | {"button", "close", "impulse", "open", "press", "pulse", "stop", "toggle", "trigger"}
 )
 _BEFORE_PLACES = frozenset({"at", "for", "in", "of", "to"})
 _TAG = fold("always_ask")
@@ -51,7 +58,10 @@ def always_asks(device: Device, part: DevicePart) -> bool:
     cover, and a lamp.
     """
     kind = part.part.service_type
-    is_named = (kind in _RELAYS or (kind == "x_setting" and _is_degrees(part))) and _is_named(device, part)
+    if kind in _BUTTONS:
+        is_named = _is_named_button(device, part)
+    else:
+        is_named = kind in _RELAYS and _is_named(_ENDINGS, *_names(device, part))
     if is_named or is_declared(part) or _TAG in map(fold, device.tags):
         return True
     if kind in _BESIDE_RELAYS and (is_opener(device) or (kind in _RELAYS and _is_of_such_a_model(device))):
@@ -95,15 +105,31 @@ def waits_for_approval(device: Device) -> bool:
     return False
 
 
-def _is_degrees(part: DevicePart) -> bool:
-    """Return whether *part* is the number of degrees to which something heats."""
-    return any(one.settable and one.name == "number" and one.unit in _DEGREES for one in part.part.capabilities)
+def _is_named_button(device: Device, part: DevicePart) -> bool:
+    """Return whether the name of *part* says what is opened or heated by pressing it, by an option or by degrees.
+
+    What only keeps a device in order, such as a restart, is not called what the device is.
+    """
+    told = part.part
+    for one in told.capabilities:
+        if not one.settable:
+            continue
+        if one.name == "number" and one.unit in _DEGREES:
+            return _is_named(_HEATERS, *_names(device, part))
+        if one.name in _PRESSED and not told.category and told.tag not in _NO_DEED:
+            return _is_named(_ENDINGS, *_names(device, part))
+        if one.name == "option" and not told.category:
+            return _is_named(_ENDINGS, told.name)
+    return False
 
 
-def _is_named(device: Device, part: DevicePart) -> bool:
-    """Return whether the name of *part* says what it drives: ``Oven``, ``Front gate``, ``Garage door left``."""
-    endings = _ENDINGS if part.part.service_type in _RELAYS else _HEATERS
-    for name in (device.name, *device.names, part.part.name):
+def _names(device: Device, part: DevicePart) -> tuple[str, ...]:
+    return device.name, *device.names, part.part.name
+
+
+def _is_named(endings: frozenset[str], *names: str) -> bool:
+    """Return whether one of *names* says what is driven: ``Oven``, ``Front gate``, ``Garage door left``."""
+    for name in names:
         words = words_of(name)
         if words and (not _OVENS.isdisjoint(words) or _is_called(words, endings)):
             return True
@@ -121,7 +147,18 @@ def _is_called(words: tuple[str, ...], endings: frozenset[str]) -> bool:
     whole, called = (_without_which(one) for one in (words, words[:place]))
     if {*whole[-2:]} == {"garage", "door"} or (whole[-1:] == ("opener",) and not _MOVED_BY_OPENERS.isdisjoint(whole)):
         return True
+    if _opens(words, whole):
+        return True
     return any(one and one[-1] in endings and one[-2:] != ("child", "lock") for one in (whole, called))
+
+
+def _opens(words: tuple[str, ...], whole: tuple[str, ...]) -> bool:
+    """Return whether *words*, *whole* without those that say which one, let in: ``Open door``, ``Door release``."""
+    if words[0] in _LETS_IN or words[-1] in _LETS_IN:
+        return True
+    if whole[-1:] and whole[-1] in _RELEASES:
+        return whole[-2:-1] in {("door",), ("gate",)}
+    return "open" in words and whole[-1:] != () and whole[-1] in _OPENED
 
 
 def _without_which(words: tuple[str, ...]) -> tuple[str, ...]:
