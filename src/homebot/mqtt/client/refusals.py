@@ -15,6 +15,7 @@ _TRY_LATER: Final = {
     ReasonCode.QUOTA_EXCEEDED,
     ReasonCode.CONNECTION_RATE_EXCEEDED,
 }
+_WRONG_LOGIN: Final = {ReasonCode.BAD_USER_NAME_OR_PASSWORD, ReasonCode.NOT_AUTHORIZED}
 _THROWN_OUT: Final = {
     ReasonCode.NOT_AUTHORIZED,
     ReasonCode.BANNED,
@@ -35,7 +36,8 @@ def login_error(code: int) -> LinkError | RefusedError:
     """Return the error for a CONNACK with *code* (0x80 or more)."""
     if code in _TRY_LATER:
         return LinkError(f"the broker answered: {reason_text(code)}")
-    return RefusedError("the login", reason_text(code), code)
+    hint = "; check user and password_file" if code in _WRONG_LOGIN else ""
+    return RefusedError("the login", f"{reason_text(code)}{hint}", code)
 
 
 def disconnect_error(code: int) -> LinkError | RefusedError:
