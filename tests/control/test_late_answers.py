@@ -95,6 +95,20 @@ async def test_a_deaf_lamp_that_says_again_how_it_is_gives_no_late_answer(open_h
             await anyio.sleep(35)
 
 
+async def test_a_deaf_lamp_that_is_wanted_as_it_says_that_it_is_gets_no_more_time(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        await home.report("lamp", "on_off", False)
+        home.behaviours["lamp"] = ignore
+        lamp = await home.handle(Light)
+        for _ in range(3):
+            began = anyio.current_time()
+            assert isinstance(await lamp.turn_on(), NoAnswer)
+            assert anyio.current_time() - began <= 10.1
+            home.later(6.0, "lamp", "on_off", False)
+            assert isinstance(await lamp.turn_off(), Confirmed)
+
+
 async def test_a_newer_command_ends_the_wait_for_a_late_answer(open_home: OpenHome) -> None:
     async with open_home() as home:
         home.put("lamp", "light", "on_off")

@@ -66,3 +66,10 @@ def test_a_device_that_misses_each_first_command_does_not_answer_later_each_time
         repeated_after = limit(found) / 3
         found.note("lamp", "on_off", repeated_after + 0.1, sendings=2)
     assert limit(found) < 32.0
+
+
+def test_an_answer_that_says_what_was_known_before_never_makes_the_wait_longer() -> None:
+    found = times()
+    for one in (6.0, 0.4, 0.4, 0.4, 2.0):
+        found.note("lamp", "on_off", one, is_change=False)
+    assert limit(found) == pytest.approx(2.2)

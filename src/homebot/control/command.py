@@ -137,6 +137,11 @@ class IssuedCommand:
         return False
 
     @property
+    def last_reported(self) -> dict[str, PlainValue]:
+        """The values that the part had reported last when the command was given, by capability."""
+        return {one.capability: one.value.plain() for one in self.device.states if one.part == self.place[1]}
+
+    @property
     def expected(self) -> dict[str, PlainValue]:
         """The values that the part is to report, of those that it reports as lasting ones.
 

@@ -277,8 +277,7 @@ class CommandExecutor:
             pending.is_witnessed = True
         for place in pending.command.places if self._unsure_since else ():
             self._unsure_since.pop(place, None)
-        for capability, seconds in pending.response_times():
-            self._transmission.times.note(pending.command.target, capability, seconds, sendings=pending.sendings)
+        pending.note_times(self._transmission.times)
         if self._roundings.known:
             self._note_answers(pending)
 

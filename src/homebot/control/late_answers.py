@@ -75,14 +75,12 @@ class LateAnswers:
         pending, times = awaited.pending, self._times
         pending.take(capability, value, self._clock.monotonic())
         if pending.is_met:
-            target = pending.command.target
-            for name, seconds in pending.response_times():
-                times.note(target, name, seconds, sendings=pending.sendings)
-            times.note_silence(target, is_silent=True)  # told once, it shows how long it takes
+            pending.note_times(times)
+            times.note_silence(pending.command.target, is_silent=True)  # told once, it shows how long it takes
             self.end(pending.command.place)
 
 
 def _was_so(command: IssuedCommand) -> bool:
     """Return whether the part had last reported what was commanded: a deaf one says it again, which is no answer."""
-    last = {one.capability: one.value.plain() for one in command.device.states if one.part == command.part.id}
+    last = command.last_reported
     return all(name in last and fits(name, value, last[name]) for name, value in command.expected.items())

@@ -11,6 +11,7 @@ from homebot.control.echoes import FAST, NO_ECHOES, ExpectedEchoes
 from homebot.control.held_values import STOPPED, departs
 from homebot.control.level_watch import LevelWatch
 from homebot.control.motion_watch import MotionWatch
+from homebot.control.response_times import ResponseTimes
 from homebot.control.tolerance import fits, is_intermediate, is_same
 from homebot.control.value_text import value_text
 from homebot.devices.command_messages import Setting
@@ -333,10 +334,12 @@ class PendingCommand:
             if self._before.get(capability, _NOTHING) != seen:
                 yield capability, seen
 
-    def response_times(self) -> Iterable[tuple[str, float]]:
-        """Yield the capabilities that were reported as wanted, each with the seconds that it took."""
-        for capability, at in self._fitting.items():
-            yield capability, at - self._began
+    def note_times(self, times: ResponseTimes) -> None:
+        """Have *times* note how long the capabilities took that were reported as wanted."""
+        target, sendings, last = self.command.target, self.sendings, self.command.last_reported
+        for name, at in self._fitting.items():
+            is_change = last.get(name, _NOTHING) != self._seen[name]
+            times.note(target, name, at - self._began, sendings=sendings, is_change=is_change)
 
     def note_again(self, capability: str, value: PlainValue, now: float) -> None:
         """Note that *value* is reported at *now*, which may repeat a fast report."""

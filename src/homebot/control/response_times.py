@@ -44,12 +44,15 @@ class ResponseTimes:
         """Return whether *target* answered none of several sendings in time, the last time."""
         return target in self._silent
 
-    def note(self, target: str, capability: str, seconds: float, *, sendings: int = 1) -> None:
+    def note(self, target: str, capability: str, seconds: float, *, sendings: int = 1, is_change: bool = True) -> None:
         """Note how long an answer took, in seconds from the first of so many *sendings*.
 
         After several it is not known to which it is the answer; it counts as no longer than the first limit, or each
-        answer to a repetition would make the next ones later.
+        answer to a repetition would make the next ones later. One that is no change, as it says what was known before,
+        may have come by chance, as a deaf device tells now and then how it is; so it never makes the wait longer.
         """
+        if not is_change and _FACTOR * seconds + _SPARE > self.expected(target, (capability,))[0]:
+            return
         if sendings > 1:
             seconds = min(seconds, self._first)
         times = self._known.get((target, capability))
