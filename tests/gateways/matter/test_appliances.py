@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 from tests.gateways.matter.test_node import LOCK, only_device, orders, readings
 
+from homebot.devices.always_ask import is_declared
+from homebot.devices.device import DevicePart
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.matter.server_messages import check_result
@@ -134,6 +136,31 @@ def test_commands_become_those_of_the_cluster(
 ) -> None:
     (args,) = orders(attributes, capability, value)
     assert (args["cluster_id"], args["command_name"], args["payload"]) == (cluster, command, payload)
+
+
+CABINET = {**COLD, "1/29/0": [{"0": 0x0071, "1": 1}]}
+
+
+@pytest.mark.parametrize(
+    ("attributes", "asks"),
+    [
+        (HOB, True),
+        ({**WARM, "1/29/0": [{"0": 0x0077, "1": 1}]}, True),
+        ({**WASHER, "1/29/0": [{"0": 0x0079, "1": 1}]}, True),
+        ({**WASHER, "1/29/0": [{"0": 0x007B, "1": 1}]}, True),
+        ({**CABINET, "1/72/4": 0}, True),
+        ({**CABINET, "1/73/0": [{"0": "Bake", "1": 1}], "1/73/1": 1}, True),
+        (CABINET, False),
+        (WASHER, False),
+    ],
+)
+def test_what_cooks_always_asks(attributes: dict[str, object], *, asks: bool) -> None:
+    (part,) = only_device(attributes).device.parts
+    assert is_declared(DevicePart(id="1", part=part, routes=())) is asks
+
+
+def test_an_oven_tells_whether_it_runs() -> None:
+    assert readings(only_device({**CABINET, "1/72/4": 1})) == {"number": -18.0, "running": True, "problem": False}
 
 
 def test_what_a_vacuum_cleaner_does_not_take_is_refused() -> None:

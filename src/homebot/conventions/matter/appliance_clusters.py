@@ -17,9 +17,10 @@ from homebot.conventions.payload import clean_text
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 
-__all__ = ["appliance_abilities"]
+__all__ = ["appliance_abilities", "is_oven_cabinet"]
 
 MODE_SELECT, RUN_MODE, TEMPERATURE, OPERATION, CLEANING, EVSE = 80, 84, 86, 96, 97, 153
+OVEN_CAVITY, OVEN_MODE = 72, 73
 _HEATER_MODE: Final = 158
 
 
@@ -31,7 +32,7 @@ class _ModeAttributes(NamedTuple):
 _SELECTED, _BASED = _ModeAttributes(2, 3), _ModeAttributes(0, 1)
 _MODES: Final[Mapping[int, _ModeAttributes]] = {
     MODE_SELECT: _SELECTED,
-    **dict.fromkeys((73, 81, 82, 85, 89, 94, 157, _HEATER_MODE, 159), _BASED),
+    **dict.fromkeys((OVEN_MODE, 81, 82, 85, 89, 94, 157, _HEATER_MODE, 159), _BASED),
 }
 """Oven, laundry washer, refrigerator, vacuum cleaner, dishwasher, microwave oven, charger, water heater, energy: an
 endpoint with several is operated by the first."""
@@ -62,14 +63,20 @@ def appliance_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
             write = partial(_write_mode, cluster, name) if settable else None
             yield MatterAbility(cluster, capability, partial(_read_mode, cluster), write)
     yield from _temperature_control(endpoint)
-    if endpoint.has(OPERATION, _STATE):
-        yield MatterAbility(OPERATION, Capability(name="running"), partial(_read_state, _RUNNING))
-        yield MatterAbility(OPERATION, Capability(name="problem"), partial(_read_state, _ERROR))
+    for cluster in (OPERATION, OVEN_CAVITY):
+        if endpoint.has(cluster, _STATE):
+            yield MatterAbility(cluster, Capability(name="running"), partial(_read_state, cluster, _RUNNING))
+            yield MatterAbility(cluster, Capability(name="problem"), partial(_read_state, cluster, _ERROR))
     if endpoint.has(CLEANING, _STATE) and endpoint.has(RUN_MODE, _BASED.current):
         capability = Capability(name="vacuum", settable=True, options=_VACUUM_OPTIONS)
         yield MatterAbility(CLEANING, capability, _read_vacuum, _write_vacuum, also_read=RUN_MODE)
     if endpoint.has(EVSE, 0):
         yield MatterAbility(EVSE, Capability(name="plugged_in"), _read_plugged_in)
+
+
+def is_oven_cabinet(endpoint: MatterEndpoint) -> bool:
+    """Return whether it is the inside of an oven; that of a refrigerator has the same device type."""
+    return endpoint.has(OVEN_CAVITY) or endpoint.has(OVEN_MODE)
 
 
 def _temperature_control(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
@@ -148,8 +155,8 @@ def _write_mode(
     return (ClusterInvocation(cluster, "ChangeToMode", {"newMode": mode}),)
 
 
-def _read_state(wanted: int, endpoint: MatterEndpoint) -> PlainValue:
-    state = endpoint.whole(OPERATION, _STATE)
+def _read_state(cluster: int, wanted: int, endpoint: MatterEndpoint) -> PlainValue:
+    state = endpoint.whole(cluster, _STATE)
     return None if state is None else state == wanted
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from homebot.conventions.matter.ability import MatterAbility
-from homebot.conventions.matter.appliance_clusters import appliance_abilities
+from homebot.conventions.matter.appliance_clusters import appliance_abilities, is_oven_cabinet
 from homebot.conventions.matter.climate_clusters import climate_abilities
 from homebot.conventions.matter.closure_clusters import closure_abilities
 from homebot.conventions.matter.endpoint import MatterEndpoint
@@ -41,6 +41,9 @@ _CAPABILITY_TYPES: Final = {
 }
 """By what it can do: the type of an endpoint whose device types are not known."""
 
+_COOKERS: Final = {0x0077: "cooktop", 0x0078: "cooktop", 0x0079: "microwave oven", 0x007B: "oven"}
+"""By device type: what has no type in the vocabulary and gets hot, as people and policies call it."""
+
 _FINDERS: Final = (
     light_abilities,
     opening_abilities,
@@ -64,7 +67,7 @@ def parts_of(endpoint: MatterEndpoint) -> Iterator[tuple[Part, tuple[MatterAbili
                 id=str(endpoint.id),
                 name=name_of(endpoint),
                 service_type=service_type,
-                advertised=", ".join(f"0x{one:04X}" for one in endpoint.device_types[:5]),
+                advertised=_advertised(endpoint),
                 guessed=is_guessed,
                 capabilities=capabilities,
             ),
@@ -88,6 +91,14 @@ def find_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
             if ability.capability.name not in seen:
                 seen.add(ability.capability.name)
                 yield ability
+
+
+def _advertised(endpoint: MatterEndpoint) -> str:
+    """Return the device types, with the word for what gets hot: of the cabinet of an oven, its clusters say so."""
+    types = endpoint.device_types[:5]
+    text = ", ".join(f"0x{one:04X}" for one in types)
+    hot = next((_COOKERS[one] for one in types if one in _COOKERS), "oven" if is_oven_cabinet(endpoint) else "")
+    return f"{text} ({hot})" if hot else text
 
 
 def _service_type(endpoint: MatterEndpoint, abilities: tuple[MatterAbility, ...]) -> tuple[str, bool]:
