@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +12,7 @@ import pytest
 
 from homebot.apps.light_service import LightService
 from homebot.errors import PluginError
-from homebot.plugins import load_plugin, plugin_names
+from homebot.plugins import load_plugin, name_in_file, plugin_names
 
 
 def test_installed_plugins_are_found_by_name() -> None:
@@ -45,6 +47,58 @@ def test_an_unknown_name_is_told_with_what_is_installed() -> None:
     """So that a slip of the pen is seen at once."""
     with pytest.raises(PluginError, match=r"plug-in 'lightservice' is not installed \(installed: .*light_service"):
         load_plugin("homebot.apps", "lightservice")
+
+
+def test_a_class_in_a_file_is_found_also_where_a_module_of_that_name_is_installed(tmp_path: Path) -> None:
+    """The module stays what it was; and the file is run anew once it has changed."""
+    file = tmp_path / "json.py"
+    file.write_text("class Mine: number = 1\n")
+    found = load_plugin("homebot.apps", f"{file}:Mine")
+    assert (found.__module__, found.number) == ("file_json", 1)
+    assert load_plugin("homebot.apps", f"{file}:Mine") is found
+    file.write_text("class Mine: number = 2\n")
+    os.utime(file, ns=(1, 1))
+    assert load_plugin("homebot.apps", f"{file}:Mine").number == 2
+    assert sys.modules["json"] is json
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("class A(int): pass\nclass B(int): pass\n", r"must be one class, .*; the file has A, B"),
+        ("class A: pass\nfrom enum import IntEnum\n", "; the file has no class of its own that is derived from int"),
+        ("class A(int): pass\n1 / 0\n", "cannot be loaded: ZeroDivisionError: "),
+    ],
+)
+def test_a_file_without_one_class_is_told_so(tmp_path: Path, text: str, problem: str) -> None:
+    file = tmp_path / "apps_of_mine.py"
+    file.write_text(text)
+    with pytest.raises(PluginError, match=problem):
+        name_in_file(str(file), int)
+
+
+@pytest.mark.parametrize(
+    ("name", "problem"),
+    [
+        ("{}", r"must be FILE\.py:CLASS, with the name of a class in that file"),
+        ("{}:B", "cannot be loaded: the file has no 'B'"),
+        ("{}:b", "is 1, not a class"),
+        ("nosuch.py:B", r"cannot be loaded: there is no file nosuch\.py"),
+    ],
+)
+def test_what_is_no_class_in_a_file_is_told_so(tmp_path: Path, name: str, problem: str) -> None:
+    file = tmp_path / "apps_of_mine.py"
+    file.write_text("class A: pass\nb = 1\n")
+    with pytest.raises(PluginError, match=problem):
+        load_plugin("homebot.apps", name.format(file))
+
+
+def test_a_file_that_others_may_change_is_not_run(tmp_path: Path) -> None:
+    file = tmp_path / "apps_of_mine.py"
+    file.write_text("class A: pass\n")
+    file.chmod(0o666)
+    with pytest.raises(PluginError, match=r"is not loaded: .* can be written by others"):
+        load_plugin("homebot.apps", f"{file}:A")
 
 
 def test_a_module_without_its_class_is_told_how_it_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,7 +26,7 @@ ON_YOUR_OWN_BROKER = [command for command in COMMANDS if "--mqtt" in command]
 RUN_ELSEWHERE_IN_THIS_FILE = [
     'make run ARGS="--for 3"',
     "make test",
-    "homebot run --app window_light:WindowLight --for 3",
+    "homebot run --app window_light.py --for 3",
     "pytest",
     "homebot config check --config homebot.toml",
 ]
@@ -136,7 +136,7 @@ def test_your_own_broker_is_discovered_and_acted_on_only_when_told(command: str,
 
 def test_the_app_of_the_readme_runs_in_the_simulated_house() -> None:
     """From its folder, instead of the light service."""
-    done = run("homebot run --app window_light:WindowLight --for 3", cwd=WINDOW_LIGHT)
+    done = run("homebot run --app window_light.py --for 3", cwd=WINDOW_LIGHT)
     assert done.returncode == 0
     assert "found windows/firstlevel1" in done.stderr
 

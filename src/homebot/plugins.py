@@ -1,24 +1,28 @@
-"""Plug-ins: classes found by entry-point name, or written out as ``module:Class``."""
+"""Plug-ins: classes found by entry-point name, or written out as ``module:Class`` or ``FILE.py:Class``."""
 
 from __future__ import annotations
 
 import importlib
 import importlib.util
+import re
 import stat
 import sys
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import Any, Final
 
 from homebot.errors import PluginError
 from homebot.file_access import why_not_trusted
 from homebot.similar import did_you_mean
 
-__all__ = ["has_plugin", "load_plugin", "plugin_names"]
+__all__ = ["has_plugin", "is_file", "load_plugin", "name_in_file", "plugin_names"]
 
 _Groups = Mapping[str, tuple[EntryPoint, ...]]
+
+_FILE: Final = re.compile(r"(?P<file>.+\.py)(?::(?P<kind>\w+))?")
 
 
 def plugin_names(group: str) -> tuple[str, ...]:
@@ -36,17 +40,46 @@ def load_plugin(group: str, name: str) -> type[Any]:
 
     Args:
         group: The entry-point group, for example ``homebot.apps``.
-        name: A name in that group, or ``module:Class``. Of two with one name homebot's own is taken. A module that is
-            not installed is looked for in the working directory.
+        name: A name in that group, ``module:Class`` or ``FILE.py:Class``. Of two with one name homebot's own is taken.
+            A module that is not installed is looked for in the working directory.
 
     Raises:
-        PluginError: There is no such plug-in, importing it fails, it is no class, or it is in a working directory that
+        PluginError: There is no such plug-in, importing it fails, it is no class, or it is in a file or folder that
             others may write to.
     """
-    found = _load_class(name) if ":" in name else _load_entry_point(group, name)
+    if is_file(name):
+        found = _load_from_file(name)
+    else:
+        found = _load_class(name) if ":" in name else _load_entry_point(group, name)
     if not isinstance(found, type):
         raise PluginError(name, f"is {found!r}, not a class")
     return found
+
+
+def is_file(name: str) -> bool:
+    """Return whether *name* names a plug-in by its file, ``FILE.py`` or ``FILE.py:Class``."""
+    return _FILE.fullmatch(name) is not None
+
+
+def name_in_file(name: str, base: type[object]) -> str:
+    """Return *name*, a file, as ``FILE.py:Class`` with the class that it has, where *name* lacks it.
+
+    Args:
+        name: ``FILE.py`` or ``FILE.py:Class``.
+        base: What the class is derived from.
+
+    Raises:
+        PluginError: As :func:`load_plugin`; or it has none, or several.
+    """
+    path, class_name = _file_and_class(name)
+    if class_name is not None:
+        return name
+    module = _module_in(path, name)
+    kinds = [text for text, kind in vars(module).items() if _is_own(kind, base, module)]
+    if len(kinds) != 1:
+        has = f"has {', '.join(kinds)}" if kinds else f"has no class of its own that is derived from {base.__name__}"
+        raise PluginError(name, f"must be one class, FILE.py or FILE.py:CLASS; the file {has}")
+    return f"{name}:{kinds[0]}"
 
 
 def _load_entry_point(group: str, name: str) -> object:
@@ -121,6 +154,66 @@ def _load_class(path: str) -> object:
         raise PluginError(path, f"cannot be loaded: the module {module_name!r} has no {class_name!r}") from None
 
 
+def _load_from_file(name: str) -> object:
+    path, class_name = _file_and_class(name)
+    if class_name is None:
+        raise PluginError(name, "must be FILE.py:CLASS, with the name of a class in that file")
+    try:
+        return getattr(_module_in(path, name), class_name)
+    except AttributeError:
+        raise PluginError(name, f"cannot be loaded: the file has no {class_name!r}") from None
+
+
+def _file_and_class(name: str) -> tuple[Path, str | None]:
+    match = _FILE.fullmatch(name)
+    assert match is not None  # noqa: S101 - for the type checker: the callers know it
+    return Path(match["file"]), match["kind"]
+
+
+def _is_own(kind: object, base: type[object], module: ModuleType) -> bool:
+    return isinstance(kind, type) and issubclass(kind, base) and kind.__module__ == module.__name__
+
+
+def _module_in(path: Path, name: str) -> ModuleType:
+    """Return *path* as a module, run once while it stays as it is.
+
+    Raises:
+        PluginError: It cannot be run, or others may write it.
+    """
+    if not path.is_file():
+        raise PluginError(name, f"cannot be loaded: there is no file {path}")
+    if problem := why_not_trusted(path):
+        raise PluginError(name, f"is not loaded: {problem}")
+    try:
+        return _run_as_module(path.resolve(), path.stat().st_mtime_ns)
+    except Exception as exc:
+        raise PluginError(name, f"cannot be loaded: {_error_text(exc)}") from exc
+
+
+@lru_cache(maxsize=64)
+def _run_as_module(file: Path, _changed_at: int) -> ModuleType:
+    """Run *file* as a module of its name, or of a longer one where an installed one has that; it finds its neighbours.
+
+    Named so, a recording of a run of it is replayed with the file in the working directory.
+    """
+    name = re.sub(r"\W", "_", file.stem)
+    other = sys.modules.get(name)
+    if _is_installed(name) and (other is None or other.__file__ != str(file)):
+        name = f"file_{name}"
+    spec = importlib.util.spec_from_file_location(name, file)
+    assert spec is not None  # noqa: S101 - for the type checker: its name ends with .py
+    assert spec.loader is not None  # noqa: S101 - likewise
+    module = importlib.util.module_from_spec(spec)
+    _look_in(file.parent)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module
+
+
 def _is_installed(module_name: str) -> bool:
     package = module_name.partition(".")[0]
     return package in sys.modules or importlib.util.find_spec(package) is not None
@@ -140,8 +233,13 @@ def _look_here_too(path: str, module_name: str) -> None:
             problem = f"everyone may write to {here}"
         if problem:
             raise PluginError(path, f"is not loaded from the working directory: {problem}")
-    if str(here) not in sys.path:
-        sys.path.append(str(here))
+    _look_in(here)
+
+
+def _look_in(folder: Path) -> None:
+    """Let modules be found in *folder*, after all others."""
+    if str(folder) not in sys.path:
+        sys.path.append(str(folder))
     importlib.invalidate_caches()
 
 

@@ -19,6 +19,7 @@ from homebot.cli.watchdog import Watchdog
 from homebot.config import Config
 from homebot.errors import ConfigError
 from homebot.house import World
+from homebot.runtime.plan import make_plan
 
 
 @pytest.fixture(autouse=True)
@@ -169,6 +170,22 @@ def test_the_token_of_the_environment_counts_where_the_file_has_none(monkeypatch
     assert config_of().door == {}
 
 
+@pytest.mark.parametrize("given", ["apps/my-app.py", "apps/my-app.py:WindowLight"])
+def test_an_app_in_a_file_is_named_by_the_file_as_for_a_replay(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, given: str
+) -> None:
+    """As are its neighbours, which it imports."""
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    (tmp_path / "apps").mkdir()
+    (tmp_path / "apps" / "neighbour_of_the_file.py").write_text("from homebot import App\n")
+    (tmp_path / "apps" / "my-app.py").write_text(
+        "from neighbour_of_the_file import App\n\n\nclass WindowLight(App):\n    async def run(self):\n        pass\n"
+    )
+    assert config_of("--app", given).apps == {"window_light": {"class": "apps/my-app.py:WindowLight"}}
+    (app,) = make_plan(config_of("--app", given)).apps
+    assert (app.name, app.kind.__qualname__) == ("window_light", "WindowLight")
+
+
 def test_an_app_whose_class_makes_no_legal_node_name_is_refused() -> None:
     with pytest.raises(ConfigError, match=r"command line: apps\.küche: "):
         config_of("--app", "my_app:Küche")
@@ -189,6 +206,7 @@ def test_an_app_whose_class_makes_no_legal_node_name_is_refused() -> None:
             ["--app", "nosuch:App"],
             "apps.app.class: plug-in 'nosuch:App' cannot be loaded: the module 'nosuch' cannot be imported: Mod",
         ),
+        (["--app", "nosuch.py"], "homebot: plug-in 'nosuch.py' cannot be loaded: there is no file nosuch.py\n"),
         (["--mqtt", "http://broker"], "homebot: command line: gateways.mqtt.url: MQTT address: it must start with m"),
         (["--root", "a/+"], "homebot: command line: gateways.mqtt.root: "),
         (["--door", "192.0.2.1:7"], "door.host: 192.0.2.1 can be reached by others, so it needs a token: give token_f"),
@@ -206,10 +224,11 @@ def test_what_cannot_be_run_is_one_clear_sentence(
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        (["--app", "my_app:"], "an app is a plug-in's name or module:Class, got 'my_app:'"),
+        (["--app", "my_app:"], "an app is a plug-in's name, module:Class, FILE.py or FILE.py:Class, got 'my_app:'"),
         (["--app", "my-app:App"], "got 'my-app:App'"),
         (["--app", ""], "got ''"),
-        (["--app", "apps/light.py"], "got 'apps/light.py'; did you mean apps.light:CLASS, with the name of a class in"),
+        (["--app", "apps/light.txt"], "module:Class, FILE.py or FILE.py:Class, got 'apps/light.txt'"),
+        (["--app", "my_app.py:"], "got 'my_app.py:'"),
         (["--for", "0"], "must be a number above 0, got '0'"),
         (["--for", "soon"], "must be a number above 0, got 'soon'"),
         (

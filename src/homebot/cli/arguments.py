@@ -189,13 +189,17 @@ def _is_host(text: str) -> bool:
 
 
 def app(text: str) -> str:
-    """Return the name of an app: a plug-in's, or ``module:Class``."""
+    """Return the name of an app: a plug-in's, ``module:Class``, or a file of Python."""
     module, colon, kind = text.partition(":")
     names = (*module.split("."), kind) if colon else (text,)
-    if not all(name.isidentifier() for name in names):
-        file = text.removesuffix(".py").replace("/", ".")
-        hint = f"; did you mean {file}:CLASS, with the name of a class in that file?" if text.endswith(".py") else ""
-        raise argparse.ArgumentTypeError(f"an app is a plug-in's name or module:Class, got {text!r}{hint}")
+    if all(name.isidentifier() for name in names):
+        return text
+    from homebot.plugins import is_file  # noqa: PLC0415 - few apps are files
+
+    if not is_file(text):
+        raise argparse.ArgumentTypeError(
+            f"an app is a plug-in's name, module:Class, FILE.py or FILE.py:Class, got {text!r}"
+        )
     return text
 
 

@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import re
-import sys
 from collections.abc import Iterable, Sequence
-from pathlib import Path
-from types import ModuleType
 from typing import Final
 
 from homebot.apps import App
 from homebot.config import Table
-from homebot.errors import PluginError, UsageError
-from homebot.file_access import why_not_trusted
-from homebot.plugins import load_plugin
+from homebot.errors import UsageError
+from homebot.plugins import is_file, load_plugin, name_in_file
 from homebot.recording.lines import RecordedApp
 
 __all__ = ["app_tables"]
 
 _APPS: Final = "homebot.apps"
-_FILE: Final = re.compile(r"(?P<file>.+\.py)(?::(?P<kind>\w+))?")
 
 
 def app_tables(recorded: Iterable[RecordedApp], wanted: Sequence[str], given: dict[str, Table]) -> dict[str, Table]:
@@ -67,37 +61,5 @@ def _settings(app: RecordedApp) -> Table:
 
 def _found(text: str) -> type[object]:
     """Return the class that *text* names."""
-    if (match := _FILE.fullmatch(text)) is None:
-        plugin: type[object] = load_plugin(_APPS, text)
-        return plugin
-    module = _module(Path(match["file"]))
-    kinds = {name: kind for name, kind in vars(module).items() if _is_app(kind, module)}
-    if match["kind"] is not None:
-        kinds = {name: kind for name, kind in kinds.items() if name == match["kind"]}
-    if len(kinds) != 1:
-        names = ", ".join(kinds) or "none"
-        raise PluginError(text, f"must be one app, FILE.py or FILE.py:CLASS; the file has: {names}")
-    found: type[object] = next(iter(kinds.values()))
+    found: type[object] = load_plugin(_APPS, name_in_file(text, App) if is_file(text) else text)
     return found
-
-
-def _is_app(kind: object, module: ModuleType) -> bool:
-    return isinstance(kind, type) and issubclass(kind, App) and kind.__module__ == module.__name__
-
-
-def _module(file: Path) -> ModuleType:
-    """Run *file* as a module of its own, beside one of the same name that is installed."""
-    if problem := why_not_trusted(file):
-        raise PluginError(str(file), f"is not loaded: {problem}")
-    name = f"replayed_{file.stem}"
-    spec = importlib.util.spec_from_file_location(name, file)
-    if spec is None or spec.loader is None or not name.isidentifier():
-        raise PluginError(str(file), "is no file of Python")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except Exception as exc:
-        del sys.modules[name]
-        raise PluginError(str(file), f"cannot be loaded: {type(exc).__name__}: {exc}") from exc
-    return module

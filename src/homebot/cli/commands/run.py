@@ -20,6 +20,7 @@ from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, Table, load_config, parse_config
 from homebot.log import configure_logging
 from homebot.output import queued_output
+from homebot.plugins import is_file, name_in_file
 from homebot.production_loop import ProductionLoop
 from homebot.runtime import Runtime
 
@@ -51,7 +52,7 @@ _EXAMPLES = """\
   homebot run --house family.toml                 the same, with a house that you describe
   homebot run --mqtt mqtt://192.168.1.10 --root home425      your own broker, observe only
   homebot run --mqtt mqtt://192.168.1.10 --root home425 --act --app light_service    act, with an app that you name
-  homebot run --app my_app:MyApp                  an app of your own instead of the light service
+  homebot run --app my_app.py                     an app of your own instead of the light service
   homebot run --config homebot.toml --dry-run     what apps would command, with nothing sent to any device
   homebot run --config homebot.toml               all settings in a file
 
@@ -84,8 +85,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=app,
         action="append",
         default=[],
-        help="app to run, a plug-in's name or module:Class; may be given more than once (default: the light service "
-        "in the simulated house, none on a broker of your own)",
+        help="app to run: a plug-in's name, module:Class or a Python file; may be given more than once (default: the "
+        "light service in the simulated house, none on a broker of your own)",
     )
     parser.add_argument(
         "--act", action="store_true", help="allow the gateway `mqtt` to send commands to an outside broker"
@@ -192,7 +193,7 @@ def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
     if options.act:
         mqtt["act"] = True
     for name in options.app:
-        _add_app(tables["apps"], name)
+        _add_app(tables["apps"], _with_its_class(name) if is_file(name) else name)
     is_in_file = not tables["door"].keys().isdisjoint({"host", "port"})
     if door := options.door or (None if is_in_file else door_of_environment()):
         tables["door"].update(host=door[0], port=door[1])
@@ -226,6 +227,13 @@ def _base(options: argparse.Namespace) -> tuple[Config, World | None]:
     from homebot.house import thesis_world  # noqa: PLC0415 - as above
 
     return parse_config(tables, COMMAND_LINE), thesis_world()
+
+
+def _with_its_class(file: str) -> str:
+    """Return the app in *file* as ``FILE.py:Class``."""
+    from homebot.apps import App  # noqa: PLC0415 - few runs name a file
+
+    return name_in_file(file, App)
 
 
 def _add_app(apps: dict[str, dict[str, object]], wanted: str) -> None:
