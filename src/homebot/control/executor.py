@@ -16,6 +16,7 @@ from homebot.control.echoes import NO_ECHOES, EchoHistory, ExpectedEchoes
 from homebot.control.gateway_watch import GatewayWatch
 from homebot.control.held_values import related
 from homebot.control.journal import CommandJournal
+from homebot.control.journal.given_codes import may_be_code, without_codes
 from homebot.control.judge import Judge
 from homebot.control.late_answers import LateAnswers
 from homebot.control.learnt_persistence import LearntPersistence
@@ -32,7 +33,7 @@ from homebot.control.transmission import Signal, Transmission
 from homebot.control.value_text import value_text
 from homebot.control.witnesses import WitnessVerification
 from homebot.devices import FIND_DEVICES, Device, DevicePart, FindDevices
-from homebot.devices.command_messages import CommandRequest, CommandResult
+from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
 from homebot.devices.command_results import result_of
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.services import FindDevicesRequest
@@ -121,7 +122,7 @@ class CommandExecutor:
     async def perform(self, request: CommandRequest) -> CommandResult:
         """Carry a command out, and return what became of it."""
         name = self._journal.next_id()
-        self._journal.requested(name, request)
+        self._journal.requested(name, await self._noted(request))
         result = await self._perform(name, request)
         self._journal.decided(name, request, result)
         return result
@@ -160,6 +161,19 @@ class CommandExecutor:
         self._settling.supersede(command)
         if self._late.awaited:
             self._late.end(command.place)
+
+    async def _noted(self, request: CommandRequest) -> CommandRequest:
+        """Return *request* as the journal may have it."""
+        if not may_be_code(request.settings):  # as nearly always
+            return request
+        try:
+            device = await self.find_device(request.device)
+        except ServiceError:
+            device = None
+        part = None if device is None else device.part(request.part)
+        if device is None or part is None:
+            return request.with_checked(settings=())  # nothing is known of what it is
+        return request.with_checked(settings=without_codes(request.settings, device, part))
 
     async def _perform(self, name: str, request: CommandRequest) -> CommandResult:
         try:
@@ -217,7 +231,7 @@ class CommandExecutor:
                 return result_of(AlreadySo(command_id=command.id))
             if (assumed := self.rehearsed(command)) is not None:
                 await asyncio.sleep(_REHEARSED)
-                return rehearsed_result(assumed, pending.wanted)
+                return rehearsed_result(assumed, without_codes(pending.wanted, command.device, command.part))
             outcome = await self._send_and_verify(pending, changed)
             is_lost = isinstance(outcome, NoAnswer) or (isinstance(outcome, Refused) and outcome.policy == "gateway")
             if is_lost and await self._is_gone(command):
@@ -355,4 +369,6 @@ class CommandExecutor:
 
 
 def _settings_text(command: IssuedCommand) -> str:
-    return ", ".join(f"{name} {value_text(value)}" for name, value in command.settings.items())
+    wanted = tuple(Setting.of(name, value) for name, value in command.settings.items())
+    shown = without_codes(wanted, command.device, command.part)
+    return ", ".join(f"{one.capability} {value_text(one.value.plain())}" for one in shown)

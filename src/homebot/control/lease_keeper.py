@@ -16,6 +16,7 @@ from homebot.control.executor import CommandExecutor
 from homebot.control.held_parts import held_part
 from homebot.control.held_values import STOPPED
 from homebot.control.journal import CommandJournal
+from homebot.control.journal.given_codes import without_codes
 from homebot.control.journal.journal import LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, held_text
 from homebot.control.missing_part import missing_part
@@ -99,6 +100,8 @@ class LeaseKeeper:
         if device is None or part is None:
             return LeaseResponse(held=False, result=missing_part(request.device, request.part, device))
         request = request.with_checked(setting=_setting_of(request.setting, part))
+        if (shown := without_codes((request.setting,), device, part)) != (request.setting,):
+            return self._refused(request.with_checked(setting=shown[0]), "a code is given once, and nothing to hold")
         refused = self._executor.preview(_command_of(request), device, part)
         if refused is not None:  # before it holds: it would block others meanwhile
             return self._refused(request, refused.reason, refused.policy)

@@ -8,6 +8,7 @@ from homebot.control.client_commands import POLICY, client_refusal
 from homebot.control.command import IssuedCommand
 from homebot.control.executor import CommandExecutor
 from homebot.control.journal import CommandJournal
+from homebot.control.journal.given_codes import public_text, without_codes
 from homebot.control.judge import Judge
 from homebot.control.rehearsal import rehearsed_result
 from homebot.devices import Device, DevicePart
@@ -73,7 +74,7 @@ class TextCommands:
         part = part_at(device, target.gateway, target.address) or _unknown_part(device)
         capability, value = _setting(request.payload, part)
         noted = _command_request(request, part.id, capability, value)
-        self._journal.requested(name, noted)
+        self._journal.requested(name, _public(noted, request.payload, device, part, target))
         command = IssuedCommand(
             id=name,
             device=device,
@@ -114,7 +115,7 @@ class TextCommands:
         return self._executor.refusal(command)
 
     def _failed(self, name: str, request: SendTextRequest, outcome: Outcome) -> SendTextResponse:
-        noted = _command_request(request, "", UNREAD, request.payload)
+        noted = _command_request(request, "", UNREAD, public_text(request.payload, ""))
         self._journal.requested(name, noted)
         self._journal.decided(name, noted, result_of(outcome))
         return _response(outcome)
@@ -143,6 +144,19 @@ def _command_request(request: SendTextRequest, part: str, capability: str, value
         cause=request.trigger.id,
         trigger=request.trigger,
     )
+
+
+def _public(
+    noted: CommandRequest, payload: str, device: Device, part: DevicePart, target: TextTarget
+) -> CommandRequest:
+    """Return *noted*, which *payload* is for *part*, without the code that it may have."""
+    if noted.settings[0].capability == UNREAD:
+        return noted.with_checked(settings=(_unread(payload, target.address),))
+    return noted.with_checked(settings=without_codes(noted.settings, device, part))
+
+
+def _unread(payload: str, address: str) -> Setting:
+    return Setting.of(UNREAD, public_text(payload, address)[:_LONGEST_NOTED])
 
 
 def _unknown_part(device: Device) -> DevicePart:

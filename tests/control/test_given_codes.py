@@ -1,0 +1,114 @@
+"""The journal has that a code was given, and not which; in virtual time."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from structlog.testing import capture_logs
+from tests.control.conftest import Home, OpenHome, ignore
+
+from homebot.control.journal.given_codes import CODE_GIVEN, public_text
+from homebot.devices import GatewayNames, RawCommand
+from homebot.devices.command_messages import CommandRequest, Setting
+from homebot.devices.handles import Handle
+from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest
+from homebot.devices.lease_messages import HoldPart, HoldRequest
+from homebot.devices.names import HOLD_PART, JOURNAL_ENTRIES, READ_JOURNAL
+from homebot.devices.value import PlainValue, Value
+from homebot.recording.lines import RecordedCommand
+from homebot.recording.recorded_commands import CommandNews
+
+pytestmark = pytest.mark.virtual_time
+
+CODE = "73550173"
+
+
+async def entries(home: Home) -> tuple[JournalEntry, ...]:
+    return (await home.app.create_client(ReadJournal, READ_JOURNAL).call(ReadJournalRequest())).entries
+
+
+async def give(home: Home, key: str, capability: str, value: PlainValue) -> None:
+    device = (await home.handle(Handle, key)).device
+    setting = Setting(capability=capability, value=Value.of(value))
+    await home.control.perform(CommandRequest(device=device.id, part="", settings=(setting,), issuer="client:kitchen"))
+
+
+@pytest.mark.parametrize(("capability", "code"), [("text", CODE), ("number", float(CODE))])
+async def test_a_code_that_is_commanded_is_sent_and_kept_nowhere(
+    open_home: OpenHome, capability: str, code: PlainValue
+) -> None:
+    """Nor published, logged or recorded; that one was given is."""
+    with capture_logs() as lines:
+        async with open_home() as home:
+            seen: list[JournalEntry] = []
+            home.app.create_subscription(JournalEntry, JOURNAL_ENTRIES, seen.append, 100)
+            home.behaviours["keypad"] = ignore
+            home.put("keypad", "x_setting", capability, name="Pin Code", is_silent=True)
+            await give(home, "pin code", capability, code)
+            assert [one.value.plain() for one in home.commands] == [code]
+            found = await entries(home)
+            assert [one.kind for one in found] == ["requested", "sent", "acknowledged", "outcome"]
+            assert [one.value.plain() for one in found[0].settings] == [CODE_GIVEN]
+            recorded = CommandNews().of(found[0])
+            assert isinstance(recorded, RecordedCommand)
+            assert [one.value.plain() for one in recorded.settings] == [CODE_GIVEN]
+    assert CODE not in f"{found} {seen} {lines}"
+
+
+async def test_what_is_no_code_is_in_the_journal(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("display", "x_setting", "text", is_silent=True)
+        await give(home, "display", "text", "Dinner is ready")
+        assert [one.value.plain() for one in (await entries(home))[0].settings] == ["Dinner is ready"]
+
+
+async def test_a_code_is_not_held(open_home: OpenHome) -> None:
+    """Everybody may see what is held."""
+    async with open_home() as home:
+        home.put("keypad", "x_setting", "text", name="Pin Code", is_silent=True)
+        device = (await home.handle(Handle, "pin code")).device
+        request = HoldRequest(
+            device=device.id,
+            setting=Setting(capability="text", value=Value.of(CODE)),
+            lease="1",
+            by="robot",
+            ttl=60,
+            issuer="client:kitchen",
+        )
+        answer = await home.app.create_client(HoldPart, HOLD_PART).call(request)
+        assert (answer.held, answer.result.reason) == (False, "a code is given once, and nothing to hold")
+        (denied,) = await entries(home)
+        assert (denied.kind, CODE in str(denied)) == ("denied", False)
+        assert home.commands == []
+
+
+async def test_a_raw_text_with_a_code_is_noted_without_it(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        address = (await home.handle(Handle, "lamp")).device.endpoints[0].command_address
+        publisher = home.app.create_publisher(RawCommand, GatewayNames("memory").out)
+        publisher.publish(RawCommand(address=address, payload=f'{{"action": "DISARM", "code": "{CODE}"}}'))
+        await anyio.sleep(0.1)
+        (noted,) = await entries(home)
+        assert (noted.kind, noted.text) == ("published", '{"action": "DISARM", "code": "***"}')
+
+
+@pytest.mark.parametrize(
+    ("address", "text", "noted"),
+    [
+        ("alarm/set", f'{{"action": "DISARM", "code": "{CODE}"}}', '{"action": "DISARM", "code": "***"}'),
+        ("alarm/set", f'{{"code": {CODE}, "action": "DISARM"}}', '{"code": "***", "action": "DISARM"}'),
+        (
+            "lock/set",
+            f'{{"pin_code": {{"user": 1, "pin_code": "{CODE}"}}}}',
+            '{"pin_code": {"user": 1, "pin_code": "***"}}',
+        ),
+        ("lock/set", f'{{"wifi_password": "a \\" {CODE}"}}', '{"wifi_password": "***"}'),
+        ("lock/set", f"user code {CODE}", CODE_GIVEN),
+        ("zigbee2mqtt/lock/set/pin_code", CODE, CODE_GIVEN),
+        ("lamp/set", '{"state": "ON", "color_mode": "xy"}', '{"state": "ON", "color_mode": "xy"}'),
+        ("lamp/set", "on", "on"),
+    ],
+)
+def test_of_a_raw_text_all_but_the_code_is_noted(address: str, text: str, noted: str) -> None:
+    assert public_text(text, address) == noted
