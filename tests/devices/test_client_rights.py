@@ -107,6 +107,14 @@ def test_a_device_that_lets_in_or_floods_or_burns_always_asks(one: Device) -> No
         "Unlatch",
         "Front door release",
         "Gate strike",
+        "Disarm",
+        "Water heater",
+        "Immersion heater 2",
+        "Hot water",
+        "Geyser",
+        "Sauna",
+        "Sauna heater",
+        "Fireplace left",
     ],
 )
 @pytest.mark.parametrize(
@@ -177,6 +185,10 @@ def test_a_choice_does_not_ask_by_the_name_of_its_device() -> None:
         "Release",
         "Door chime",
         "Stop",
+        "Hot water pump",
+        "Cold water",
+        "Sauna light",
+        "Fireplace lamp",
     ],
 )
 @pytest.mark.parametrize(("service_type", "capability"), [("plug", "on_off"), ("x_setting", "push")])
@@ -205,6 +217,18 @@ def test_what_is_no_relay_or_cover_does_not_ask_by_its_name(name: str, service_t
 )
 def test_a_part_that_does_not_drive_what_the_model_is_called_does_not_ask(model: str, service_type: str) -> None:
     one = of_model(model, service_type, "on_off")
+    assert not always_asks(one, one.parts[0])
+
+
+@pytest.mark.parametrize("name", ["DHW setpoint", "dhw1 selected temperature", "Hot water target", "Water heater"])
+def test_how_hot_the_water_becomes_asks(name: str) -> None:
+    one = device("heat pump", part("x_setting", name=name, capabilities=(HOT_WATER,)))
+    assert always_asks(one, one.parts[0])
+
+
+@pytest.mark.parametrize("name", ["Flow target", "Water pressure", "Hot day limit"])
+def test_another_temperature_does_not(name: str) -> None:
+    one = device("heat pump", part("x_setting", name=name, capabilities=(HOT_WATER,)))
     assert not always_asks(one, one.parts[0])
 
 

@@ -26,16 +26,17 @@ APPROVED: Final = "approved"
 
 _CAPABILITIES = frozenset({"alarm", "lock", "valve", "water_heater_mode"})
 _OVENS = frozenset({"cooker", "cooktop", "hob", "kiln", "oven", "stove"})
-_ENDINGS = frozenset(
-    {"boiler", "deadbolt", "doorlock", "garagedoor", "gate", "gates", "lock", "locks", "valve", "valves"}
+_HEATERS = frozenset({"boiler", "geyser", "sauna"})
+_HOT_WATER = (("hot", "water"), ("immersion", "heater"), ("sauna", "heater"), ("water", "heater"))
+_ENDINGS = _HEATERS | frozenset(
+    {"deadbolt", "doorlock", "fireplace", "garagedoor", "gate", "gates", "lock", "locks", "valve", "valves"}
 )
-_HEATERS = frozenset({"boiler"})
 _DEGREES = frozenset({"°C", "°F", "K"})
 _RELAYS = frozenset({"plug", "switch", "window_covering", "x_unknown"})
 _HARMLESS = frozenset({"light"})
 _VALVES = frozenset({"irrigation", "valve", "valves"})
 _MOVED_BY_OPENERS = frozenset({"door", "garage", "gate"})
-_LETS_IN = frozenset({"unlatch", "unlock"})
+_LETS_IN = frozenset({"disarm", "unlatch", "unlock"})
 _RELEASES = frozenset({"buzzer", "release", "strike"})
 _OPENED = frozenset({"door", "doors", "garage"})
 _BUTTONS = frozenset({"x_scene", "x_setting"})
@@ -115,7 +116,8 @@ def _is_named_button(device: Device, part: DevicePart) -> bool:
         if not one.settable:
             continue
         if one.name == "number" and one.unit in _DEGREES:
-            return _is_named(_HEATERS, *_names(device, part))
+            names = _names(device, part)
+            return _is_named(_HEATERS, *names) or any(map(_is_of_hot_water, names))
         if one.name in _PRESSED and not told.category and told.tag not in _NO_DEED:
             return _is_named(_ENDINGS, *_names(device, part))
         if one.name == "option" and not told.category:
@@ -147,9 +149,16 @@ def _is_called(words: tuple[str, ...], endings: frozenset[str]) -> bool:
     whole, called = (_without_which(one) for one in (words, words[:place]))
     if {*whole[-2:]} == {"garage", "door"} or (whole[-1:] == ("opener",) and not _MOVED_BY_OPENERS.isdisjoint(whole)):
         return True
-    if _opens(words, whole):
+    if _opens(words, whole) or whole[-2:] in _HOT_WATER:
         return True
     return any(one and one[-1] in endings and one[-2:] != ("child", "lock") for one in (whole, called))
+
+
+@lru_cache(maxsize=1024)
+def _is_of_hot_water(name: str) -> bool:
+    """Return whether *name* has the word for what comes out of the taps: ``DHW setpoint``, ``Hot water``."""
+    words = words_of(name)
+    return {"hot", "water"}.issubset(words) or any(one.rstrip("0123456789") == "dhw" for one in words)
 
 
 def _opens(words: tuple[str, ...], whole: tuple[str, ...]) -> bool:
