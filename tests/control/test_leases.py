@@ -31,6 +31,7 @@ from homebot.devices.names import END_LEASES, GET_LEASES, HOLD_PART, PERFORM_COM
 from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Refused
 from homebot.devices.value import Value
 from homebot.errors import RefusedError, UsageError
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 
 pytestmark = pytest.mark.virtual_time
 
@@ -357,6 +358,31 @@ async def test_who_holds_or_commands_what_is_not_there_is_told_what_is(
         command = CommandRequest(device=device, part=part, settings=(lit,), issuer="client:cook")
         result = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(command)
         assert (result.outcome, result.text) == ("gone", problem)
+
+
+@pytest.mark.parametrize(
+    ("relays", "answer"),
+    [
+        (("relay",), (True, "no_answer")),
+        (("left", "right"), (False, "gone")),
+    ],
+)
+async def test_a_part_is_named_only_where_several_take_what_is_held(
+    open_home: OpenHome, relays: tuple[str, ...], answer: tuple[bool, str]
+) -> None:
+    """A child lock, which is a setting, is not what is meant by a plug."""
+    async with open_home() as home:
+        switch = simple_part("switch", settable=("on_off",))
+        lock = simple_part("x_setting", settable=("on_off",)).model_copy(update={"id": "lock", "category": "config"})
+        parts = (lock, *(switch.model_copy(update={"id": name}) for name in relays))
+        home.gateway.devices.put(GatewayDevice("plug", "Plug", parts), "the test says so")
+        home.behaviours["plug"] = ignore
+        await anyio.sleep(0.1)
+        lit = Setting(capability="on_off", value=Value.of(True))
+        held = await hold(home, HoldRequest(device="plug", setting=lit, lease="1", by="cook", ttl=60, issuer="/cook"))
+        assert (held.held, held.result.outcome) == answer
+        assert [one.part for one in home.commands] == ["relay"] * 3 * held.held
+        assert ("it has lock, left, right" in held.result.text) is not held.held
 
 
 @pytest.mark.parametrize(("word", "by", "ttl"), [("open", "", 10), ("open", "  ", 10), ("open", "robot", 0.5)])

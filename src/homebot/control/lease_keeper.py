@@ -22,7 +22,7 @@ from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, 
 from homebot.control.missing_part import missing_part
 from homebot.control.report_watch import ReportWatch
 from homebot.control.value_text import value_text
-from homebot.devices import DevicePart
+from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
 from homebot.devices.command_results import outcome_of, result_of
@@ -96,10 +96,10 @@ class LeaseKeeper:
             device = await self._executor.find_device(request.device)
         except ServiceError as exc:
             return LeaseResponse(held=False, result=result_of(NoAnswer(0.0, str(exc))))
-        part = None if device is None else device.part(request.part)
+        part = None if device is None else _meant_part(device, request)
         if device is None or part is None:
             return LeaseResponse(held=False, result=missing_part(request.device, request.part, device))
-        request = request.with_checked(setting=_setting_of(request.setting, part))
+        request = request.with_checked(part=part.id, setting=_setting_of(request.setting, part))
         if (shown := without_codes((request.setting,), device, part)) != (request.setting,):
             return self._refused(request.with_checked(setting=shown[0]), "a code is given once, and nothing to hold")
         refused = self._executor.preview(_command_of(request), device, part)
@@ -291,6 +291,19 @@ class LeaseKeeper:
     def _log(self, event: str, lease: Lease, text: str) -> None:
         device, part = lease.part
         self._node.log.info(event, message=f"{device}#{part} {text}" if part else f"{device} {text}", device=device)
+
+
+def _meant_part(device: Device, request: HoldRequest) -> DevicePart | None:
+    """Return the part that *request* names; without a name, the only one that takes what is held, settings last."""
+    part = device.part(request.part)
+    if part is not None or request.part:
+        return part
+    capability = request.setting.capability
+    able = [
+        part for part in device.parts if any(one.settable and one.name == capability for one in part.part.capabilities)
+    ]
+    found = [one for one in able if not one.part.category] or able
+    return found[0] if len(found) == 1 else None
 
 
 def _setting_of(wanted: Setting, part: DevicePart) -> Setting:

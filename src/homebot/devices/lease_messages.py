@@ -53,7 +53,7 @@ class HoldRequest(Message):
 
     Attributes:
         device: The id of the device.
-        part: The id of the part.
+        part: The id of the part; empty for the only one that takes what is held, settings aside.
         setting: The capability and the value that is held.
         lease: A name for the lease that the holder chooses, such as a UUID, unique among its own.
         by: Who holds it, in a word for people, such as ``robot``; not blank.
