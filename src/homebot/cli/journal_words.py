@@ -49,7 +49,7 @@ def entry_text(entry: JournalEntryRecord, names: Mapping[str, str]) -> str:
             reason = f": {printable(verdict['reason'])}" if verdict["reason"] else ""
             return f"{printable(verdict['policy'])} {'allowed it' if verdict['allowed'] else 'said no'}{reason}"
         case "sent":
-            return "sent again" if entry["text"] else "sent"
+            return "handed to the gateway again" if entry["text"] else "handed to the gateway"
         case "acknowledged":
             return "the network accepted it"
         case "reported":
