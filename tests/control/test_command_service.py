@@ -106,6 +106,8 @@ async def test_what_is_only_pressed_or_called_needs_no_value(open_home: OpenHome
         ("on", {"level": "40"}, [("level", 40.0)]),
         ("on", {"level": "40 %", "kelvin": "2700 K"}, [("color_temperature", 2700.0), ("level", 40.0)]),
         ("set", {"color": "120,80"}, [("color", (120.0, 80.0))]),
+        ("set", {"color": "120, 80"}, [("color", (120.0, 80.0))]),
+        ("on", {"color": "120 80"}, [("color", (120.0, 80.0))]),
         ("0.4", {}, [("level", 40.0)]),
         ("ON", {}, [("on_off", True)]),
         ("Turn_On", {"level": "40"}, [("level", 40.0)]),
@@ -174,6 +176,7 @@ async def test_robots_take_words_and_mode_is_that_of_the_device(
         ("on", {"level": "40 lx"}, "'40 lx' as level of Lamp: "),
         ("set", {"on_off": "maybe"}, "it takes on or off"),
         ("set", {"position": "4"}, "position of Lamp: it takes on_off, level"),
+        ("on", {"color": "red"}, "color of Lamp: it takes on_off, level"),
         ("level", {}, "level without a value: it takes 0 to 100 %"),
         ("brightness", {}, "brightness without a value: it takes 0 to 100 %"),
         ("on_off", {}, "on_off without a value: it takes on or off"),
@@ -193,6 +196,28 @@ async def test_what_makes_no_sense_is_refused_and_not_sent(
         assert (answer.success, answer.outcome, one.result.policy) == (False, "refused", "device")
         assert problem in one.result.text
         assert answer.message == f"Lamp: {one.result.text}"
+        assert home.commands == []
+
+
+COLOR = "it takes hue (0 to 360) and saturation (0 to 100), such as 0,100 for red or 240,50 for pale blue"
+
+
+@pytest.mark.parametrize(
+    ("word", "values", "problem"),
+    [
+        ("on", {"color": "red"}, f"'red' as color of Lamp: {COLOR}"),
+        ("on", {"color": "120"}, f"'120' as color of Lamp: {COLOR}"),
+        ("on", {"color": "120,x,80"}, f"'120,x,80' as color of Lamp: {COLOR}"),
+        ("color", {}, f"color without a value: {COLOR}"),
+    ],
+)
+async def test_what_is_no_colour_is_refused_with_an_example(
+    open_home: OpenHome, word: str, values: dict[str, str], problem: str
+) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "color")
+        answer = await command(home, "lamp", word, values)
+        assert answer.message == f"Lamp: refused (device): {problem}"
         assert home.commands == []
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
@@ -10,6 +11,9 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
 __all__ = ["accepted_values", "check_setting"]
+
+_COLOR: Final = "hue (0 to 360) and saturation (0 to 100), such as 0,100 for red or 240,50 for pale blue"
+"""What every colour takes, which alone has several numbers."""
 
 
 def check_setting(target: str, part: Part, capability: str, value: PlainValue) -> None:
@@ -48,6 +52,8 @@ def _accepted(capability: Capability) -> str:
         return ", ".join(capability.options)
     if kind == "bool":
         return "on or off"
+    if kind == "numbers":
+        return _COLOR
     return _span(_bounds(capability), capability) if kind == "number" else "a value"
 
 

@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("values", metavar="VALUE", nargs="*", default=[], help="the value of a capability")
     parser.add_argument("--level", metavar="PERCENT", help="brightness, above 0 and up to 100")
     parser.add_argument("--kelvin", metavar="K", help="colour temperature")
-    parser.add_argument("--color", metavar="HUE,SATURATION", help="hue, 0 to 360, and saturation, 0 to 100")
+    parser.add_argument("--color", metavar="HUE,SATURATION", help="hue to 360, and saturation to 100: 0,100 is red")
     parser.add_argument("--transition", metavar="S", type=_seconds, default=0.0, help="seconds that the change takes")
     parser.add_argument("--ask-code", action="store_true", help="ask for the code of a lock or an alarm")
     parser.add_argument("--json", action="store_true", help="print the answer of homebot as JSON")
