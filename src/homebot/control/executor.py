@@ -16,7 +16,7 @@ from homebot.control.echoes import NO_ECHOES, EchoHistory, ExpectedEchoes
 from homebot.control.gateway_watch import GatewayWatch
 from homebot.control.held_values import related
 from homebot.control.journal import CommandJournal
-from homebot.control.journal.given_codes import may_be_code, without_codes
+from homebot.control.journal.given_codes import MAY_BE_CODE, without_codes
 from homebot.control.judge import Judge
 from homebot.control.late_answers import LateAnswers
 from homebot.control.learnt_persistence import LearntPersistence
@@ -122,7 +122,12 @@ class CommandExecutor:
     async def perform(self, request: CommandRequest) -> CommandResult:
         """Carry a command out, and return what became of it."""
         name = self._journal.next_id()
-        self._journal.requested(name, await self._noted(request))
+        noted = request
+        for one in request.settings:
+            if one.capability in MAY_BE_CODE:
+                noted = await self._without_codes(request)
+                break
+        self._journal.requested(name, noted)
         result = await self._perform(name, request)
         self._journal.decided(name, request, result)
         return result
@@ -162,10 +167,8 @@ class CommandExecutor:
         if self._late.awaited:
             self._late.end(command.place)
 
-    async def _noted(self, request: CommandRequest) -> CommandRequest:
+    async def _without_codes(self, request: CommandRequest) -> CommandRequest:
         """Return *request* as the journal may have it."""
-        if not may_be_code(request.settings):  # as nearly always
-            return request
         try:
             device = await self.find_device(request.device)
         except ServiceError:

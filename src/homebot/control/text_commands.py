@@ -8,7 +8,7 @@ from homebot.control.client_commands import POLICY, client_refusal
 from homebot.control.command import IssuedCommand
 from homebot.control.executor import CommandExecutor
 from homebot.control.journal import CommandJournal
-from homebot.control.journal.given_codes import public_text, without_codes
+from homebot.control.journal.given_codes import MAY_BE_CODE, public_text, without_codes
 from homebot.control.judge import Judge
 from homebot.control.rehearsal import rehearsed_result
 from homebot.devices import Device, DevicePart
@@ -74,7 +74,8 @@ class TextCommands:
         part = part_at(device, target.gateway, target.address) or _unknown_part(device)
         capability, value = _setting(request.payload, part)
         noted = _command_request(request, part.id, capability, value)
-        self._journal.requested(name, _public(noted, request.payload, device, part, target))
+        may_be_code = capability in MAY_BE_CODE or capability == UNREAD
+        self._journal.requested(name, _public(noted, request.payload, device, part, target) if may_be_code else noted)
         command = IssuedCommand(
             id=name,
             device=device,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from functools import lru_cache
 from typing import Final
 
 from homebot.conventions.secrets import names_secret
@@ -12,12 +12,14 @@ from homebot.devices.command_messages import Setting
 from homebot.devices.part import Part
 from homebot.devices.value import Value
 
-__all__ = ["CODE_GIVEN", "may_be_code", "public_text", "without_codes"]
+__all__ = ["CODE_GIVEN", "MAY_BE_CODE", "is_for_code", "public_text", "without_codes"]
 
 CODE_GIVEN: Final = "a code"
 """Stands for the code, in the place of its value."""
 
-_CAPABILITIES: Final = frozenset({"number", "text"})
+MAY_BE_CODE: Final = frozenset({"number", "text"})
+"""The capabilities whose value can be a code; no other is looked at."""
+
 _FIELD: Final = re.compile(
     r'(?P<key>"(?:[^"]*[_\W])?(?:\w*code|pin|password|token)"\s*:\s*)(?:"(?:[^"\\]|\\.)*"|[^\s",{}\[\]]+)',
     re.IGNORECASE,
@@ -25,22 +27,23 @@ _FIELD: Final = re.compile(
 """A field of JSON whose name says that it holds a code, with a text or a number."""
 
 
-def may_be_code(settings: Iterable[Setting]) -> bool:
-    """Return whether *settings* can have a code, whatever the part is called."""
-    return any(one.capability in _CAPABILITIES for one in settings)
-
-
 def without_codes(settings: tuple[Setting, ...], device: Device, part: DevicePart) -> tuple[Setting, ...]:
     """Return *settings*, which are for *part* of *device*, with :data:`CODE_GIVEN` for each code."""
-    if not may_be_code(settings) or not _takes_code(device, part.part):
+    if MAY_BE_CODE.isdisjoint(one.capability for one in settings) or not _takes_code(device, part.part):
         return settings
     given = Value.of(CODE_GIVEN)
-    return tuple(one.with_checked(value=given) if one.capability in _CAPABILITIES else one for one in settings)
+    return tuple(one.with_checked(value=given) if one.capability in MAY_BE_CODE else one for one in settings)
+
+
+@lru_cache(maxsize=1024)
+def is_for_code(address: str) -> bool:
+    """Return whether what is sent to *address* is a code, by the name."""
+    return names_secret(address)
 
 
 def public_text(text: str, address: str) -> str:
     """Return the raw *text* of a command to *address* with ``"***"`` for each code in a field, or without all of it."""
-    if names_secret(address):
+    if is_for_code(address):
         return CODE_GIVEN
     found, count = _FIELD.subn(r'\g<key>"***"', text)
     return CODE_GIVEN if names_secret(found) and not count else found

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, final
 import anyio
 
 from homebot.control.journal.explained_changes import ExplainedChanges
-from homebot.control.journal.given_codes import public_text
+from homebot.control.journal.given_codes import is_for_code, public_text
 from homebot.control.journal.journal_note import JournalNote
 from homebot.devices import FIND_DEVICES, FindDevices, RawCommand
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
@@ -196,7 +196,10 @@ class CommandJournal:
     def published(self, device: str, command: RawCommand, at: float, *, is_sent: bool = True) -> None:
         """Note a raw command for a device, and whether it is sent; it came at *at*, in seconds since the Unix epoch."""
         name = command.command_id or self.next_id()
-        text = public_text(command.payload, command.address)[:_LONGEST]
+        text = command.payload
+        if not text.isalpha() or is_for_code(command.address):  # a word such as "on" is no code
+            text = public_text(text, command.address)
+        text = text[:_LONGEST]
         self._keep(
             JournalNote("published", at, device, "", name, issuer=command.issuer, trigger=command.trigger, text=text)
         )
