@@ -59,6 +59,11 @@ def test_words_are_a_guess(unit: str, words: set[str], expected: str) -> None:
         ("door", "kitchen", "contact"),
         ("gas meter connected", "", "state"),
         ("alarm", "smoke", "smoke"),
+        ("door closed", "", "state"),
+        ("closed", "door", "state"),
+        ("state", "window closed", "state"),
+        ("no motion", "", "state"),
+        ("open", "closed door", "contact"),
     ],
 )
 def test_a_word_tells_what_a_truth_means(words: str, around: str, expected: str) -> None:

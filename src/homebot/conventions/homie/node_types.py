@@ -233,16 +233,19 @@ def condition_of(tokens: frozenset[str], around: frozenset[str]) -> str:
     """Return the capability of a truth; ``state`` where nothing else is known.
 
     Args:
-        tokens: Of the property. One of a thing, such as a water tank, is no condition.
+        tokens: Of the property. One of a thing, such as a water tank, is no condition, nor is the opposite of one.
         around: Of its node; they count where the property's own say nothing.
     """
     if _is_object(tokens):
         return "state"
     counted = tokens if tokens & _CONDITIONS.keys() or not tokens <= _NEUTRAL else around
-    if counted is around and _is_object(around):
+    if (counted is around and _is_object(around)) or not _OPPOSITES.isdisjoint(tokens | counted):
         return "state"
     return next((capability for token, capability in _CONDITIONS.items() if token in counted), "state")
 
+
+_OPPOSITES = frozenset({"absent", "clear", "close", "closed", "dry", "no", "not", "ok", "safe", "shut", "vacant"})
+"""Words by which a truth is the opposite of the condition that it names: ``door-closed``, ``No motion``."""
 
 _NEUTRAL = frozenset(
     {"active", "alarm", "alert", "detected", "detection", "detector", "sensor", "state", "status", "triggered", "value"}
