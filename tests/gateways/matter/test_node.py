@@ -161,6 +161,32 @@ def test_commands_become_those_of_the_cluster(
     assert sent.items() >= payload.items()
 
 
+def test_gases_without_a_word_of_their_own_are_measurements_beside_the_quality_of_the_air() -> None:
+    device = only_device(
+        {
+            "1/29/0": [{"0": 0x002C, "1": 1}],
+            "1/91/0": 2,
+            "1/1043/0": 14.5,
+            "1/1043/8": 1,
+            "1/1045/0": 31.0,
+            "1/1045/8": 4,
+            "1/1067/0": None,
+            "1/1067/8": 3,
+            "1/1071/0": 88.0,
+            "1/1071/8": 7,
+        }
+    )
+    assert [(one.id, one.name, one.service_type) for one in device.device.parts] == [
+        ("1", "", "air_quality_sensor"),
+        ("1-nitrogen_dioxide", "Nitrogen dioxide", "air_quality_sensor"),
+        ("1-ozone", "Ozone", "air_quality_sensor"),
+        ("1-formaldehyde", "Formaldehyde", "air_quality_sensor"),
+        ("1-radon", "Radon", "air_quality_sensor"),
+    ]
+    found = [(readings(device, one.id)["measurement"], one.capabilities[0].unit) for one in device.device.parts[1:]]
+    assert found == [(14.5, "ppb"), (31.0, "µg/m³"), (None, "mg/m³"), (88.0, "Bq/m³")]
+
+
 def test_a_setpoint_is_written_in_hundredths_and_within_its_limits() -> None:
     assert orders(THERMOSTAT, "heating_setpoint", 21.5) == [{"node_id": 5, "attribute_path": "1/513/18", "value": 2150}]
     with pytest.raises(RefusedError, match="7"):

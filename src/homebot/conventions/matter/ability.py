@@ -26,7 +26,7 @@ class MatterAbility:
         read: Returns its value from the known attributes; None where it is never reported.
         write: Returns the orders that set it; None where it cannot be set.
         also_read: A further cluster that it is read from; None where there is none.
-        is_battery: Whether it is about the battery of the endpoint.
+        beside: The part of the endpoint that has it, such as ``battery``; empty for what the endpoint is for.
     """
 
     cluster: int
@@ -34,7 +34,7 @@ class MatterAbility:
     read: Callable[[MatterEndpoint], PlainValue] | None = None
     write: WriteValue | None = None
     also_read: int | None = None
-    is_battery: bool = False
+    beside: str = ""
 
 
 FindAbilities: TypeAlias = Callable[[MatterEndpoint], Iterable[MatterAbility]]

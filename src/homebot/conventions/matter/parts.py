@@ -17,7 +17,7 @@ from homebot.conventions.matter.endpoint_name import name_of
 from homebot.conventions.matter.light_clusters import light_abilities
 from homebot.conventions.matter.opening_clusters import opening_abilities
 from homebot.conventions.matter.other_clusters import other_abilities
-from homebot.conventions.matter.sensor_clusters import sensor_abilities
+from homebot.conventions.matter.sensor_clusters import BATTERY, sensor_abilities
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Part
 
@@ -56,9 +56,9 @@ _FINDERS: Final = (
 
 
 def parts_of(endpoint: MatterEndpoint) -> Iterator[tuple[Part, tuple[MatterAbility, ...]]]:
-    """Yield the parts that an endpoint is: what it is for, and its battery."""
+    """Yield the parts that an endpoint is: what it is for, and beside that its battery and plain measurements."""
     abilities = tuple(find_abilities(endpoint))
-    main = tuple(one for one in abilities if not one.is_battery)
+    main = tuple(one for one in abilities if not one.beside)
     if any(one.read is not None or one.capability.name == "press" for one in main):
         service_type, is_guessed = _service_type(endpoint, main)
         capabilities = tuple(one.capability for one in main)
@@ -73,23 +73,27 @@ def parts_of(endpoint: MatterEndpoint) -> Iterator[tuple[Part, tuple[MatterAbili
             ),
             main,
         )
-    if battery := tuple(one for one in abilities if one.is_battery):
+    for beside in dict.fromkeys(one.beside for one in abilities if one.beside):
+        found = tuple(one for one in abilities if one.beside == beside)
+        is_battery = beside == BATTERY
         part = Part(
-            id=f"{endpoint.id}-battery",
-            service_type="x_battery",
-            category="diagnostic",
-            capabilities=tuple(one.capability for one in battery),
+            id=f"{endpoint.id}-{beside}",
+            name="" if is_battery else beside.replace("_", " ").capitalize(),
+            service_type="x_battery" if is_battery else "air_quality_sensor",
+            category="diagnostic" if is_battery else "",
+            capabilities=tuple(one.capability for one in found),
         )
-        yield part, battery
+        yield part, found
 
 
 def find_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
-    """Yield everything that an endpoint can do and report, each capability once."""
-    seen: set[str] = set()
+    """Yield everything that an endpoint can do and report, each capability of a part once."""
+    seen: set[tuple[str, str]] = set()
     for find in _FINDERS:
         for ability in find(endpoint):
-            if ability.capability.name not in seen:
-                seen.add(ability.capability.name)
+            name = (ability.beside, ability.capability.name)
+            if name not in seen:
+                seen.add(name)
                 yield ability
 
 

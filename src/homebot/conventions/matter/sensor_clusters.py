@@ -14,9 +14,12 @@ from homebot.conventions.matter.endpoint import MatterEndpoint, number_of
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 
-__all__ = ["sensor_abilities"]
+__all__ = ["BATTERY", "sensor_abilities"]
 
 _Convert: TypeAlias = Callable[[float], float | None]
+
+BATTERY: Final = "battery"
+"""The part of an endpoint that is its battery."""
 
 BOOLEAN_STATE, POWER_SOURCE, PRESSURE, ENERGY = 69, 47, 1027, 145
 _EVE: Final = 0x130AFC01
@@ -76,6 +79,10 @@ _CONCENTRATIONS: Final[Mapping[int, tuple[str, Mapping[int, float]]]] = {
 }
 """By cluster: what is measured, and the factors of the units that can be converted."""
 
+_PLAIN: Final = {1043: "nitrogen_dioxide", 1045: "ozone", 1067: "formaldehyde", 1071: "radon"}
+"""Clusters of what the vocabulary has no capability for: the measurements of parts beside the air's quality."""
+
+_UNITS: Final = ("ppm", "ppb", "ppt", "mg/m³", "µg/m³", "ng/m³", "1/m³", "Bq/m³")
 _CONCENTRATION, _UNIT = 0, 8
 _ORGANIC: Final = 1070
 _PARTS: Final = {0: "ppm", 1: "ppb", 2: "ppt"}
@@ -99,6 +106,15 @@ def sensor_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
             yield MatterAbility(ZIGBEE_METER, Capability(name=name), partial(_read_multiplied, *attributes))
     if endpoint.has(PRESSURE, 0):
         yield MatterAbility(PRESSURE, Capability(name="pressure"), _read_pressure)
+    yield from _concentrations(endpoint)
+    for name, attribute in (("energy", _IMPORTED), ("energy_returned", _EXPORTED)):
+        if endpoint.has(ENERGY, attribute):
+            yield MatterAbility(ENERGY, Capability(name=name), partial(_read_energy, attribute))
+    yield from _conditions(endpoint)
+    yield from _battery_abilities(endpoint)
+
+
+def _concentrations(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
     for cluster, (name, factors) in _CONCENTRATIONS.items():
         unit = endpoint.whole(cluster, _UNIT)
         if endpoint.has(cluster, _CONCENTRATION) and unit is not None and unit in factors:
@@ -108,11 +124,11 @@ def sensor_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
     if endpoint.has(_ORGANIC, _CONCENTRATION) and unit is not None and unit in _PARTS:
         read = partial(_read_number, _ORGANIC, _CONCENTRATION, _scaled(1, 0))
         yield MatterAbility(_ORGANIC, Capability(name="measurement", unit=_PARTS[unit]), read)
-    for name, attribute in (("energy", _IMPORTED), ("energy_returned", _EXPORTED)):
-        if endpoint.has(ENERGY, attribute):
-            yield MatterAbility(ENERGY, Capability(name=name), partial(_read_energy, attribute))
-    yield from _conditions(endpoint)
-    yield from _battery_abilities(endpoint)
+    for cluster, name in _PLAIN.items():
+        unit = endpoint.whole(cluster, _UNIT)
+        if endpoint.has(cluster, _CONCENTRATION) and unit is not None and 0 <= unit < len(_UNITS):
+            read = partial(_read_number, cluster, _CONCENTRATION, _scaled(1, 0))
+            yield MatterAbility(cluster, Capability(name="measurement", unit=_UNITS[unit]), read, beside=name)
 
 
 def _conditions(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
@@ -140,7 +156,7 @@ def _battery_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
     }
     for attribute, (name, read) in readers.items():
         if endpoint.has(POWER_SOURCE, attribute):
-            yield MatterAbility(POWER_SOURCE, Capability(name=name), read, is_battery=True)
+            yield MatterAbility(POWER_SOURCE, Capability(name=name), read, beside=BATTERY)
 
 
 def _boolean_state(endpoint: MatterEndpoint) -> tuple[str, bool]:
