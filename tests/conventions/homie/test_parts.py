@@ -261,6 +261,7 @@ def test_a_fan_is_told_its_speed_by_words(introduce: Introduce) -> None:
         ("heater", {"target-temperature": {"datatype": "float", "settable": True}}, "thermostat", "heating_setpoint"),
         ("blind", {"tilt": PERCENT}, "window_covering", "tilt"),
         ("garage", {"state": {"datatype": "enum", "format": "open,closed"}}, "closure", "movement"),
+        ("front-gate", {"move": {"datatype": "enum", "format": "OPEN,CLOSE", "settable": True}}, "closure", "movement"),
         ("bell", {"button": WATCHED}, "generic_switch", "press"),
         ("hall", {"motion": WATCHED}, "occupancy_sensor", "occupancy"),
         ("hall", {"ct": {"datatype": "integer", "unit": "K", "settable": True}}, "light", "color_temperature"),

@@ -19,6 +19,7 @@ NONE: frozenset[str] = frozenset()
         ("psi", "pressure", 1.0, 68.9475729),
         ("L/min", "flow", 10.0, 0.6),
         ("dBm", "signal_strength", -60.0, -60.0),
+        ("lux", "illuminance", 12.0, 12.0),
         (" °C ", "temperature", 21.5, 21.5),
     ],
 )

@@ -87,7 +87,7 @@ _DECLARED = re.compile(
 _CLASS = re.compile(r"(?:hc-smarthome/v[0-9]+/dc/|homie-device-profile/v[0-9]+/type=)([a-z0-9-]{1,40})")
 
 _GUESSES: tuple[tuple[str, frozenset[str]], ...] = (
-    ("garage-door", frozenset({"garage"})),
+    ("garage-door", frozenset({"garage", "gate", "gates"})),
     ("shutter", frozenset({"shutter", "blind", "blinds", "cover", "curtain", "roller", "awning", "shade"})),
     ("lock", frozenset({"lock"})),
     ("thermostat", frozenset({"thermostat", "heater", "heating", "radiator", "setpoint", "heatsetpoint"})),
@@ -170,7 +170,7 @@ _UNITS: Mapping[str, tuple[str, ...]] = {
     "voltage": ("V", "mV"),
     "current": ("A", "mA", "kA"),
     "frequency": ("Hz",),
-    "illuminance": ("lx",),
+    "illuminance": ("lx", "lux"),
     "pressure": ("hPa", "mbar", "Pa", "kPa", "bar", "psi"),
     "signal_strength": ("dBm",),
     "flow": ("m³/h", "L/h", "L/min"),
