@@ -146,6 +146,13 @@ def test_a_button_that_keeps_a_device_in_order_does_not(category: Category, tag:
     assert not always_asks(one, one.parts[0])
 
 
+@pytest.mark.parametrize("capability", ["option", "state"])
+@pytest.mark.parametrize(("name", "asks"), [("Gate trigger", True), ("Main valve", True), ("Keypad lock", False)])
+def test_a_setting_asks_by_its_name_but_no_lock_of_its_keys(name: str, capability: str, *, asks: bool) -> None:
+    one = device("yard", part("x_setting", capability, name=name, category="config"))
+    assert always_asks(one, one.parts[0]) is asks
+
+
 def test_a_choice_does_not_ask_by_the_name_of_its_device() -> None:
     one = device("Front gate", part("x_setting", "option", name="Sensitivity"))
     assert not always_asks(one, one.parts[0])
@@ -220,7 +227,9 @@ def test_a_part_that_does_not_drive_what_the_model_is_called_does_not_ask(model:
     assert not always_asks(one, one.parts[0])
 
 
-@pytest.mark.parametrize("name", ["DHW setpoint", "dhw1 selected temperature", "Hot water target", "Water heater"])
+@pytest.mark.parametrize(
+    "name", ["DHW setpoint", "dhw1 target", "Hot water target", "Water heater limit", "Boiler setpoint"]
+)
 def test_how_hot_the_water_becomes_asks(name: str) -> None:
     one = device("heat pump", part("x_setting", name=name, capabilities=(HOT_WATER,)))
     assert always_asks(one, one.parts[0])

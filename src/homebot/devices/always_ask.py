@@ -28,8 +28,11 @@ _CAPABILITIES = frozenset({"alarm", "lock", "valve", "water_heater_mode"})
 _OVENS = frozenset({"cooker", "cooktop", "hob", "kiln", "oven", "stove"})
 _HEATERS = frozenset({"boiler", "geyser", "sauna"})
 _HOT_WATER = (("hot", "water"), ("immersion", "heater"), ("sauna", "heater"), ("water", "heater"))
-_ENDINGS = _HEATERS | frozenset(
-    {"deadbolt", "doorlock", "fireplace", "garagedoor", "gate", "gates", "lock", "locks", "valve", "valves"}
+_LOCKS = frozenset({"lock", "locks"})
+_ENDINGS = (
+    frozenset({"deadbolt", "doorlock", "fireplace", "garagedoor", "gate", "gates", "valve", "valves"})
+    | _HEATERS
+    | _LOCKS
 )
 _DEGREES = frozenset({"°C", "°F", "K"})
 _RELAYS = frozenset({"plug", "switch", "window_covering", "x_unknown"})
@@ -41,6 +44,7 @@ _RELEASES = frozenset({"buzzer", "release", "strike"})
 _OPENED = frozenset({"door", "doors", "garage"})
 _BUTTONS = frozenset({"x_scene", "x_setting"})
 _PRESSED = frozenset({"push", "scene"})
+_CHOSEN = frozenset({"option", "state"})
 _NO_DEED = frozenset({"identify", "restart", "update"})
 _BESIDE_RELAYS = frozenset({*_RELAYS, "x_setting"})
 _WHICH = frozenset(
@@ -109,19 +113,19 @@ def waits_for_approval(device: Device) -> bool:
 def _is_named_button(device: Device, part: DevicePart) -> bool:
     """Return whether the name of *part* says what is opened or heated by pressing it, by an option or by degrees.
 
-    What only keeps a device in order, such as a restart, is not called what the device is.
+    What only keeps a device in order, such as a restart, is not called what the device is; a lock among its settings
+    is one for its keys.
     """
     told = part.part
     for one in told.capabilities:
         if not one.settable:
             continue
         if one.name == "number" and one.unit in _DEGREES:
-            names = _names(device, part)
-            return _is_named(_HEATERS, *names) or any(map(_is_of_hot_water, names))
+            return _is_named(_HEATERS, *_names(device, part)) or _is_of_heat(told.name)
         if one.name in _PRESSED and not told.category and told.tag not in _NO_DEED:
             return _is_named(_ENDINGS, *_names(device, part))
-        if one.name == "option" and not told.category:
-            return _is_named(_ENDINGS, told.name)
+        if one.name in _CHOSEN:
+            return _is_named(_ENDINGS - _LOCKS if told.category else _ENDINGS, told.name)
     return False
 
 
@@ -155,10 +159,11 @@ def _is_called(words: tuple[str, ...], endings: frozenset[str]) -> bool:
 
 
 @lru_cache(maxsize=1024)
-def _is_of_hot_water(name: str) -> bool:
-    """Return whether *name* has the word for what comes out of the taps: ``DHW setpoint``, ``Hot water``."""
+def _is_of_heat(name: str) -> bool:
+    """Return whether *name* has the word for what becomes hot: ``Boiler setpoint``, ``DHW setpoint``, ``Hot water``."""
     words = words_of(name)
-    return {"hot", "water"}.issubset(words) or any(one.rstrip("0123456789") == "dhw" for one in words)
+    is_hot_water = any(one.rstrip("0123456789") == "dhw" for one in words)
+    return is_hot_water or not _HEATERS.isdisjoint(words) or any(map(frozenset(words).issuperset, _HOT_WATER))
 
 
 def _opens(words: tuple[str, ...], whole: tuple[str, ...]) -> bool:
