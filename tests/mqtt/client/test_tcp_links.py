@@ -187,6 +187,37 @@ async def test_a_broker_that_does_not_answer_connect_is_a_link_error(
                 pass
 
 
+async def test_a_broker_that_says_nothing_to_5_is_asked_with_3_1_1_the_next_time(
+    make: MakeClient, pass_time: Callable[[float], None]
+) -> None:
+    """As amqtt, which waits for more where it reads the properties of 5 as something else; others were only slow."""
+
+    async def silent(peer: Peer) -> None:
+        assert (await peer.expect(Connect)).version is ProtocolVersion.V5
+        pass_time(20)
+        await peer.closed()
+
+    async def old(peer: Peer) -> None:
+        assert (await peer.login()).version is ProtocolVersion.V311
+        await peer.expect(Disconnect)
+
+    async def new(peer: Peer) -> None:
+        assert (await peer.login()).version is ProtocolVersion.V5
+        await peer.expect(Disconnect)
+
+    with capture_logs() as lines:
+        async with broker(silent, old, new) as port:
+            client = make(port, timeout=20)
+            with pytest.raises(LinkError, match="no answer to CONNECT"):
+                async with client.connected():
+                    pass
+            for version in ("3.1.1", "5"):
+                async with client.connected() as session:
+                    assert session.protocol == version
+    said = [line["message"] for line in lines if line["event"] == "mqtt.fell_back"]
+    assert said == [f"mqtt://127.0.0.1:{port} says nothing to MQTT 5, and speaks 3.1.1"]
+
+
 async def test_a_cancelled_connect_leaves_nothing_behind(make: MakeClient) -> None:
     """The library keeps its lock, a task and the socket, and cannot be used again."""
     asked = anyio.Event()

@@ -44,7 +44,7 @@ from homebot.mqtt.client.receiver import Receiver
 from homebot.mqtt.client.refusals import disconnect_error, login_error
 from homebot.mqtt.client.requests import Answer, Requests
 from homebot.mqtt.client.tcp_transport import dial_error, make_tls_context
-from homebot.mqtt.client.version_choice import MqttVersion, early_end
+from homebot.mqtt.client.version_choice import MqttVersion, UnansweredError, early_end
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import PacketType, ReasonCode
@@ -144,8 +144,10 @@ class _AiomqttLink(ClientLink):
     def _no_connection(self, cause: BaseException | None) -> LinkError | RefusedError:
         if isinstance(cause, OSError) and not isinstance(cause, TimeoutError):
             return dial_error(cause, in_tls=self._options.tls)
-        to_what = "" if not self._socket.is_open else " to CONNECT"
-        return LinkError(f"no answer{to_what} within {self._options.timeout:g} s")
+        within = f"within {self._options.timeout:g} s"
+        if self._socket.is_open:
+            return UnansweredError(f"no answer to CONNECT {within}")
+        return LinkError(f"no answer {within}")
 
     async def _publish_and_wait(
         self, topic: str, payload: bytes, qos: int, extra: Properties | None, *, retain: bool

@@ -29,7 +29,7 @@ from homebot.mqtt.client.refusals import disconnect_error, login_error
 from homebot.mqtt.client.requests import Answer, Requests
 from homebot.mqtt.client.tcp_transport import dial_tcp
 from homebot.mqtt.client.transport import Dial
-from homebot.mqtt.client.version_choice import ClosedEarlyError, MqttVersion
+from homebot.mqtt.client.version_choice import ClosedEarlyError, MqttVersion, UnansweredError
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import NO_PROPERTIES as NOTHING
@@ -124,7 +124,7 @@ class ClientProtocol(ClientLink):
                 await self._greeting
         except TimeoutError:
             self.cut(LinkError(words))
-            raise LinkError(words) from None
+            raise UnansweredError(words) from None
         except BaseException:
             self.cut(LinkError("the connection attempt was cancelled"))
             raise

@@ -10,7 +10,7 @@ from homebot.logger import get_logger
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets.reason import ReasonCode
 
-__all__ = ["ClosedEarlyError", "MqttVersion", "VersionChoice", "early_end"]
+__all__ = ["ClosedEarlyError", "MqttVersion", "UnansweredError", "VersionChoice", "early_end"]
 
 MqttVersion: TypeAlias = Literal["5", "3.1.1"]
 T = TypeVar("T")
@@ -21,9 +21,16 @@ class ClosedEarlyError(LinkError):
     """The broker closed the connection, or said something else, where it should have answered CONNECT."""
 
 
+class UnansweredError(LinkError):
+    """The broker said nothing to CONNECT in time."""
+
+
 @final
 class VersionChoice:
     """The version for the next link: of "auto" 5, and 3.1.1 once a broker that never spoke 5 wanted it so.
+
+    A broker that says nothing to 5 is asked with 3.1.1 the next time, and then with 5 again: it is too old to tell what
+    it reads, or it was only slow.
 
     Args:
         options: What is allowed.
@@ -32,6 +39,7 @@ class VersionChoice:
     def __init__(self, options: MqttOptions) -> None:
         self._options = options
         self._has_answered = False
+        self._is_silent = False
         self._version: MqttVersion = "3.1.1" if options.protocol == "3.1.1" else "5"
 
     async def open(self, open_as: Callable[[MqttVersion], Awaitable[T]]) -> T:
@@ -41,8 +49,13 @@ class VersionChoice:
             LinkError: As *open_as* does.
             RefusedError: Likewise.
         """
+        if self._is_silent:
+            return await self._open_after_silence(open_as)
         try:
             opened = await open_as(self._version)
+        except UnansweredError:
+            self._is_silent = self._may_fall_back() and not self._has_answered
+            raise
         except (RefusedError, ClosedEarlyError) as error:
             if not self._falls_back(error):
                 raise
@@ -53,16 +66,24 @@ class VersionChoice:
         opened = await open_as("3.1.1")
         self._version = "3.1.1"  # from now on the first, so this is said once
         self._has_answered = True
-        _log.info(
-            "mqtt.fell_back",
-            message=f"{self._options.url} supports MQTT 3.1.1, not 5",
-            broker=self._options.url,
-            reason=reason,
-        )
+        self._tell("supports MQTT 3.1.1, not 5", reason)
         return opened
 
+    async def _open_after_silence(self, open_as: Callable[[MqttVersion], Awaitable[T]]) -> T:
+        self._is_silent = False
+        opened = await open_as("3.1.1")
+        self._tell("says nothing to MQTT 5, and speaks 3.1.1", "")
+        return opened
+
+    def _tell(self, what: str, reason: str) -> None:
+        url = self._options.url
+        _log.info("mqtt.fell_back", message=f"{url} {what}", broker=url, reason=reason)
+
+    def _may_fall_back(self) -> bool:
+        return self._options.protocol == "auto" and self._version == "5"
+
     def _falls_back(self, error: RefusedError | ClosedEarlyError) -> bool:
-        if self._options.protocol != "auto" or self._version != "5":
+        if not self._may_fall_back():
             return False
         if isinstance(error, RefusedError):
             return error.code == ReasonCode.UNSUPPORTED_PROTOCOL_VERSION
