@@ -5,18 +5,16 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Final
 
+from homebot.control.command import IssuedCommand
 from homebot.control.policies.safe_side import may_make_safe
-from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import always_asks
 from homebot.devices.client_rights import (
     LOCAL_CLIENT,
     LOCAL_RIGHTS,
     ClientRights,
-    is_client,
     issuer_of_client,
     read_scope,
 )
-from homebot.devices.command_messages import CommandRequest
 from homebot.errors import UsageError
 
 __all__ = ["POLICY", "client_refusal"]
@@ -25,32 +23,30 @@ POLICY: Final = "rights"
 """The policy that such a refusal names."""
 
 
-def client_refusal(request: CommandRequest, device: Device, part: DevicePart) -> str:
-    """Return why the issuer of *request* may not command *part* of *device*; empty where it may, or is no client."""
-    if not is_client(request.issuer):
-        return ""
+def client_refusal(command: IssuedCommand) -> str:
+    """Return why the client that gave *command* may not command the part; empty where it may."""
+    device, part = command.device, command.part
     try:
-        rights = _rights(request.scope)
+        rights = _rights(command.scope)
     except UsageError as exc:
         return str(exc)
     if rights.may_command(device, part):
         return ""
     asks = always_asks(device, part)
-    settings = {one.capability: one.value.plain() for one in request.settings}
-    if asks and may_make_safe(rights, device, part, settings, request.trigger):
+    if asks and may_make_safe(rights, device, part, command.settings, command.trigger):
         return ""
     right = f"""act: {f'id="{device.id}"' if asks else part.part.service_type}"""
     why = "such a device takes a right that names it" if asks else "it is not among what the client may command"
-    has = f"the scope of the client is {', '.join(request.scope)}" if request.scope else "the client has no token"
-    return f"{request.issuer} may not command {device.id}: {why}, and {has}; {_advice(request, right)}"
+    has = f"the scope of the client is {', '.join(command.scope)}" if command.scope else "the client has no token"
+    return f"{command.issuer} may not command {device.id}: {why}, and {has}; {_advice(command, right)}"
 
 
-def _advice(request: CommandRequest, right: str) -> str:
+def _advice(command: IssuedCommand, right: str) -> str:
     """Return where in the configuration the client gets *right*."""
-    if not request.scope:
+    if not command.scope:
         return f"make one: a table [door.tokens.NAME] in homebot.toml with token_file and scope = ['read', '{right}']"
-    is_local = request.issuer == issuer_of_client(LOCAL_CLIENT)
-    table = "door" if is_local else f"door.tokens.{request.issuer.partition(':')[2]}"
+    is_local = command.issuer == issuer_of_client(LOCAL_CLIENT)
+    table = "door" if is_local else f"door.tokens.{command.issuer.partition(':')[2]}"
     return f"add '{right}' to that, in the table [{table}] of homebot.toml"
 
 

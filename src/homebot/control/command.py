@@ -52,6 +52,9 @@ class IssuedCommand:
         issued_at: Seconds since the Unix epoch.
         transition: Seconds that the change takes.
         code: The code of an alarm or a lock.
+        scope: The rights of a client of the door, by its token.
+        is_wish: Whether a person gave it, at a client of the door, rather than an app by itself.
+        is_momentary: Whether it presses or starts something, so that to send it again would do it again.
         place: The ids of the device and of the part.
         places: The same with each capability that it sets.
         effects: These, each with the value, and :data:`POWER` with whether that is on, by whichever capability: level 0
@@ -71,6 +74,9 @@ class IssuedCommand:
     issued_at: float = 0.0
     transition: float = 0.0
     code: str = field(default="", repr=False)
+    scope: tuple[str, ...] = ()
+    is_wish: bool = field(init=False)
+    is_momentary: bool = field(init=False)
     place: tuple[str, str] = field(init=False)
     places: list[_Place] = field(init=False)
     effects: list[tuple[_Place, PlainValue]] = field(init=False)
@@ -80,6 +86,8 @@ class IssuedCommand:
     def __post_init__(self) -> None:
         """Work out what it is about: everybody on its way asks for that."""
         device, part = self.place = self.device.id, self.part.id
+        self.is_wish = is_client(self.issuer)
+        self.is_momentary = not MOMENTARY.isdisjoint(self.settings)
         self.places, self.effects, self.moves = [], [], False
         for capability, value in self.settings.items():
             place = device, part, capability
@@ -96,16 +104,6 @@ class IssuedCommand:
         """The commanded device for people: its id, with the part where several parts take commands."""
         parts = [one for one in self.device.parts if any(can.settable for can in one.part.capabilities)]
         return self.device.id if len(parts) < 2 else self.target
-
-    @property
-    def is_wish(self) -> bool:
-        """True if a person gave it, at a client of the door, rather than an app by itself."""
-        return is_client(self.issuer)
-
-    @property
-    def is_momentary(self) -> bool:
-        """True if it presses or starts something, so that to send it again would do it again."""
-        return not MOMENTARY.isdisjoint(self.settings)
 
     @property
     def is_always_sent(self) -> bool:

@@ -121,15 +121,15 @@ class CommandExecutor:
 
     async def perform(self, request: CommandRequest) -> CommandResult:
         """Carry a command out, and return what became of it."""
-        name = self._journal.next_id()
-        noted = request
+        place, shown = (request.device, request.part), request.settings
         for one in request.settings:
             if one.capability in MAY_BE_CODE:
-                noted = await self._without_codes(request)
+                shown = await self._shown(request)
                 break
-        self._journal.requested(name, noted)
-        result = await self._perform(name, request)
-        self._journal.decided(name, request, result)
+        name = self._journal.requested(request.issuer, place, shown, request.trigger)
+        command = await self._command(name, request)
+        result = await self._carry_out(command) if isinstance(command, IssuedCommand) else command
+        self._journal.decided(name, request.issuer, place, result)
         return result
 
     async def find_device(self, device_id: str) -> Device | None:
@@ -149,36 +149,40 @@ class CommandExecutor:
 
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
         """Return the refusal that *request* would get now for want of a right or by a policy; nothing is noted."""
-        if problem := client_refusal(request, device, part):
+        command = self._issued("", request, device, part)
+        if command.is_wish and (problem := client_refusal(command)):
             return Refused(POLICY, problem)
-        settings = zero_as_off({one.capability: one.value.plain() for one in request.settings}, part.part)
-        rights = self._judge.rights(request.issuer)
-        command = IssuedCommand("", device, part, settings, request.issuer, rights, trigger=request.trigger)
         return self._judge.refusal(command, is_noted=False)
 
     def note_text(self, command: IssuedCommand) -> None:
         """Note that *command* is sent as a text: nobody waits for its outcome, and older ones for the same are over."""
-        self.leases.note_stop(command.place, command.settings, self._clock.monotonic())
+        if command.place in self.leases.parts:
+            self.leases.note_stop(command.place, command.settings, self._clock.monotonic())
         self._judge.note_sent(command)
         if self.witnesses.doubted:
             self.witnesses.note_text(command)
-        self._pending.supersede(command)
-        self._settling.supersede(command)
+        self._supersede(command)
+
+    def _supersede(self, command: IssuedCommand) -> None:
+        """End what goes on for older commands to what *command* sets; mostly nothing does."""
+        if self._pending.newest:
+            self._pending.supersede(command)
+        if self._settling.watched:
+            self._settling.supersede(command)
         if self._late.awaited:
             self._late.end(command.place)
 
-    async def _without_codes(self, request: CommandRequest) -> CommandRequest:
-        """Return *request* as the journal may have it."""
+    async def _shown(self, request: CommandRequest) -> tuple[Setting, ...]:
+        """Return the settings of *request* as the journal may have them."""
         try:
             device = await self.find_device(request.device)
         except ServiceError:
             device = None
         part = None if device is None else device.part(request.part)
-        if device is None or part is None:
-            return request.with_checked(settings=())  # nothing is known of what it is
-        return request.with_checked(settings=without_codes(request.settings, device, part))
+        return () if device is None or part is None else without_codes(request.settings, device, part)
 
-    async def _perform(self, name: str, request: CommandRequest) -> CommandResult:
+    async def _command(self, name: str, request: CommandRequest) -> IssuedCommand | CommandResult:
+        """Return the command that *request* is; its result where there is no such part, or no right to it."""
         try:
             device = await self.find_device(request.device)
         except ServiceError as exc:
@@ -186,9 +190,13 @@ class CommandExecutor:
         part = None if device is None else device.part(request.part)
         if device is None or part is None:
             return missing_part(request.device, request.part, device, name)
-        if problem := client_refusal(request, device, part):
+        command = self._issued(name, request, device, part)
+        if command.is_wish and (problem := client_refusal(command)):
             return result_of(Refused(POLICY, problem, command_id=name))
-        command = IssuedCommand(
+        return command
+
+    def _issued(self, name: str, request: CommandRequest, device: Device, part: DevicePart) -> IssuedCommand:
+        return IssuedCommand(
             name,
             device,
             part,
@@ -200,11 +208,11 @@ class CommandExecutor:
             issued_at=self._clock.now(),
             transition=request.transition,
             code=request.code,
+            scope=request.scope,
         )
-        return await self._carry_out(command)
 
     async def _carry_out(self, command: IssuedCommand) -> CommandResult:
-        if len(self._pending) >= MOST_PENDING:
+        if len(self._pending.newest) >= MOST_PENDING:
             problem = f"{MOST_PENDING:,} commands wait for their outcome"
             return result_of(Refused("control", problem, command_id=command.id))
         refused = self.refusal(command)
@@ -213,8 +221,8 @@ class CommandExecutor:
         if self._learnt.is_awaited:
             await self._learnt.load()
         echoes = self._expected_echoes(command)
-        places, is_watched_on = command.places, False
-        is_at_rest = not self._pending.has_any(places)  # else the device may be about to change
+        is_watched_on = False
+        is_at_rest = not (self._pending.newest and self._pending.has_any(command.places))  # else it may be on its way
         expected: Mapping[str, PlainValue] = command.expected
         if self._roundings.known:
             expected = self._roundings.expected(command.target, expected)
@@ -225,10 +233,8 @@ class CommandExecutor:
         )
         watch = self._watch.watch(command.part.routes, partial(self._take, pending))
         self._gateways.expect(pending)
+        self._supersede(command)
         self._pending.put(pending)
-        self._settling.supersede(command)
-        if self._late.awaited:
-            self._late.end(command.place)
         try:
             if recent and is_at_rest and pending.was_so and not command.is_always_sent:
                 return result_of(AlreadySo(command_id=command.id))
@@ -267,7 +273,7 @@ class CommandExecutor:
         if outcome is not None:
             self.leases.note_stop(command.place, command.settings, self._clock.monotonic())
             self._judge.note_sent(command)
-            self._journal.would(command)
+            self._journal.note("would", command)
             self._node.log.info(
                 WOULD_SEND,
                 message=f"{command.issuer.removeprefix('/')} would set {command.label}: {_settings_text(command)}",
@@ -352,9 +358,10 @@ class CommandExecutor:
         reported before a command failed, or before one for something else that still waits, is not known, and what
         may be an echo, or was reported since a command failed, not lately: the next one is sent in any case.
         """
-        now, known, is_recent = self._clock.now(), {}, echoes is NO_ECHOES
+        now, known, is_recent = command.issued_at, {}, echoes is NO_ECHOES
         asked = {*command.settings, *expected}
-        is_doubted = self._pending.wants_otherwise(command) or self.witnesses.disproves(command)
+        is_doubted = bool(self._pending.newest) and self._pending.wants_otherwise(command)
+        is_doubted = is_doubted or (bool(self.witnesses.doubted) and self.witnesses.disproves(command))
         is_online = command.device.reachable.state == "yes"
         if is_doubted or not (is_online or command.device.freshness == "fresh"):
             return {}, False

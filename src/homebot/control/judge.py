@@ -57,6 +57,8 @@ class Judge:
 
     Attributes:
         watches_hands: Whether a policy asks for changes that no command explains.
+        rights: Returns the rights of an issuer, by the configuration; those of a client of the door were checked
+            before. Worked out once for each of the last ones.
     """
 
     def __init__(
@@ -75,6 +77,7 @@ class Judge:
         self._grants = grants
         self._journal = journal
         self._trusts_apps = trusts_apps
+        self.rights = lru_cache(maxsize=256)(self._rights)
         self._policies = Policies(settings)
         self._learnt = LearntPersistence(node, journal.store)
         self._house = House(Detections(self._learnt.keeper(DETECTION)))
@@ -129,14 +132,6 @@ class Judge:
         await self._learnt.load()
         return self._house.detections.sensors
 
-    def rights(self, issuer: str) -> ClientRights:
-        """Return the rights of *issuer*, by the configuration; those of a client of the door were checked before."""
-        if is_client(issuer):
-            return ALL_RIGHTS
-        if scope := self._grants.get(issuer):
-            return _rights_of(tuple(scope))
-        return ALL_RIGHTS if self._trusts_apps or not self._settings.always_ask else LOCAL_RIGHTS
-
     def was_answered(self, command: IssuedCommand, capability: str) -> bool:
         """Return whether what is known of *capability* is how the device answered the same command before.
 
@@ -161,6 +156,13 @@ class Judge:
     def note_obeyed(self, command: IssuedCommand) -> None:
         """Note that the device reported that it obeyed *command*."""
         self._hands.note_obeyed(command, self._clock.monotonic())
+
+    def _rights(self, issuer: str) -> ClientRights:
+        if is_client(issuer):
+            return ALL_RIGHTS
+        if scope := self._grants.get(issuer):
+            return read_scope(scope)
+        return ALL_RIGHTS if self._trusts_apps or not self._settings.always_ask else LOCAL_RIGHTS
 
     def _remember_hand(self, command: IssuedCommand, facts: Facts) -> None:
         """Keep what was changed by hand before a new *command*, which may hide it."""
@@ -191,12 +193,6 @@ class Judge:
         for device in found.devices:
             self._house.put(device, found.sequence)
         self._house.is_known = True
-
-
-@lru_cache(maxsize=256)
-def _rights_of(scope: tuple[str, ...]) -> ClientRights:
-    """Return the rights of an app; its queries are read once."""
-    return read_scope(scope)
 
 
 def _zone(name: str) -> tzinfo | None:

@@ -16,37 +16,37 @@ _Place: TypeAlias = tuple[str, str, str]
 
 @final
 class PendingCommands:
-    """The newest command of each capability of a part that waits for its outcome; their number is ``len()``."""
+    """The commands that wait for their outcomes.
+
+    Attributes:
+        newest: The newest one of each capability of a part; for reading.
+    """
 
     def __init__(self) -> None:
-        self._newest: dict[_Place, PendingCommand] = {}
-
-    def __len__(self) -> int:
-        return len(self._newest)
+        self.newest: dict[_Place, PendingCommand] = {}
 
     def has_any(self, places: Iterable[_Place]) -> bool:
         """Return whether a command for one of *places* waits: a device, a part and a capability each."""
-        return bool(self._newest) and any(one in self._newest for one in places)
+        return any(one in self.newest for one in places)
 
     def wants_otherwise(self, command: IssuedCommand) -> bool:
         """Return whether a command that waits would change what *command* sets."""
-        for capability, value in command.settings.items() if self._newest else ():
-            older = self._newest.get((*command.place, capability))
+        for capability, value in command.settings.items():
+            older = self.newest.get((*command.place, capability))
             if older is not None and changes(capability, older.command.settings[capability], capability, value):
                 return True
         return False
 
     def put(self, pending: PendingCommand) -> None:
-        """Add *pending*, and let it take the place of older ones."""
-        self.supersede(pending.command)
+        """Add *pending*, after :meth:`supersede`."""
         for place in pending.command.places:
-            self._newest[place] = pending
+            self.newest[place] = pending
 
     def remove(self, pending: PendingCommand) -> None:
         """Forget *pending*; a newer one stays."""
         for place in pending.command.places:
-            if self._newest.get(place) is pending:
-                del self._newest[place]
+            if self.newest.get(place) is pending:
+                del self.newest[place]
 
     def supersede(self, command: IssuedCommand) -> None:
         """End the older commands for what *command* sets, and those whose values it changes.
@@ -54,12 +54,10 @@ class PendingCommands:
         A level that is sent again would turn on a lamp that *command* turned off, and a position would open what it
         closed.
         """
-        if not self._newest:
-            return
         device, part = command.place
         for capability, value in command.settings.items():
             for other in related(capability):
-                older = self._newest.get((device, part, other))
+                older = self.newest.get((device, part, other))
                 if older is None:
                     continue
                 if other == capability or changes(other, older.command.settings[other], capability, value):

@@ -62,6 +62,9 @@ class Settling:
         journal: Notes what went back.
         echoes: Learns which of the reports were echoes.
         limits: Ends what waits too long.
+
+    Attributes:
+        watched: What is watched, by device, part and capability; for reading.
     """
 
     def __init__(
@@ -74,7 +77,7 @@ class Settling:
         self._echoes = echoes
         self._limits = limits
         self._events = node.create_publisher(CommandEvent, COMMAND_EVENTS, 1000)
-        self._watched: dict[_Place, _Settled] = {}
+        self.watched: dict[_Place, _Settled] = {}
         self._deadlines: TimerQueue[_Place, None] = TimerQueue()
         self._added = anyio.Event()
 
@@ -89,16 +92,14 @@ class Settling:
         watch.take = partial(self._take, settled)
         for place in pending.command.places:
             self._end(place)
-            self._watched[place] = settled
+            self.watched[place] = settled
             self._deadlines.set(place, settled.until, None)
         self._added.set()
         return True
 
     def supersede(self, command: IssuedCommand) -> None:
         """Watch no more what a newer *command* is about, and what it changes: no device went back then."""
-        watched = self._watched
-        if not watched:
-            return
+        watched = self.watched
         device, part = command.place
         for capability, value in command.settings.items():
             for other in related(capability):
@@ -159,7 +160,7 @@ class Settling:
 
     def _end_step(self, settled: _Settled, at: float) -> None:
         """Take the step at *at* for a reversal where no level has said since that the lamp fades."""
-        is_watched = any(self._watched.get(place) is settled for place in settled.pending.command.places)
+        is_watched = any(self.watched.get(place) is settled for place in settled.pending.command.places)
         if is_watched and settled.step is not None and settled.stepped_at == at and not settled.is_fading:
             self._revert(settled, settled.step[0])
 
@@ -175,7 +176,7 @@ class Settling:
         until = min(self._clock.monotonic() + self._seconds, settled.confirmed_at + _LONGEST)
         settled.until = max(settled.until, until)
         for place in settled.pending.command.places:
-            if self._watched.get(place) is settled:
+            if self.watched.get(place) is settled:
                 self._deadlines.set(place, settled.until, None)
 
     def _revert(self, settled: _Settled, capability: str) -> None:
@@ -186,7 +187,7 @@ class Settling:
             self._end(place)
         outcome = Reverted(self._clock.monotonic() - settled.confirmed_at, command_id=command.id)
         result = result_of(outcome)
-        self._journal.reverted(command, result)
+        self._journal.note("reverted", command, results=(result,))
         self._events.publish(
             CommandEvent(device=command.device.id, part=command.part.id, issuer=command.issuer, result=result)
         )
@@ -196,7 +197,7 @@ class Settling:
 
     def _end_in_time(self, place: _Place) -> None:
         """Watch *place* no more, as it kept its value; one that a newer command is about is not watched any more."""
-        settled = self._watched.get(place)
+        settled = self.watched.get(place)
         if settled is None:
             return
         if settled.step is not None:  # it got stuck there
@@ -220,9 +221,9 @@ class Settling:
 
     def _end(self, place: _Place) -> None:
         """Watch *place* no more; its deadline stays, as that of a newer command mostly takes its place soon."""
-        settled = self._watched.pop(place, None)
+        settled = self.watched.pop(place, None)
         if settled is None:
             return
         places = settled.pending.command.places
-        if len(places) == 1 or all(self._watched.get(one) is not settled for one in places):
+        if len(places) == 1 or all(self.watched.get(one) is not settled for one in places):
             settled.watch.stop()

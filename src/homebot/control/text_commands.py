@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final, final
 
 from homebot.control.client_commands import POLICY, client_refusal
@@ -13,7 +14,7 @@ from homebot.control.judge import Judge
 from homebot.control.rehearsal import rehearsed_result
 from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import always_asks
-from homebot.devices.command_messages import CommandRequest, Setting
+from homebot.devices.command_messages import Setting
 from homebot.devices.command_results import result_of
 from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
 from homebot.devices.part import Part
@@ -55,29 +56,27 @@ class TextCommands:
 
     async def send(self, request: SendTextRequest) -> SendTextResponse:
         """Send a text, and return when its gateway has queued it; never raises."""
-        name = self._journal.next_id()
         try:
             device = await self._executor.find_device(request.device)
         except ServiceError as exc:
-            return self._failed(name, request, NoAnswer(0.0, str(exc), command_id=name))
+            return self._failed(request, NoAnswer(0.0, str(exc)))
         if device is None:
-            return self._failed(name, request, Gone(command_id=name))
+            return self._failed(request, Gone())
         try:
             target = self._sender.target(device, request.payload)
         except RefusedError as exc:
-            return self._failed(name, request, Refused("gateway", exc.reason, command_id=name))
+            return self._failed(request, Refused("gateway", exc.reason))
         except LinkError as exc:
-            return self._failed(name, request, NoAnswer(0.0, str(exc), command_id=name))
-        return await self._send(name, request, device, target)
+            return self._failed(request, NoAnswer(0.0, str(exc)))
+        return await self._send(request, device, target)
 
-    async def _send(self, name: str, request: SendTextRequest, device: Device, target: TextTarget) -> SendTextResponse:
+    async def _send(self, request: SendTextRequest, device: Device, target: TextTarget) -> SendTextResponse:
         part = part_at(device, target.gateway, target.address) or _unknown_part(device)
         capability, value = _setting(request.payload, part)
-        noted = _command_request(request, part.id, capability, value)
-        may_be_code = capability in MAY_BE_CODE or capability == UNREAD
-        self._journal.requested(name, _public(noted, request.payload, device, part, target) if may_be_code else noted)
+        is_unread = capability == UNREAD
+        shown = _unread(request.payload, target.address) if is_unread else _shown(capability, value, part, device)
         command = IssuedCommand(
-            id=name,
+            id=self._requested(request, part.id, shown),
             device=device,
             part=part,
             settings={capability: value},
@@ -86,39 +85,43 @@ class TextCommands:
             cause=request.trigger.id,
             trigger=request.trigger,
             issued_at=self._clock.now(),
+            scope=request.scope,
         )
-        refused = self._refusal(command, noted)
+        refused = self._refusal(command)
         if refused is not None:
-            self._journal.decided(name, noted, result_of(refused))
-            return _response(refused)
+            return self._ended(request, part.id, refused)
         if (assumed := self._executor.rehearsed(command)) is not None:
-            self._journal.decided(name, noted, rehearsed_result(assumed))
-            return (
-                _response(assumed) if isinstance(assumed, Refused) else SendTextResponse(success=True, command_id=name)
-            )
+            self._journal.decided(command.id, request.issuer, command.place, rehearsed_result(assumed))
+            is_refused = isinstance(assumed, Refused)
+            return _response(assumed) if is_refused else SendTextResponse(success=True, command_id=command.id)
         self._executor.note_text(command)
         try:
             sent = await self._sender.send(
-                device, request.payload, target, request.issuer, request.trigger, command_id=name
+                device, request.payload, target, request.issuer, request.trigger, command_id=command.id
             )
         except LinkError as exc:
-            outcome = NoAnswer(0.0, str(exc), command_id=name)
-            self._journal.decided(name, noted, result_of(outcome))
-            return _response(outcome)
+            return self._ended(request, part.id, NoAnswer(0.0, str(exc), command_id=command.id))
         self._journal.published(device.id, sent, self._clock.now())
-        return SendTextResponse(success=True, others=target.others, command_id=name)
+        return SendTextResponse(success=True, others=target.others, command_id=command.id)
 
-    def _refusal(self, command: IssuedCommand, noted: CommandRequest) -> Refused | None:
-        if problem := client_refusal(noted, command.device, command.part):
+    def _refusal(self, command: IssuedCommand) -> Refused | None:
+        if command.is_wish and (problem := client_refusal(command)):
             return Refused(POLICY, problem, command_id=command.id)
         if UNREAD in command.settings and any(always_asks(command.device, one) for one in command.device.parts):
             return Refused(_ALWAYS_ASK, _UNREADABLE, command_id=command.id)
         return self._executor.refusal(command)
 
-    def _failed(self, name: str, request: SendTextRequest, outcome: Outcome) -> SendTextResponse:
-        noted = _command_request(request, "", UNREAD, public_text(request.payload, ""))
-        self._journal.requested(name, noted)
-        self._journal.decided(name, noted, result_of(outcome))
+    def _requested(self, request: SendTextRequest, part: str, shown: Setting) -> str:
+        """Note what was requested; return the id that it has as a command."""
+        return self._journal.requested(request.issuer, (request.device, part), (shown,), request.trigger)
+
+    def _failed(self, request: SendTextRequest, outcome: Outcome) -> SendTextResponse:
+        """End a text before it is known what it means."""
+        name = self._requested(request, "", _unread(request.payload, ""))
+        return self._ended(request, "", replace(outcome, command_id=name))
+
+    def _ended(self, request: SendTextRequest, part: str, outcome: Outcome) -> SendTextResponse:
+        self._journal.decided(outcome.command_id, request.issuer, (request.device, part), result_of(outcome))
         return _response(outcome)
 
 
@@ -132,28 +135,10 @@ def _setting(payload: str, part: DevicePart) -> tuple[str, PlainValue]:
     return UNREAD, payload
 
 
-def _command_request(request: SendTextRequest, part: str, capability: str, value: PlainValue) -> CommandRequest:
-    """Return the same as a command, for the journal and the rights of clients."""
-    return CommandRequest.of_checked(
-        device=request.device,
-        part=part,
-        settings=(Setting.of(capability, value[:_LONGEST_NOTED] if isinstance(value, str) else value),),
-        transition=0.0,
-        code="",
-        issuer=request.issuer,
-        scope=request.scope,
-        cause=request.trigger.id,
-        trigger=request.trigger,
-    )
-
-
-def _public(
-    noted: CommandRequest, payload: str, device: Device, part: DevicePart, target: TextTarget
-) -> CommandRequest:
-    """Return *noted*, which *payload* is for *part*, without the code that it may have."""
-    if noted.settings[0].capability == UNREAD:
-        return noted.with_checked(settings=(_unread(payload, target.address),))
-    return noted.with_checked(settings=without_codes(noted.settings, device, part))
+def _shown(capability: str, value: PlainValue, part: DevicePart, device: Device) -> Setting:
+    """Return a setting of *part* as the journal may have it."""
+    setting = Setting.of(capability, value[:_LONGEST_NOTED] if isinstance(value, str) else value)
+    return without_codes((setting,), device, part)[0] if capability in MAY_BE_CODE else setting
 
 
 def _unread(payload: str, address: str) -> Setting:

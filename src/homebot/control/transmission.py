@@ -92,7 +92,7 @@ class Transmission:
                 kept_for = interval - answers_within if number < tries - 1 else 0.0
                 problem = await self._send(command, end - clock.monotonic(), kept_for)
                 if problem is None or (pending.is_verified and pending.is_met):
-                    self._journal.acknowledged(command)
+                    self._journal.note("acknowledged", command)
                 elif number == 0:
                     return problem
                 if number == 0:

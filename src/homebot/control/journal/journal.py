@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import count
 from typing import TYPE_CHECKING, Literal, TypeAlias, final
 
 import anyio
@@ -11,7 +12,7 @@ from homebot.control.journal.explained_changes import ExplainedChanges
 from homebot.control.journal.given_codes import is_for_code, public_text
 from homebot.control.journal.journal_note import JournalNote
 from homebot.devices import FIND_DEVICES, FindDevices, RawCommand
-from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
+from homebot.devices.command_messages import CommandResult, Setting
 from homebot.devices.device import ChangedSetting, KeyValue
 from homebot.devices.health import Count, HealthResponse
 from homebot.devices.journal_messages import (
@@ -27,7 +28,7 @@ from homebot.devices.part_names import part_names
 from homebot.devices.query import Or, query_terms
 from homebot.devices.query.terms import FactIs
 from homebot.devices.services import FindDevicesRequest
-from homebot.devices.trigger import NO_TRIGGER
+from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import ServiceError
 from homebot.graph import Node
@@ -43,6 +44,9 @@ if TYPE_CHECKING:
 __all__ = ["CommandJournal", "LeaseStep"]
 
 LeaseStep: TypeAlias = Literal["held", "released", "ended", "expired", "outranked", "handed_back"]
+
+_Part: TypeAlias = tuple[str, str]
+"""The ids of a device and of one of its parts."""
 
 _DEPTH = 1000
 _SHORTEST_SETTLE = 2.0
@@ -72,8 +76,7 @@ class CommandJournal:
         self._clock = node.graph.clock
         self._changes = changes
         self._settle = max(settle, _SHORTEST_SETTLE)
-        self._session = f"{round(self._clock.now()):x}"
-        self._number = 0
+        self._ids = map(f"{round(self._clock.now()):x}-{{}}".format, count(1))
         self.store = store
         self._counters: dict[str, Callable[[], int]] = {}
         self._last_notes: list[Callable[[], None]] = []
@@ -125,25 +128,29 @@ class CommandJournal:
             return ()
         return tuple(KeyValue(key=key, value=name) for key, name in part_names(found.devices).items() if name)
 
-    def next_id(self) -> str:
-        """Return the id of a new command, unique in the home."""
-        self._number += 1
-        return f"{self._session}-{self._number}"
+    def requested(self, issuer: str, place: _Part, settings: tuple[Setting, ...], trigger: Trigger) -> str:
+        """Note that *issuer* gave a command to the part *place*; return its id, unique in the home."""
+        name = next(self._ids)
+        self._keep(JournalNote("requested", self._clock.now(), *place, name, issuer, trigger, settings))
+        return name
 
-    def requested(self, command_id: str, request: CommandRequest) -> None:
-        """Note that somebody gave a command."""
+    def note(
+        self,
+        kind: EntryKind,
+        command: IssuedCommand,
+        settings: tuple[Setting, ...] = (),
+        text: str = "",
+        verdicts: tuple[JournalVerdict, ...] = (),
+        results: tuple[CommandResult, ...] = (),
+    ) -> float:
+        """Note a step of *command*; return when it was, in seconds since the Unix epoch."""
+        now, (device, part) = self._clock.now(), command.place
         self._keep(
             JournalNote(
-                "requested",
-                self._clock.now(),
-                request.device,
-                request.part,
-                command_id,
-                request.issuer,
-                request.trigger,
-                request.settings,
+                kind, now, device, part, command.id, command.issuer, NO_TRIGGER, settings, text, verdicts, results
             )
         )
+        return now
 
     def judged(self, command: IssuedCommand, verdict: Verdict) -> None:
         """Note the verdict of a policy."""
@@ -152,39 +159,23 @@ class CommandJournal:
             for one in verdict.facts
         )
         noted = JournalVerdict(policy=verdict.policy, allowed=verdict.allowed, reason=verdict.reason, facts=facts)
-        self._note_step("judged", command, verdicts=(noted,))
+        self.note("judged", command, verdicts=(noted,))
 
     def sent(self, command: IssuedCommand, attempt: int) -> None:
         """Note that a command is handed to its gateway, for the *attempt*-th time, from 0 on."""
-        at = self._note_step("sent", command, text="again" if attempt else "")
+        at = self.note("sent", command, text="again" if attempt else "")
         if not attempt:
             self._changes.begin(*command.place, command.id, at)
 
-    def would(self, command: IssuedCommand) -> None:
-        """Note that a command would have been sent, but for a rehearsal."""
-        self._note_step("would", command)
-
-    def acknowledged(self, command: IssuedCommand) -> None:
-        """Note that the network accepted a command."""
-        self._note_step("acknowledged", command)
-
     def reported(self, command: IssuedCommand, capability: str, value: PlainValue) -> None:
         """Note that the device reported a value of what it was commanded."""
-        self._note_step("reported", command, settings=(_setting_of(capability, value),))
+        self.note("reported", command, settings=(_setting_of(capability, value),))
 
-    def decided(self, command_id: str, request: CommandRequest, result: CommandResult) -> None:
-        """Note the outcome of a command."""
+    def decided(self, command_id: str, issuer: str, place: _Part, result: CommandResult) -> None:
+        """Note the outcome of a command that *issuer* gave to the part *place*."""
         now = self._clock.now()
-        self._changes.end(request.device, request.part, command_id, now + self._settle)
-        self._keep(
-            JournalNote(
-                "outcome", now, request.device, request.part, command_id, issuer=request.issuer, results=(result,)
-            )
-        )
-
-    def reverted(self, command: IssuedCommand, result: CommandResult) -> None:
-        """Note that the device went back after the outcome."""
-        self._note_step("reverted", command, results=(result,))
+        self._changes.end(*place, command_id, now + self._settle)
+        self._keep(JournalNote("outcome", now, *place, command_id, issuer, results=(result,)))
 
     def changed(self, change: ChangedSetting, command_id: str) -> None:
         """Note *change*, which the raw command *command_id* explains; empty where nothing does."""
@@ -195,7 +186,7 @@ class CommandJournal:
 
     def published(self, device: str, command: RawCommand, at: float, *, is_sent: bool = True) -> None:
         """Note a raw command for a device, and whether it is sent; it came at *at*, in seconds since the Unix epoch."""
-        name = command.command_id or self.next_id()
+        name = command.command_id or next(self._ids)
         text = command.payload
         if not text.isalpha() or is_for_code(command.address):  # a word such as "on" is no code
             text = public_text(text, command.address)
@@ -243,27 +234,9 @@ class CommandJournal:
             )
         )
 
-    def lease(self, kind: LeaseStep, place: tuple[str, str], held: Setting, issuer: str = "", text: str = "") -> None:
+    def lease(self, kind: LeaseStep, place: _Part, held: Setting, issuer: str = "", text: str = "") -> None:
         """Note what became of a lease on the part *place*, a device and one of its parts."""
         self._keep(JournalNote(kind, self._clock.now(), *place, issuer=issuer, settings=(held,), text=text))
-
-    def _note_step(
-        self,
-        kind: EntryKind,
-        command: IssuedCommand,
-        settings: tuple[Setting, ...] = (),
-        text: str = "",
-        verdicts: tuple[JournalVerdict, ...] = (),
-        results: tuple[CommandResult, ...] = (),
-    ) -> float:
-        """Note a step of *command*; return when it was, in seconds since the Unix epoch."""
-        now, (device, part) = self._clock.now(), command.place
-        self._keep(
-            JournalNote(
-                kind, now, device, part, command.id, command.issuer, NO_TRIGGER, settings, text, verdicts, results
-            )
-        )
-        return now
 
     def _keep(self, note: JournalNote) -> None:
         self.store.add(note)

@@ -63,7 +63,20 @@ class Policies:
         return tuple(verdicts) or _NOT_CONCERNED
 
     def _concerning(self, command: IssuedCommand) -> tuple[Policy, ...]:
-        place, described = (command.device.id, command.part.id, command.issuer), _described(command)
+        device, place = command.device, (*command.place, command.issuer)
+        described: _Described = (
+            command.part,
+            device.parts,
+            command.rights,
+            device.name,
+            device.names,
+            device.area,
+            device.outer_areas,
+            device.tags,
+            device.facts,
+            device.metadata,
+            device.conflicts,
+        )
         known = self._concerned.get(place)
         if known is not None and known[0] == described:
             return known[1]
@@ -78,23 +91,6 @@ _Place: TypeAlias = tuple[str, str, str]
 
 _Described: TypeAlias = tuple[object, ...]
 """What it depends on whether a policy may concern a part; mostly the very same objects as the time before."""
-
-
-def _described(command: IssuedCommand) -> _Described:
-    device = command.device
-    return (
-        command.part,
-        device.parts,
-        command.rights,
-        device.name,
-        device.names,
-        device.area,
-        device.outer_areas,
-        device.tags,
-        device.facts,
-        device.metadata,
-        device.conflicts,
-    )
 
 
 class _PolicyRule(NamedTuple):
