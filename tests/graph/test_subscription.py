@@ -9,7 +9,7 @@ import pytest
 from structlog.testing import capture_logs
 
 from homebot.errors import UsageError
-from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
+from homebot.graph import OTHERS, DurabilityPolicy, Graph, Node, QoSProfile
 from homebot.messages import String
 
 
@@ -236,3 +236,16 @@ async def test_a_subscription_from_one_node_gets_what_that_node_publishes_and_no
         for subscription in (early, late):
             assert [subscription.take(), subscription.take()] == [text("/wanted"), None]
         assert publishers[0].subscription_count == 0
+
+
+async def test_a_subscription_to_the_others_gets_nothing_of_its_own_node() -> None:
+    """Neither what is published nor what is kept for late joiners."""
+    latched = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    graph = Graph()
+    async with Node(graph, "reader") as reader, Node(graph, "other") as other:
+        early = reader.create_subscription(String, "/t", qos_profile=latched, from_node=OTHERS)
+        for node in (reader, other):
+            node.create_publisher(String, "/t", latched).publish(text(node.full_name))
+        late = reader.create_subscription(String, "/t", qos_profile=latched, from_node=OTHERS)
+        for subscription in (early, late):
+            assert [subscription.take(), subscription.take()] == [text("/other"), None]

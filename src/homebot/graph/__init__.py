@@ -23,10 +23,11 @@ from homebot.graph.qos import (
 )
 from homebot.graph.rosout import RosoutFeed
 from homebot.graph.service import Service
-from homebot.graph.subscription import Subscription
+from homebot.graph.subscription import OTHERS, Subscription
 from homebot.graph.timer import Timer
 
 __all__ = [
+    "OTHERS",
     "Client",
     "DurabilityPolicy",
     "EndpointInfo",

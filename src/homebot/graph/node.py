@@ -149,7 +149,8 @@ class Node:
             callback: A function or coroutine function called with each message; without one, iterate.
             qos_profile: The quality of service that is requested; a number is the depth of the queue.
             concurrent: Whether the callback may run several times at once, up to the depth of the queue.
-            from_node: Full name of the only node whose messages are wanted; empty for all nodes.
+            from_node: Full name of the only node whose messages are wanted; empty for all nodes, `OTHERS` for all but
+                this one.
             queue: A queue with rules of its own; by default one as deep as *qos_profile* says.
 
         Raises:

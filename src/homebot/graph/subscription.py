@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Awaitable, Callable, Hashable, Iterator
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import Generic, TypeAlias, TypeVar, final
+from typing import Final, Generic, TypeAlias, TypeVar, final
 
 import anyio
 import anyio.lowlevel
@@ -19,7 +19,7 @@ from homebot.graph.qos import QoSProfile
 from homebot.isolation import is_end_of
 from homebot.messages.message import Message
 
-__all__ = ["Callback", "Expiring", "Subscription", "key_of"]
+__all__ = ["OTHERS", "Callback", "Expiring", "Subscription", "key_of"]
 
 MessageT = TypeVar("MessageT", bound=Message)
 T = TypeVar("T")
@@ -45,13 +45,18 @@ class Expiring(Generic[T]):
         return getattr(self.message, name)
 
 
+OTHERS: Final = "others"
+"""In the place of the name of a node: all but the one that subscribes, as by ROS's ``ignore_local_publications``."""
+
+
 class Subscription(Generic[MessageT]):
     """Reads messages of one type from one topic: ``async for message in subscription``, or a callback.
 
     Attributes:
         info: The endpoint as the graph shows it.
         qos: The quality of service that it requests.
-        from_node: The full name of the only node whose messages it receives; empty for all nodes.
+        from_node: The full name of the only node whose messages it receives; empty for all nodes, :data:`OTHERS` for
+            all but its own.
         mailbox: The waiting messages.
         incompatible_qos_count: The number of publishers that offer less than it requests.
         expired: The number of messages not delivered because their lifespan had passed.

@@ -7,7 +7,7 @@ from typing import Any
 from homebot.errors import TypeMismatchError
 from homebot.graph.publisher import Publisher
 from homebot.graph.qos import DurabilityPolicy, qos_incompatibilities
-from homebot.graph.subscription import Subscription
+from homebot.graph.subscription import OTHERS, Subscription
 from homebot.log import LogLimit
 from homebot.logger import get_logger
 from homebot.messages.message import Message
@@ -116,7 +116,8 @@ def _fit(publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
 
 
 def _is_wanted(publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
-    return subscription.from_node in {"", publisher.info.node}
+    node, wanted = publisher.info.node, subscription.from_node
+    return node != subscription.info.node if wanted == OTHERS else wanted in {"", node}
 
 
 def _is_transient_local(subscription: Subscription[Any]) -> bool:

@@ -11,7 +11,7 @@ from homebot.devices import GatewayNames, RawCommand
 from homebot.devices.device import ChangedSettings
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE, gateway_of
 from homebot.errors import InvalidNameError
-from homebot.graph import Node, QoSProfile, ReliabilityPolicy, Subscription
+from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy, Subscription
 
 if TYPE_CHECKING:
     from homebot.control.journal.command_addresses import CommandAddresses
@@ -80,14 +80,14 @@ class HouseWatch:
         try:
             names = GatewayNames(gateway)
             self._raw[gateway] = self._node.create_subscription(
-                RawCommand, names.out, partial(self._take_raw, gateway), _RAW
+                RawCommand, names.out, partial(self._take_raw, gateway), _RAW, from_node=OTHERS
             )
         except InvalidNameError:
             return  # nobody publishes under such a name
 
     async def _take_raw(self, gateway: str, command: RawCommand) -> None:
         if command.command_id:
-            return  # it passed the control layer, which noted it
+            return  # it has passed a control layer, which noted it
         now = self._clock.now()
         device = await self.addresses.device_at(gateway, command.address)
         if device:
