@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from inspect import isawaitable
-from types import CoroutineType
-from typing import Any, Generic, NoReturn, TypeVar
+from typing import Generic, NoReturn, TypeVar
 from weakref import WeakSet
 
 import anyio
@@ -118,7 +116,7 @@ class Client(Generic[RequestT, ResponseT]):
         try:
             outcome = server.callback(request)
             if type(outcome) is not self._response_type:
-                outcome = _first_step(server, outcome, cancel_with_caller)
+                outcome = server.tasks.begin(server, outcome, cancel_with_caller)
                 if type(outcome) is RemainingSteps:
                     outcome = await self._finish(server, outcome, timeout)
         except BaseException as exc:
@@ -129,7 +127,7 @@ class Client(Generic[RequestT, ResponseT]):
             if server.line:
                 server.end_turn()
             else:
-                server.is_busy = server.is_full
+                server.is_busy = server.room < 1
         if type(outcome) is self._response_type:
             return outcome
         if type(outcome) is HandlerRun:
@@ -203,29 +201,6 @@ class Client(Generic[RequestT, ResponseT]):
     def _check_open(self) -> None:
         if self._closed:
             raise ClosedError(f"the client of {self.info.node} for {self.info.name} is closed")
-
-
-def _first_step(server: Service[Any, Any], result: object, cancel_with_caller: bool) -> object:  # noqa: FBT001
-    """Let the handler whose coroutine is *result* take its first step.
-
-    There is no time limit in place: most handlers need no second step, and a timer costs more than such a call.
-
-    Returns:
-        Its outcome; where it waits, the :class:`HandlerRun` of a task of its node, or the :class:`RemainingSteps` that
-        are the caller's to take.
-    """
-    handler = result if type(result) is CoroutineType else _as_coroutine(result)
-    if server.outlives_callers and server.tasks.is_open and not cancel_with_caller:
-        return server.tasks.begin(server, handler)
-    try:
-        waits_for = handler.send(None)
-    except StopIteration as stop:
-        return stop.value
-    return RemainingSteps(handler, waits_for)
-
-
-async def _as_coroutine(result: object) -> object:
-    return await result if isawaitable(result) else result
 
 
 def _is_end_of_call(error: BaseException, *, has_waited: bool) -> bool:

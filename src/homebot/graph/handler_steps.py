@@ -15,7 +15,7 @@ from opcode import opmap
 from types import FunctionType, MethodType
 from typing import Any, Final, TypeAlias, final
 
-__all__ = ["IS_DUE", "NOT_BEGUN", "HandlerWait", "Handling", "RemainingSteps", "may_wait"]
+__all__ = ["IS_DUE", "NOT_BEGUN", "HandlerWait", "Handling", "RemainingSteps", "first_step", "may_wait"]
 
 Handling: TypeAlias = Coroutine[object, object, object]
 """A handler at work."""
@@ -87,6 +87,15 @@ class RemainingSteps:
             return stop.value
         finally:
             self._error = None
+
+
+def first_step(coroutine: Handling) -> object:
+    """Let *coroutine* take its first step in the current task; return its outcome, or the steps that remain."""
+    try:
+        waits_for = coroutine.send(None)
+    except StopIteration as stop:
+        return stop.value
+    return RemainingSteps(coroutine, waits_for)
 
 
 @final

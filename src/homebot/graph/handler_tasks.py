@@ -6,7 +6,7 @@ callers wait for no task. A handler that waits goes on in the task, which is the
 cancelled does not end it. All its steps see one copy of the context variables that its caller had.
 
 Where no task is free, a handler begins in a new one, when the event loop comes to it. Tasks are used again: 8 of a node
-are kept when they have nothing to do. How many a service has at work at once is :attr:`homebot.graph.Service.room`.
+are kept when they have nothing to do. How many more a service lets begin is :attr:`homebot.graph.Service.room`.
 """
 
 from __future__ import annotations
@@ -17,12 +17,14 @@ from asyncio.tasks import _enter_task, _leave_task  # documented for those who s
 from collections.abc import Callable, Coroutine, Iterator
 from contextvars import Context, copy_context
 from functools import partial
+from inspect import isawaitable
+from types import CoroutineType
 from typing import TYPE_CHECKING, Any, TypeAlias, cast, final
 
 import anyio
 
 from homebot.errors import ServiceGoneError, ServiceTimeoutError
-from homebot.graph.handler_steps import IS_DUE, NOT_BEGUN, HandlerWait, Handling, RemainingSteps
+from homebot.graph.handler_steps import IS_DUE, NOT_BEGUN, HandlerWait, Handling, RemainingSteps, first_step
 from homebot.isolation import is_cancelled, is_end_of, uncancel
 from homebot.time_limits import TimeLimits
 
@@ -236,8 +238,18 @@ class HandlerTasks:
         """Begin no further handlers; those at work end with their tasks."""
         self.is_open = False
 
-    def begin(self, server: Service[Any, Any], handler: Handling) -> object:
-        """Let *handler* take its first step; return its outcome, or the :class:`HandlerRun` where it waits."""
+    def begin(self, server: Service[Any, Any], result: object, cancel_with_caller: bool) -> object:  # noqa: FBT001
+        """Let the handler whose coroutine is *result* take its first step.
+
+        There is no time limit in place: most handlers need no second step, and a timer costs more than such a call.
+
+        Returns:
+            Its outcome; where it waits, its :class:`HandlerRun`, or the :class:`RemainingSteps` that are the caller's
+            to take.
+        """
+        handler = result if type(result) is CoroutineType else _as_coroutine(result)
+        if cancel_with_caller or not self.is_open or not server.outlives_callers:
+            return first_step(handler)
         free, loop = self.free, self._loop
         caller = current_task(loop)
         if not free or caller is None:
@@ -289,3 +301,7 @@ class HandlerTasks:
         run = HandlerRun(server, host, handler, copy_context(), NOT_BEGUN)
         self._start_task(host.main)
         return run
+
+
+async def _as_coroutine(result: object) -> object:
+    return await result if isawaitable(result) else result

@@ -83,10 +83,9 @@ class Service(Generic[RequestT, ResponseT]):
         callback: What answers a request.
         outlives_callers: Whether a handler may go on when its caller has left.
         tasks: The tasks that handlers run in.
-        room: How many handlers may be at work in tasks at once; further calls wait in line.
+        room: How many more handlers may begin to work in tasks; where there is none, further calls wait in line.
         is_exclusive: Whether one call is served at a time.
         is_busy: Whether the next call must wait in line.
-        is_full: Whether there is no room for another handler, which makes it busy.
         is_closed: Whether it stopped serving.
         line: The calls that wait for their turn.
     """
@@ -112,13 +111,11 @@ class Service(Generic[RequestT, ResponseT]):
         self.room = MAX_AT_WORK if concurrent else 1
         self.is_exclusive = not concurrent
         self.is_busy = False
-        self.is_full = False
         self.is_closed = False
         self.line: deque[asyncio.Future[None]] = deque()
         self._reports = reports
         self._on_close: Callable[[], None] | None = on_close
         self._runs: dict[HandlerRun, None] = {}  # in the order of beginning, so that runs are alike
-        self._turns_given = 0
         self._owner: object = None
         self._deadlines: set[asyncio.Timeout] = set()
 
@@ -148,41 +145,40 @@ class Service(Generic[RequestT, ResponseT]):
             if turn in self.line:
                 self.line.remove(turn)
             elif not turn.cancelled():
-                self._return_turn()
+                self.room += 1
                 self.end_turn()
             raise
-        self._return_turn()
+        self.room += 1
         if self.is_closed:
             raise ServiceGoneError(self.service_name)
         self._owner = None
 
     def end_turn(self) -> None:
         """Hand the service to the next in line, if there is room."""
-        while self.line and not self.is_full:
+        while self.line and self.room > 0:
             turn = self.line.popleft()
             if not turn.done():
-                self._turns_given += 1
+                self.room -= 1  # given back when the turn is taken
                 self._owner = turn
-                self._update_room()
                 turn.set_result(None)
                 return
-        self.is_busy = self.is_full
+        self.is_busy = self.room < 1
 
     def add_run(self, run: HandlerRun) -> None:
         """Count a handler that is at work in a task."""
         self._runs[run] = None
         self._owner = run.task
-        self._update_room()
+        self.room -= 1
 
     def remove_run(self, run: HandlerRun) -> None:
         """Note that a handler has ended."""
         del self._runs[run]
         self._owner = None
-        self._update_room()
+        self.room += 1
         if self.line:
             self.end_turn()
         else:
-            self.is_busy = self.is_full
+            self.is_busy = self.room < 1
 
     def watch(self, deadline: asyncio.Timeout) -> None:
         """Remember the limit of a call whose handler waits in its caller's task: closing the server ends it at once."""
@@ -240,7 +236,7 @@ class Service(Generic[RequestT, ResponseT]):
         while self.line:
             turn = self.line.popleft()
             if not turn.done():
-                self._turns_given += 1
+                self.room -= 1
                 turn.set_result(None)
 
     def _is_called_by_itself(self) -> bool:
@@ -248,10 +244,3 @@ class Service(Generic[RequestT, ResponseT]):
         if self._owner is None:  # its first step runs right now, so that it called
             return True
         return any(one is self._owner for one in self.tasks.waiting_for_current())
-
-    def _return_turn(self) -> None:
-        self._turns_given -= 1
-        self._update_room()
-
-    def _update_room(self) -> None:
-        self.is_full = len(self._runs) + self._turns_given >= self.room
