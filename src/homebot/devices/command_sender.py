@@ -57,32 +57,37 @@ class CommandSender:
             RefusedError: The gateway or the part refuses, or the part is disputed.
             LinkError: No gateway of the part is running and connected; it may work later.
         """
-        routes = _routes(device, part, capability)
+        routes = part.routes if len(part.routes) == 1 else _routes(device, part, capability)
         problem, unable = f"its gateway {routes[0].gateway} is not running", ""
-        is_away, is_momentary = False, capability in MOMENTARY
-        sent = _value_of(value)
+        is_away, sent = False, _value_of(value)
         for route in routes:
-            response = await self._call(
-                route.gateway,
-                _command_of(
-                    key=route.key,
-                    part=route.part,
-                    capability=capability,
-                    value=sent,
-                    transition=transition,
-                    code=code,
-                    expires_after=expires_after,
-                    id=command_id,
-                    kept_for=kept_for,
-                ),
+            command = _command_of(
+                key=route.key,
+                part=route.part,
+                capability=capability,
+                value=sent,
+                transition=transition,
+                code=code,
+                expires_after=expires_after,
+                id=command_id,
+                kept_for=kept_for,
             )
-            if response is None:
+            try:
+                client = self._clients.get(route.gateway) or self._client(route.gateway)
+                response = await client.call(command, timeout=expires_after + _ANSWERS_WITHIN)
+            except InvalidNameError as exc:
+                unable = unable or str(exc)
+                continue
+            except ServiceUnavailableError:  # it is not running, so that nothing was sent
                 is_away = True
-            elif response.success:
+                continue
+            except ServiceError as exc:
+                response = SendCommandResponse(success=False, message=str(exc), problem="unreachable")
+            if response.success:
                 return
-            elif response.problem == "unreachable":
+            if response.problem == "unreachable":
                 is_away, problem = True, response.message or problem
-                if is_momentary:
+                if capability in MOMENTARY:
                     break
             elif not response.unable:
                 raise RefusedError(f"{capability} of {device.id}", response.message)
@@ -92,22 +97,9 @@ class CommandSender:
             raise RefusedError(f"{capability} of {device.id}", unable)
         raise LinkError(f"{capability} was not sent to {device.id}: {problem}")
 
-    async def _call(self, gateway: str, command: Command) -> SendCommandResponse | None:
-        """Return the gateway's answer; None where it is not running, so that nothing was sent."""
-        client = self._clients.get(gateway)
-        try:
-            if client is None:
-                client = self._node.create_client(SendCommand, GatewayNames(gateway).send_command)
-                self._clients[gateway] = client
-            if client.service_is_ready():
-                return await client.call(command, timeout=command.expires_after + _ANSWERS_WITHIN)
-        except InvalidNameError as exc:
-            return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=True)
-        except ServiceUnavailableError:
-            return None
-        except ServiceError as exc:
-            return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
-        return None
+    def _client(self, gateway: str) -> Client[Command, SendCommandResponse]:
+        client = self._clients[gateway] = self._node.create_client(SendCommand, GatewayNames(gateway).send_command)
+        return client
 
 
 def _routes(device: Device, part: DevicePart, capability: str) -> Sequence[Route]:

@@ -74,10 +74,6 @@ class Commander:
         if part is None:
             return Gone()
         settings = _checked(tracked.device, part, values, transition, code)
-        if not self._control.service_is_ready():
-            if self._node.graph.get_node(RUNTIME_NODE) is not None:
-                return NoAnswer(0.0, NO_CONTROL)
-            return await self._send(tracked.device, part, settings, transition, code)
         trigger = current_trigger()
         request = _request_of(
             device=tracked.device.id,
@@ -93,7 +89,9 @@ class Commander:
         try:
             result = await self._control.call(request, timeout=_LONGEST)
         except ServiceUnavailableError:
-            return NoAnswer(0.0, NO_CONTROL)
+            if self._control.service_is_ready() or self._node.graph.get_node(RUNTIME_NODE) is not None:
+                return NoAnswer(0.0, NO_CONTROL)
+            return await self._send(tracked.device, part, settings, transition, code)
         except ServiceError as exc:
             return NoAnswer(0.0, str(exc))
         self._note_reported(tracked, part.id, result)
@@ -136,6 +134,8 @@ def _checked(
         raise RefusedError(f"{len(values)} settings of {target}", f"a command has 1 to {MOST_SETTINGS}")
     if len(code) > _LONGEST_CODE:
         raise RefusedError(f"a code for {target}", f"it has more than {_LONGEST_CODE} characters")
+    settings = []
     for capability, value in values.items():
         check_setting(target, part.part, capability, value)
-    return tuple([_setting_of(name, value) for name, value in values.items()])
+        settings.append(_setting_of(capability, value))
+    return tuple(settings)

@@ -10,7 +10,7 @@ from homebot.devices.device import Device
 from homebot.devices.names import RUNTIME_NODE, SEND_TEXT
 from homebot.devices.text_messages import SendText, SendTextRequest
 from homebot.devices.text_sender import TextSender
-from homebot.errors import LinkError, RefusedError, ServiceError
+from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Node
 
 __all__ = ["TextCommander"]
@@ -33,21 +33,24 @@ class TextCommander:
 
     async def send(self, device: Device, payload: str) -> tuple[str, ...]:
         """Send *payload*; see :meth:`homebot.devices.Devices.tell`."""
-        if not self._control.service_is_ready():
-            if self._node.graph.get_node(RUNTIME_NODE) is not None:
-                raise LinkError(NO_CONTROL)
-            target = self._sender.target(device, payload)
-            await self._sender.send(device, payload, target, self._node.full_name, current_trigger())
-            return target.others
         request = SendTextRequest(
             device=device.id, payload=payload, issuer=self._node.full_name, trigger=current_trigger()
         )
         try:
             response = await self._control.call(request, timeout=_LONGEST)
         except ServiceError as exc:
+            if isinstance(exc, ServiceUnavailableError) and not self._control.service_is_ready():
+                return await self._send_past_control(device, request)
             raise LinkError(f"{payload!r} was not sent to {device.id}: {exc}") from exc
         if response.problem == "refused":
             raise RefusedError(f"a command to {device.id}", response.message)
         if not response.success:
             raise LinkError(response.message)
         return response.others
+
+    async def _send_past_control(self, device: Device, request: SendTextRequest) -> tuple[str, ...]:
+        if self._node.graph.get_node(RUNTIME_NODE) is not None:
+            raise LinkError(NO_CONTROL)
+        target = self._sender.target(device, request.payload)
+        await self._sender.send(device, request.payload, target, request.issuer, request.trigger)
+        return target.others

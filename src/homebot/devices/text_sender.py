@@ -92,8 +92,8 @@ class TextSender:
         command = RawCommand(
             address=target.address, payload=payload, issuer=issuer, trigger=trigger, command_id=command_id
         )
-        await peer.out.send(command)
-        if not peer.out.reaches(peer.node):  # it went while its queue was full
+        has_waited = await peer.out.send(command)
+        if has_waited and not peer.out.reaches(peer.node):  # it went while its queue was full
             raise _away(device, payload, target.gateway)
         return command
 
@@ -124,7 +124,7 @@ class _GatewayClient:
 
     def refusal(self) -> str:
         """Return why it sends no commands, by its last state; empty where it does, or reported none yet."""
-        if (state := self._states.take()) is not None:
+        if self._states.mailbox.waiting and (state := self._states.take()) is not None:
             self._refusal = "" if state.acts else state.reason or ONLY_OBSERVES
             self.unavailable = (state.reason or "no reason is known") if state.state == "unavailable" else ""
         return self._refusal

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Iterable
+from collections.abc import Awaitable, Callable
 
 import anyio.lowlevel
 
@@ -124,17 +124,16 @@ class DirectoryServices:
         return self._found(request)
 
     def _found(self, request: FindDevicesRequest) -> FindDevicesResponse:
+        is_by_id = request.ids and not request.query and not request.service_type
         devices = []
-        for device_id in self._ids_of(request):
+        for device_id in sorted(set(request.ids)) if is_by_id else self._matching(request):
             device = self._index.get(device_id)
-            if device is not None:
+            if device is not None:  # else it is named, and nobody knows it
                 devices.append(device)
         return _found_of(devices=tuple(devices), sequence=self._index.sequence)
 
-    def _ids_of(self, request: FindDevicesRequest) -> Iterable[str]:
-        """Return the ids of the devices that *request* is about, sorted; of those that it names some may be unknown."""
-        if request.ids and not request.query and not request.service_type:
-            return request.ids if len(request.ids) == 1 else sorted(set(request.ids))
+    def _matching(self, request: FindDevicesRequest) -> list[str]:
+        """Return the ids of the devices that fit what *request* asks for, sorted."""
         query = read_terms(request.query)
         if request.service_type:
             query = And((type_is(request.service_type), query))

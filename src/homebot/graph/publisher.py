@@ -104,21 +104,27 @@ class Publisher(Generic[MessageT]):
             if mailbox.waiter is not None:
                 mailbox.wake()
 
-    async def send(self, message: MessageT) -> None:
+    async def send(self, message: MessageT) -> bool:
         """Publish *message* when every RELIABLE subscription has room for it; for what must not be dropped.
 
         On a keyed topic that is room for one more message of its key. Waits without limit, until the reader reads or
         either end is closed: use a time limit if the reader may hang. The order of several waiting senders is not
         defined.
 
+        Returns:
+            Whether it had to wait, in which time subscriptions may have come or gone.
+
         Raises:
             TypeMismatchError, ClosedError: As :meth:`publish`.
         """
         if type(message) is not self._message_type:
             self._reject(message)
+        has_waited = False
         while (full := self._first_full(message)) is not None:
+            has_waited = True
             await full.wait_for_change()
         self.publish(message)
+        return has_waited
 
     def dispose(self, key: Hashable) -> None:
         """Forget what is kept for late joiners under *key*; a keyed TRANSIENT_LOCAL topic needs it to stay bounded."""

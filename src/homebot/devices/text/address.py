@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.devices.device import Device, DevicePart, Endpoint
+from homebot.devices.device import Device, DevicePart, Endpoint, Route
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.names import is_text_address, read_text_address, text_address
 from homebot.devices.text.commands import decode_command
@@ -53,13 +53,9 @@ def part_at(device: Device, gateway: str, address: str) -> DevicePart | None:
     """Return the part of *device* that takes texts at *address* of *gateway*; None where that is not known."""
     if is_text_address(address):
         return _part_at(device, address)
-    keys = [one.key for one in device.endpoints if one.gateway == gateway and one.command_address == address]
     for part in device.parts:
-        if address in part.part.writes:
+        if address in part.part.writes or any(_leads_to(device, route, gateway, address) for route in part.routes):
             return part
-        for route in part.routes:
-            if route.gateway == gateway and route.key in keys:
-                return part
     return None
 
 
@@ -87,6 +83,13 @@ def _part_at(device: Device, address: str) -> DevicePart | None:
         if any(text_address(route.key, route.part) == address for route in part.routes):
             return part
     return None
+
+
+def _leads_to(device: Device, route: Route, gateway: str, address: str) -> bool:
+    return any(
+        one.gateway == gateway == route.gateway and one.command_address == address and one.key == route.key
+        for one in device.endpoints
+    )
 
 
 def _part_of(device: Device, endpoint: Endpoint) -> DevicePart | None:
