@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable
 from typing import Final, TypeAlias, final
 
@@ -55,7 +56,7 @@ class ReportWatch:
         self._node = node
         self._watchers: dict[_Place, list[PartWatch]] = {}
         self._subscriptions: dict[str, Subscription[Report]] = {}
-        self._users: dict[str, int] = {}
+        self._places: Counter[str] = Counter()  # that are watched, of each gateway
 
     def watch(self, routes: Iterable[Route], take: TakeReading) -> PartWatch:
         """Call *take* with each live reading that comes by one of *routes*, until the watch is stopped."""
@@ -63,11 +64,11 @@ class ReportWatch:
         watch = PartWatch(self, places, take)
         for place in places:
             known = self._watchers.get(place)
-            if known is None:
-                self._watchers[place] = [watch]
-            else:
+            if known is not None:
                 known.append(watch)
-            self._listen(place[0])
+            else:
+                self._watchers[place] = [watch]
+                self._listen(place[0])
         return watch
 
     def remove(self, watch: PartWatch, places: Iterable[_Place]) -> None:
@@ -77,10 +78,10 @@ class ReportWatch:
             found.remove(watch)
             if not found:
                 del self._watchers[place]
-            self._release(place[0])
+                self._release(place[0])
 
     def _listen(self, gateway: str) -> None:
-        self._users[gateway] = self._users.get(gateway, 0) + 1
+        self._places[gateway] += 1
         if gateway in self._subscriptions:
             return
         names = GatewayNames(gateway)
@@ -92,9 +93,9 @@ class ReportWatch:
             return  # nobody reports under such a name
 
     def _release(self, gateway: str) -> None:
-        self._users[gateway] -= 1
-        if not self._users[gateway]:
-            del self._users[gateway]
+        self._places[gateway] -= 1
+        if not self._places[gateway]:
+            del self._places[gateway]
             subscription = self._subscriptions.pop(gateway, None)
             if subscription is not None:
                 subscription.close()

@@ -24,25 +24,24 @@ class ResponseTimes:
 
     Args:
         first: Seconds to wait for a target of which too few are known.
+
+    Attributes:
+        silent: The targets that answered none of several sendings in time, the last time; for reading.
     """
 
     def __init__(self, first: float) -> None:
         self._first = first
         self._known: OrderedDict[tuple[str, str], deque[float]] = OrderedDict()
-        self._silent: OrderedDict[str, None] = OrderedDict()
+        self.silent: OrderedDict[str, None] = OrderedDict()
 
     def note_silence(self, target: str, *, is_silent: bool) -> None:
-        """Note whether *target* answered none of several sendings in time, which may be why: :meth:`is_silent`."""
+        """Note whether *target* answered none of several sendings in time, which may be why."""
         if is_silent:
-            self._silent[target] = None
-            if len(self._silent) > _MOST:
-                self._silent.popitem(last=False)
-        elif self._silent:
-            self._silent.pop(target, None)
-
-    def is_silent(self, target: str) -> bool:
-        """Return whether *target* answered none of several sendings in time, the last time."""
-        return target in self._silent
+            self.silent[target] = None
+            if len(self.silent) > _MOST:
+                self.silent.popitem(last=False)
+        elif self.silent:
+            self.silent.pop(target, None)
 
     def note(self, target: str, capability: str, seconds: float, *, sendings: int = 1, is_change: bool = True) -> None:
         """Note how long an answer took, in seconds from the first of so many *sendings*.

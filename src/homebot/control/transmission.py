@@ -72,7 +72,7 @@ class Transmission:
     async def run(self, pending: PendingCommand, changed: Signal) -> Outcome:
         """Send a command, again where no answer comes, and return its outcome once it is known."""
         command, clock = pending.command, self._clock
-        is_single = command.is_momentary or self.times.is_silent(command.target)
+        is_single = command.is_momentary or command.target in self.times.silent
         tries = 1 if is_single else 1 + self._settings.retries
         limit, longest = self.times.expected(command.target, command.settings)
         answers_within = longest + command.transition
