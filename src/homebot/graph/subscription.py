@@ -263,7 +263,7 @@ class _ConcurrentRun(Generic[MessageT]):
         self._mailbox = subscription.mailbox
         self._callback = callback
         self._on_failure = on_failure
-        self._limit = anyio.Semaphore(subscription.qos.queue_depth, fast_acquire=True)
+        self._limit = asyncio.Semaphore(subscription.qos.queue_depth)
         self._tasks = anyio.create_task_group()
         self._standby: asyncio.Future[None] | None = None
         self._has_ended = False
