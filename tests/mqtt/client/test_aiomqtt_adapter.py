@@ -57,7 +57,7 @@ async def test_a_connection_that_is_given_up_while_a_thread_makes_it_is_closed()
 
 async def test_paho_is_given_nothing_and_takes_nothing_before_it_may_speak() -> None:
     options = MqttOptions(host="127.0.0.1")
-    link = ClientProtocol(options, "5", Receiver(options, LoopClock()), Requests(Random(1)))  # noqa: S311
+    link = ClientProtocol(options, "5", Receiver(options, LoopClock()), Requests(Random(1), 1.0))  # noqa: S311
     socket = PahoSocket(paho.Client(CallbackAPIVersion.VERSION2), options, None, link)
     with pytest.raises(WireError, match="before CONNECT"):
         socket.feed(Frame(0x20, b"\0\0\0"))

@@ -266,6 +266,20 @@ async def test_an_answer_that_does_not_come_is_overdue(broker: MemoryBroker, opt
     assert now() == 6.0
 
 
+async def test_each_answer_is_overdue_in_its_own_time() -> None:
+    requests = Requests(Random(1), 3.0)  # noqa: S311 - no secret
+    answers = []
+    for number in (1, 2, 3):
+        answers.append(requests.expect(number))
+        await anyio.sleep(1)
+    requests.answered(2, (0,))
+    for answer, overdue in zip(answers[::2], (3.0, 5.0), strict=True):
+        with pytest.raises(TimeoutError):
+            await answer
+        assert now() == overdue
+    assert await answers[1] == (0,)
+
+
 async def test_what_the_broker_does_not_take_is_refused_here(options: MqttOptions) -> None:
     async with MemoryBroker(limits=BrokerLimits(max_packet_size=2_000)) as broker:
         client = broker.make_client(options)
@@ -332,7 +346,7 @@ def test_what_cannot_be_is_refused(bad: dict[str, object]) -> None:
 
 def test_a_seed_fixes_the_packet_identifiers() -> None:
     """Without one they begin anywhere, so that a restarted process does not meet those of its predecessor."""
-    first, again, other = (Requests(Random(seed)).new_id() for seed in (1, 1, 2))  # noqa: S311 - no secret
+    first, again, other = (Requests(Random(seed), 1.0).new_id() for seed in (1, 1, 2))  # noqa: S311 - no secret
     assert first == again != other
 
 

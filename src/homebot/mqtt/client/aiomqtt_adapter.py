@@ -77,7 +77,8 @@ class _AiomqttLink(ClientLink):
     def __init__(
         self, options: MqttOptions, version: MqttVersion, receiver: Receiver, tls: ssl.SSLContext | None
     ) -> None:
-        super().__init__(options, version, receiver, Requests(Random()))  # noqa: S311 - paho chooses the identifiers
+        requests = Requests(Random(), options.timeout)  # noqa: S311 - paho chooses the identifiers
+        super().__init__(options, version, receiver, requests)
         self._calls: set[anyio.CancelScope] = set()  # that end with the link
         self._client = aiomqtt.Client(**values.settings_of(options, version))
         client = self._paho = self._client._client  # noqa: SLF001 - aiomqtt's handle to paho

@@ -368,10 +368,9 @@ class ClientLink(ABC):
         Raises:
             LinkError: No answer came.
         """
-        answer = self._requests.expect(packet_id)
         if request:
             self._put(request)
-        overdue = self._loop.call_later(self._options.timeout, _expire, answer)
+        answer = self._requests.expect(packet_id)
         try:
             return await answer
         except TimeoutError:
@@ -379,7 +378,6 @@ class ClientLink(ABC):
         except LinkError as error:
             raise LinkError(f"{what} failed, the link is lost: {error}") from None
         finally:
-            overdue.cancel()
             self._requests.forget(packet_id)
 
     def _check_frame(self, frame: Frame) -> None:
@@ -388,11 +386,6 @@ class ClientLink(ABC):
             raise ClosedEarlyError(_IN_TLS if in_tls else _NO_MQTT)
         if frame.oversize:
             raise WireError(f"a packet of type {frame.first >> 4} of {frame.oversize} bytes")
-
-
-def _expire(answer: asyncio.Future[Answer]) -> None:
-    if not answer.done():
-        answer.set_exception(TimeoutError())
 
 
 _TAKEN: Final = PublishResult()

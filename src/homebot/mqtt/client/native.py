@@ -81,7 +81,8 @@ class NativeClient(BaseClient):
     ) -> None:
         super().__init__(options, clock)
         self._dial = dial
-        self._requests = Requests(Random() if random is None else random)  # noqa: S311 - identifiers are no secret
+        random = Random() if random is None else random  # noqa: S311 - identifiers are no secret
+        self._requests = Requests(random, options.timeout)
 
     async def _open(self, options: MqttOptions, version: MqttVersion, receiver: Receiver) -> ClientLink:
         protocol = ClientProtocol(options, version, receiver, self._requests)

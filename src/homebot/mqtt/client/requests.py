@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
+from contextvars import Context
 from random import Random
 from typing import TypeAlias, final
 
@@ -25,11 +26,14 @@ class Requests:
     Args:
         random: Chooses the first identifier: a process that starts anew must not meet the open identifiers of the one
             before in a session that lasted.
+        timeout: Seconds after which an answer is overdue.
     """
 
-    def __init__(self, random: Random) -> None:
+    def __init__(self, random: Random, timeout: float) -> None:
         self._last = random.randrange(_LAST)
-        self._answers: dict[int, asyncio.Future[Answer]] = {}
+        self._timeout = timeout
+        self._answers: dict[int, tuple[asyncio.Future[Answer], float]] = {}  # and when each is overdue
+        self._check: asyncio.TimerHandle | None = None  # one for all: nearly every answer comes long before
         self._open: dict[int, Publish | None] = {}  # QoS 2; None once PUBREC has come
 
     def new_id(self) -> int:
@@ -49,9 +53,13 @@ class Requests:
         )
 
     def expect(self, packet_id: int) -> asyncio.Future[Answer]:
-        """Wait for the answer to the request *packet_id*; :meth:`forget` it afterwards."""
-        answer: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
-        self._answers[packet_id] = answer
+        """Wait for the answer to the request *packet_id*, or a TimeoutError; :meth:`forget` it afterwards."""
+        loop = asyncio.get_running_loop()
+        answer: asyncio.Future[Answer] = loop.create_future()
+        overdue = loop.time() + self._timeout
+        self._answers[packet_id] = answer, overdue
+        if self._check is None:
+            self._check = loop.call_at(overdue, self._expire, loop, context=Context())
         return answer
 
     def forget(self, packet_id: int) -> None:
@@ -72,15 +80,23 @@ class Requests:
     def answered(self, packet_id: int, reasons: Answer) -> None:
         """Handle the last answer to *packet_id*; do nothing where nobody waits for it any more."""
         self._open.pop(packet_id, None)
-        answer = self._answers.get(packet_id)
-        if answer is not None and not answer.done():
-            answer.set_result(reasons)
+        expected = self._answers.get(packet_id)
+        if expected is not None and not expected[0].done():
+            expected[0].set_result(reasons)
 
     def fail(self, words: str) -> None:
         """Fail all that wait for an answer: none will come, because of *words*."""
-        for answer in self._answers.values():
+        for answer, _ in self._answers.values():
             if not answer.done():
                 answer.set_exception(LinkError(words))
+
+    def _expire(self, loop: asyncio.AbstractEventLoop) -> None:
+        now = loop.time()
+        for answer, overdue in self._answers.values():
+            if overdue <= now and not answer.done():
+                answer.set_exception(TimeoutError())
+        later = [overdue for _, overdue in self._answers.values() if overdue > now]
+        self._check = loop.call_at(min(later), self._expire, loop, context=Context()) if later else None
 
 
 @final
