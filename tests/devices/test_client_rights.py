@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.devices.handles.conftest import device, part
 
+from homebot.control.policies.safe_side import is_safe
 from homebot.devices.always_ask import always_asks
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, Right, read_scope
 from homebot.devices.device import Device, Fact, KeyValue
@@ -115,6 +116,25 @@ def test_a_device_that_lets_in_or_floods_or_burns_always_asks(one: Device) -> No
         "Sauna",
         "Sauna heater",
         "Fireplace left",
+        "Garagentor",
+        "Garagentor links",
+        "Tor",
+        "Einfahrtstor auf/zu",
+        "Tor Einfahrt",
+        "Haustür",
+        "Haustuer Summer",
+        "Türschloss",
+        "Schloss Haustür",
+        "Türöffner unten",
+        "Wasserventil Garten",
+        "Backofen",
+        "Porte de garage",
+        "Porte du garage gauche",
+        "Serrure de la porte d'entrée",
+        "Ouverture portail",
+        "Portail voiture",
+        "Vanne d'eau",
+        "Chauffe-eau",
     ],
 )
 @pytest.mark.parametrize(
@@ -196,6 +216,19 @@ def test_a_choice_does_not_ask_by_the_name_of_its_device() -> None:
         "Cold water",
         "Sauna light",
         "Fireplace lamp",
+        "Garagentor Licht",
+        "Torbeleuchtung",
+        "Hauslicht",
+        "Ventilator",
+        "Motor",
+        "Monitor",
+        "Store",
+        "Kinderzimmer",
+        "Radiator",
+        "Lampe du portail",
+        "Sonnette portail",
+        "Porte",
+        "Lumière garage",
     ],
 )
 @pytest.mark.parametrize(("service_type", "capability"), [("plug", "on_off"), ("x_setting", "push")])
@@ -243,6 +276,18 @@ def test_another_temperature_does_not(name: str) -> None:
 
 def test_the_limit_of_a_radiator_valve_does_not_ask() -> None:
     assert not always_asks(RADIATOR, RADIATOR.parts[0])
+
+
+@pytest.mark.parametrize("service_type", ["switch", "x_setting"])
+def test_a_keypad_that_disarms_asks_with_all_that_it_has(service_type: str) -> None:
+    """The WKE502Z arms by a switch, so that to turn it off disarms; whoever sets its code can do so later."""
+    keypad = device(
+        "keypad",
+        part(service_type, "on_off", part_id="armed", name="Armed"),
+        part("x_setting", "text", part_id="code", name="Admin code"),
+    )
+    assert [may(LOCAL_RIGHTS, keypad, number) for number in range(2)] == [False, False]
+    assert not is_safe(keypad, keypad.parts[0], {"on_off": False})
 
 
 def test_what_is_built_into_a_garage_door_asks_but_for_its_lamp() -> None:

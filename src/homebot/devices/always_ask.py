@@ -2,9 +2,9 @@
 
 What may drive them is the owner's to approve.
 
-A switch, plug or cover that drives such a device is known by its name or that of its model, where that has an English
-word for it, or by the tag ``always_ask``, which the owner may give to any device; so is a button, scene or choice by
-its name, and the setting that says how hot a boiler or an oven becomes.
+A switch, plug or cover that drives such a device is known by its name, where that has an English, German or French word
+for it, by that of its model, where that has an English one, or by the tag ``always_ask``, which the owner may give to
+any device; so is a button, scene or choice by its name, and the setting that says how hot a boiler or an oven becomes.
 """
 
 from __future__ import annotations
@@ -16,7 +16,16 @@ from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import OWNER
 from homebot.folding import fold, words_of
 
-__all__ = ["ALWAYS_ASK", "APPROVED", "always_asks", "is_approved", "is_declared", "is_opener", "waits_for_approval"]
+__all__ = [
+    "ALWAYS_ASK",
+    "APPROVED",
+    "always_asks",
+    "is_approved",
+    "is_arming",
+    "is_declared",
+    "is_opener",
+    "waits_for_approval",
+]
 
 ALWAYS_ASK = frozenset({"closure", "door_lock", "water_heater", "water_valve", "x_alarm_panel"})
 """Device types of the class: garage doors and gates, locks, boilers, valves, alarm panels."""
@@ -25,6 +34,7 @@ APPROVED: Final = "approved"
 """The name of the fact by which the owner states that a device that can hurt may be driven."""
 
 _CAPABILITIES = frozenset({"alarm", "lock", "valve", "water_heater_mode"})
+_ARMED = frozenset({"Armed", "armed"})
 _OVENS = frozenset({"cooker", "cooktop", "hob", "kiln", "oven", "stove"})
 _HEATERS = frozenset({"boiler", "geyser", "sauna"})
 _HOT_WATER = (("hot", "water"), ("immersion", "heater"), ("sauna", "heater"), ("water", "heater"))
@@ -52,6 +62,25 @@ _WHICH = frozenset(
     | {"of", "rear", "relay", "right", "south", "switch", "the", "to", "west"}
     | {"button", "close", "impulse", "open", "press", "pulse", "stop", "toggle", "trigger"}
 )
+_GERMAN = frozenset({"herd", "tor", "tore"})
+_GERMAN_ENDS = (
+    *("backofen", "boiler", "haustuer", "haustur", "schloss", "ventil", "wohnungstuer", "wohnungstur"),
+    *("einfahrtor", "einfahrtstor", "garagentor", "garagentuer", "garagentur", "gartentor", "hoftor", "rolltor"),
+    *("schiebetor", "torantrieb", "toroeffner", "toroffner", "tueroeffner", "turoffner", "zufahrtstor"),
+)
+"""The ends of German words, folded, with which one says what something drives: ``Türschloss``, ``Wasserventil``."""
+
+_FRENCH = frozenset(
+    {"chaudiere", "cuisiniere", "electrovanne", "gache", "gaziniere", "portail", "portails", "portillon", "serrure"}
+    | {"vanne", "verrou"}
+)
+_FRENCH_PAIRS = (frozenset({"porte", "garage"}), frozenset({"porte", "entree"}), frozenset({"chauffe", "eau"}))
+_BESIDE_THEM = (
+    *("licht", "lampe", "leuchte", "beleuchtung", "klingel", "kontakt", "sensor", "melder", "kamera", "batterie"),
+    *("lumiere", "eclairage", "sonnette", "capteur", "detecteur"),
+)
+"""The ends of words for what is beside a gate, and harms nobody."""
+
 _BEFORE_PLACES = frozenset({"at", "for", "in", "of", "to"})
 _TAG = fold("always_ask")
 
@@ -79,10 +108,15 @@ def is_declared(part: DevicePart) -> bool:
     told = part.part
     if told.service_type in ALWAYS_ASK or not _OVENS.isdisjoint(words_of(told.advertised)):
         return True
-    for one in told.capabilities:  # noqa: SIM110 - a generator would cost each announcement more
-        if one.name in _CAPABILITIES and one.settable:
+    for one in told.capabilities:
+        if one.settable and (one.name in _CAPABILITIES or (one.name == "on_off" and told.name in _ARMED)):
             return True
     return False
+
+
+def is_arming(part: DevicePart) -> bool:
+    """Return whether *part* is called ``Armed``, as what arms and disarms the alarm at a keypad."""
+    return part.part.name in _ARMED
 
 
 def is_approved(device: Device) -> bool:
@@ -155,7 +189,21 @@ def _is_called(words: tuple[str, ...], endings: frozenset[str]) -> bool:
         return True
     if _opens(words, whole) or whole[-2:] in _HOT_WATER:
         return True
+    if endings is _ENDINGS and _is_called_abroad(words):
+        return True
     return any(one and one[-1] in endings and one[-2:] != ("child", "lock") for one in (whole, called))
+
+
+def _is_called_abroad(words: tuple[str, ...]) -> bool:
+    """Return whether *words* are German or French for something of the class: ``Garagentor``, ``Porte de garage``.
+
+    Wherever the word stands, as to ask once too often does no harm; but a lamp, a bell or a sensor beside it is none.
+    """
+    if any(one.endswith(_BESIDE_THEM) for one in words):
+        return False
+    if any(one in _GERMAN or one in _FRENCH or one.endswith(_GERMAN_ENDS) for one in words):
+        return True
+    return any(pair.issubset(words) for pair in _FRENCH_PAIRS)
 
 
 @lru_cache(maxsize=1024)

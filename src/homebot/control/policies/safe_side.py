@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from homebot.control.policies.command_pattern import VERBS
-from homebot.devices.always_ask import is_opener
+from homebot.devices.always_ask import is_arming, is_opener
 from homebot.devices.client_rights import ClientRights
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.trigger import Trigger
@@ -18,7 +18,7 @@ _SAFE: Final = ("lock", "turn off")
 _OF_SETTINGS: Final = ("lock",)
 """What a setting does may make the house safer, such as the one by which a lock locks itself; off is unsafe then.
 
-So it is of what is a door opener by its model, as some move the door whichever they are told.
+So it is of what arms the alarm, and of door openers by their model, as some move the door whichever they are told.
 """
 
 
@@ -35,7 +35,7 @@ def may_make_safe(
 
 def is_safe(device: Device, part: DevicePart, settings: Mapping[str, PlainValue]) -> bool:
     """Return whether all that is set makes the house safer: a valve that closes does, a door that closes may hurt."""
-    is_off_unsafe = part.part.service_type == "x_setting" or is_opener(device)
+    is_off_unsafe = part.part.service_type == "x_setting" or is_opener(device) or is_arming(part)
     verbs = _OF_SETTINGS if is_off_unsafe else _SAFE
     return all(
         any(VERBS[verb](name, value, None) for verb in verbs)
