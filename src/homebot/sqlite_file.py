@@ -57,6 +57,7 @@ class SqliteFile:
         self._schema = schema
         self._busy_timeout = busy_timeout
         self._connection: sqlite3.Connection | None = None
+        self._identity = (0, 0)
 
     def open(self, now: float) -> Path | None:
         """Open the file, make it where there is none, and bring it to this version; a damaged one is set aside.
@@ -87,6 +88,13 @@ class SqliteFile:
         except OSError as exc:
             raise LinkError(f"{self._title} cannot be opened: {exc}") from exc
         return set_aside
+
+    def is_lost(self) -> bool:
+        """Return whether somebody removed or replaced the file while it was open: what is written then is lost."""
+        try:
+            return _identity_of(self.path) != self._identity
+        except OSError:
+            return True
 
     def set_aside(self, now: float) -> Path:
         """Move the file away, so that the next one begins empty; return where it is now."""
@@ -137,7 +145,7 @@ class SqliteFile:
             connection.close()
             raise
         connection.isolation_level = "DEFERRED"
-        self._connection = connection
+        self._connection, self._identity = connection, _identity_of(self.path)
 
     def _make_private(self) -> None:
         """Have a file that is the user's alone: what others could write there would be taken for what was heard.
@@ -189,6 +197,11 @@ class SqliteFile:
         if self._connection is None:
             raise LinkError(f"{self._title} is not open")
         return self._connection
+
+
+def _identity_of(path: Path) -> tuple[int, int]:
+    found = path.stat()
+    return found.st_dev, found.st_ino
 
 
 def _check(connection: sqlite3.Connection) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sqlite3
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, closing
@@ -10,6 +11,7 @@ from pathlib import Path
 import anyio
 import anyio.lowlevel
 import pytest
+from structlog.testing import capture_logs
 from tests.patience import PATIENCE
 
 from homebot.clock import ManualClock
@@ -139,6 +141,26 @@ async def test_a_damaged_file_is_set_aside(tmp_path: Path) -> None:
         store.add(note(1))
         assert await read(store) == (entry(1),)
     assert len(list(tmp_path.glob("journal.sqlite.damaged-*"))) == 1
+
+
+async def test_a_file_that_is_removed_while_it_is_used_is_begun_anew_and_told(tmp_path: Path) -> None:
+    """What is written into a file that no folder has any more is gone with the run."""
+    path = tmp_path / "home" / "journal.sqlite"
+    with capture_logs() as lines:
+        async with opened(path) as store:
+            store.add(note(0))
+            assert await read(store) == (entry(0),)
+            shutil.rmtree(path.parent)
+            store.add(note(1))
+            assert await read(store) == (entry(1),)
+            assert "was removed or replaced while homebot ran" in store.problem
+            store.add(note(2))
+        assert "was removed or replaced while homebot ran" in store.problem
+    async with opened(path) as store:
+        assert await read(store) == (entry(1), entry(2))
+        assert store.problem == ""
+    (line,) = [one for one in lines if one["event"] == "control.journal_removed"]
+    assert line["message"].endswith("stop homebot before you move it; a new one is begun")
 
 
 async def test_a_file_of_a_newer_homebot_is_left_alone(tmp_path: Path) -> None:

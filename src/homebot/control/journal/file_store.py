@@ -29,6 +29,7 @@ __all__ = ["FileStore"]
 NOT_WRITTEN = "control.journal_not_written"
 NOT_USED = "control.journal_not_used"
 DAMAGED = "control.journal_damaged"
+REMOVED = "control.journal_removed"
 
 _WRITE_AFTER: Final = 1.0
 _RETRY_AFTER: Final = 5.0
@@ -43,7 +44,7 @@ class FileStore:
     """Entries in an SQLite file, bounded by age and size, the oldest dropped first.
 
     It is opened at the first entry or question, so that a home without commands has none. Where another homebot uses it
-    or a newer one wrote it, entries are in memory alone.
+    or a newer one wrote it, entries are in memory alone. Where somebody removes it, a new one is begun.
 
     Args:
         node: For its log and clock.
@@ -55,7 +56,7 @@ class FileStore:
     Attributes:
         dropped: Entries that were dropped because they were too many or too old.
         failures: Entries, and things learnt, that could not be kept.
-        problem: The trouble of the file, as text; empty where there is none.
+        problem: The trouble of the file, as text; empty where there is none. That it was removed stays one.
     """
 
     def __init__(self, node: Node, path: Path, longest: float, most_bytes: float, in_memory: MemoryStore) -> None:
@@ -72,6 +73,7 @@ class FileStore:
         self._turn = anyio.Lock()
         self._limit = LogLimit(self._clock)
         self._is_unusable = False
+        self._loss = ""
         self._overrun = 0
         self.dropped = 0
         self.failures = 0
@@ -132,7 +134,7 @@ class FileStore:
         """Write what is added until cancelled."""
         while True:
             await self._has_news.wait()
-            await anyio.sleep(_RETRY_AFTER if self.problem else _WRITE_AFTER)
+            await anyio.sleep(_WRITE_AFTER if self.problem == self._loss else _RETRY_AFTER)
             self._has_news = anyio.Event()
             await self._write()
             if self._waiting or self._learnt:
@@ -174,7 +176,7 @@ class FileStore:
         except LinkError as exc:
             self._note_failure(exc)
             return False
-        self.problem = ""
+        self.problem = self._loss
         for row in learnt:
             if self._learnt.get((row.kind, row.name)) is row:
                 del self._learnt[row.kind, row.name]
@@ -185,7 +187,9 @@ class FileStore:
     async def _opened(self) -> JournalFile | None:
         """Return the open file; None where it cannot be used now."""
         if self._file is not None:
-            return self._file
+            if not await to_thread.run_sync(self._file.is_lost):
+                return self._file
+            await self._begin_anew(self._file)
         from homebot.control.journal.journal_file import JournalFile  # noqa: PLC0415 - SQLite is loaded at need
 
         file = JournalFile(self._path)
@@ -202,6 +206,16 @@ class FileStore:
         self._file = file
         return file
 
+    async def _begin_anew(self, file: JournalFile) -> None:
+        """Let go of a file that somebody removed; the next one is made."""
+        self._file = None
+        await to_thread.run_sync(file.close)
+        self.problem = self._loss = (
+            f"the journal {self._path} was removed or replaced while homebot ran, and what it had is lost; "
+            "stop homebot before you move it"
+        )
+        self._node.log.warning(REMOVED, message=f"{self._loss}; a new one is begun", file=str(self._path))
+
     async def _set_aside(self, file: JournalFile) -> None:
         """Move a damaged file away; the next write begins a new one."""
         self._file = None
@@ -212,7 +226,9 @@ class FileStore:
 
     def _give_up(self, why: str) -> None:
         self._is_unusable, self.problem = True, why
-        self._node.log.warning(NOT_USED, message=f"{why}; the journal is in memory alone", file=str(self._path))
+        self._node.log.warning(
+            NOT_USED, message=f"{why}; until the next start the journal is in memory alone", file=str(self._path)
+        )
         for note in self._waiting:
             self._memory.add(note)
         self._waiting.clear()
