@@ -1,11 +1,11 @@
-"""The line of the doctor about a gateway."""
+"""What the doctor says of a gateway and of a node."""
 
 from __future__ import annotations
 
 import pytest
 
-from homebot.cli.commands.doctor import print_gateway
-from homebot.cli.records import GatewayStateRecord
+from homebot.cli.commands.doctor import print_gateway, print_health
+from homebot.cli.records import GatewayStateRecord, HealthRecord
 
 
 @pytest.mark.parametrize(
@@ -28,3 +28,22 @@ def test_a_gateway_that_is_unavailable_is_not_said_to_send_commands(
 ) -> None:
     assert print_gateway("ble", state) is line.startswith("gateway ble is active")
     assert capsys.readouterr().out == f"{line}\n"
+
+
+def test_a_count_that_alone_makes_all_not_well_is_called_a_problem(capsys: pytest.CaptureFixture[str]) -> None:
+    """Who reads "problems found" at the end is to see which line is meant."""
+    counts = {"announcements_rejected": 2, "commands_failed": 1, "inbox_dropped": 7, "reports_lost": 0}
+    health: HealthRecord = {
+        "counts": [{"name": name, "count": count} for name, count in counts.items()],
+        "quarantined": [],
+        "troubles": [],
+        "failures": [],
+        "notes": [],
+    }
+    assert not print_health("gateway/mqtt", health, 0.0, everything=False)
+    assert [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()] == [
+        "counted by gateway/mqtt since it started:",
+        "announcements rejected 2",
+        "commands failed 1 a problem; homebot journal tells more",
+        "inbox dropped 7 a problem",
+    ]

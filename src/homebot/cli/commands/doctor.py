@@ -11,12 +11,19 @@ from homebot.cli.device_queries import find_devices, house_time
 from homebot.cli.directory import entities
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.publishing import GATEWAY_STATE, gateway_state
-from homebot.cli.records import DeviceRecord, GatewayStateRecord, HealthRecord, PartFailureRecord, QuarantineRecord
+from homebot.cli.records import (
+    CountRecord,
+    DeviceRecord,
+    GatewayStateRecord,
+    HealthRecord,
+    PartFailureRecord,
+    QuarantineRecord,
+)
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import age, ago
 
-__all__ = ["add_arguments", "print_gateway"]
+__all__ = ["add_arguments", "print_gateway", "print_health"]
 
 _GET_HEALTH = "homebot/srv/GetHealth"
 
@@ -70,7 +77,7 @@ def _doctor(options: argparse.Namespace) -> int:
         for name, state in sorted(_gateways(door).items()):
             is_well = print_gateway(name, state) and is_well
         for name, health in sorted(_health(door).items()):
-            is_well = _print_health(name, health, now, everything=options.counts) and is_well
+            is_well = print_health(name, health, now, everything=options.counts) and is_well
         is_well = _print_devices(door, now) and is_well
         print()
         print_line("all is well" if is_well else "problems found, see above", "bold green" if is_well else "bold red")
@@ -111,23 +118,33 @@ def _is_dry(reason: str) -> bool:
     return reason == SENDS_NOTHING
 
 
-def _print_health(name: str, health: HealthRecord, now: float, *, everything: bool) -> bool:
+def print_health(name: str, health: HealthRecord, now: float, *, everything: bool) -> bool:
+    """Print what went wrong in a node; return whether all is well there."""
     for problem in health["troubles"]:
         print(f"problem of {name}: {printable(problem)}")
     for note in health["notes"]:
         print(f"note on {name}: {printable(note)}")
     shown = [one for one in health["counts"] if everything or (one["count"] and _is_one_of(_FAULTS, one["name"]))]
-    _print_section(
-        f"counted by {name} since it started", [(one["name"].replace("_", " "), str(one["count"])) for one in shown]
-    )
+    _print_section(f"counted by {name} since it started", [_count(one) for one in shown])
     failures = [_failure(one, now) for one in health["failures"][:_MOST]]
     _print_section(f"failures in {name} since it started", failures, len(health["failures"]))
     offenders = [_quarantine(one, now) for one in health["quarantined"][:_MOST]]
     _print_section(
         f"quarantined by {name}, which reads only some of their messages", offenders, len(health["quarantined"])
     )
-    is_ill = any(one["count"] and _is_one_of(_ILLS, one["name"]) for one in health["counts"])
+    is_ill = any(map(_is_ill, health["counts"]))
     return not (health["quarantined"] or health["troubles"] or health["failures"] or is_ill)
+
+
+def _is_ill(one: CountRecord) -> bool:
+    return bool(one["count"]) and _is_one_of(_ILLS, one["name"])
+
+
+def _count(one: CountRecord) -> tuple[str, ...]:
+    """Return a row of the table of counts, with a word beside what alone makes all not well."""
+    more = "; homebot journal tells more" if one["name"].startswith("commands_") else ""
+    hint = (f"a problem{more}",) if _is_ill(one) else ()
+    return one["name"].replace("_", " "), str(one["count"]), *hint
 
 
 def _failure(one: PartFailureRecord, now: float) -> tuple[str, ...]:
