@@ -39,7 +39,7 @@ def test_an_empty_file_is_a_home_with_nothing_in_it(write: Path) -> None:
     [
         ("[hoome]", "hoome", "unknown key; did you mean home?"),
         ('[home]\nnmae = "x"', "home.nmae", "unknown key; did you mean name?"),
-        ("[home]\nname = 5", "home.name", "valid string, got 5"),
+        ("[home]\nname = 5", "home.name", "must be a text in quotes, got 5"),
         ('[home]\nname = ""', "home.name", "at least 1 character"),
         ("gateways = 3", "gateways", "must be a table, as in [gateways], got 3"),
         ('source = "x"', "source", "unknown key"),

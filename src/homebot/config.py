@@ -298,6 +298,7 @@ def check_secret_file(path: Path, found: os.stat_result) -> None:
 
 _SECRET_KEYS = ("password", "passwd", "passphrase", "token", "url", "secret", "key", "credential", "pin")
 _COMPLETE_ERRORS = {"extra_forbidden", "missing", "value_error"}
+_TYPE_ERRORS = {"bool_type": "must be true or false, without quotes", "string_type": "must be a text in quotes"}
 _TABLE_ERRORS = {"dict_type", "model_type"}
 _ARRAY_ERRORS = {"list_type", "tuple_type"}
 _PATH_OF_TABLE = re.compile(r"[\w-]+(\.[\w-]+)*", re.ASCII)
@@ -369,6 +370,8 @@ def _reason(model: type[BaseModel], error: ErrorDetails) -> str:
         return unknown_key(str(error["loc"][-1]), known)
     if error["type"] == "missing":
         return "is missing"
+    if (reason := _TYPE_ERRORS.get(error["type"])) is not None:
+        return reason
     message = error["msg"].removeprefix("Value error, ")
     is_word = message[1:2].islower()  # and not MQTT
     return f"{message[:1].lower()}{message[1:]}" if is_word else message

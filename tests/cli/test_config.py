@@ -92,7 +92,7 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
     ("text", "problem"),
     [
         ('[gateways.mqtt]\nrooot = "x"\n', "gateways.mqtt.rooot: unknown key; did you mean root?"),
-        ('[gateways.mqtt]\nact = "yes"\n', "gateways.mqtt.act: input should be a valid boolean, got 'yes'"),
+        ('[gateways.mqtt]\nact = "yes"\n', "gateways.mqtt.act: must be true or false, without quotes, got 'yes'"),
         ("[gateways.mqtt]\nstale_after = inf\n", "gateways.mqtt.stale_after: input should be a finite number, got inf"),
         (
             "[gateways.mqtt]\nclass = 5\n",

@@ -323,10 +323,11 @@ def test_an_import_that_moves_a_room_to_another_floor_says_so(run: Run, tmp_path
     ("text", "problem"),
     [
         ("[places.rooms.Hall]\nflor = 'x'", "places.rooms.Hall.flor: unknown key; did you mean floor?"),
-        ("[places.devices.lamp]\nroom = 7", "places.devices.lamp.room: input should be a valid string, got 7"),
+        ("[places.devices.lamp]\nroom = 7", "places.devices.lamp.room: must be a text in quotes, got 7"),
         ("[home]\nname = 'x'", "home: unknown key; known is places"),
         ("places = 3", "places: must be a table, got 3"),
         ("[places", "is invalid TOML"),
+        ("[home]\nname = villa", "is invalid TOML: Invalid value (at line 2, column 8); a text stands in quotes"),
     ],
 )
 def test_an_import_with_a_mistake_changes_nothing_and_names_it(

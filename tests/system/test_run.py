@@ -155,7 +155,7 @@ def test_a_gateway_without_an_address_has_the_embedded_broker(start: Start, tmp_
     ("text", "problem"),
     [
         ("[gatewys]\n", "{file}: gatewys: unknown key; did you mean gateways?"),
-        ("[gateways.mqtt]\nact = 1\n", "{file}: gateways.mqtt.act: input should be a valid boolean, got 1"),
+        ("[gateways.mqtt]\nact = 1\n", "{file}: gateways.mqtt.act: must be true or false, without quotes, got 1"),
         ("[apps.nosuch]\n", "{file}: apps.nosuch: plug-in 'nosuch' is not installed"),
         ('[apps.a]\nclass = "nosuch:App"\n', "{file}: apps.a.class: plug-in 'nosuch:App' cannot be loaded: the module"),
         ("[door]\nmax_clients = 0\n", "{file}: door.max_clients: input should be greater than or equal to 1, got 0"),

@@ -44,11 +44,11 @@ def test_on_the_own_broker_the_own_client_is_the_default(table: dict[str, object
     ("table", "key", "reason"),
     [
         ({"url": "http://broker"}, "url", "must start with mqtt:// or mqtts://"),
-        ({"url": 5}, "url", "valid string"),
+        ({"url": 5}, "url", "must be a text in quotes"),
         ({"root": "home/+"}, "root", "wildcard"),
         ({"root": "home/"}, "root", "empty level"),
         ({"delivery": "post"}, "delivery", "'inbox' or 'mirror'"),
-        ({"act": "yes"}, "act", "valid boolean"),
+        ({"act": "yes"}, "act", "must be true or false, without quotes"),
         ({"client": "paho"}, "client", "'aiomqtt' or 'native'"),
         ({"rooot": "home"}, "rooot", "unknown key; did you mean root?"),
         ({"max_payload": 3}, "max_payload", "greater than or equal to 1024"),
