@@ -81,14 +81,15 @@ def test_a_file_without_one_class_is_told_so(tmp_path: Path, text: str, problem:
     ("name", "problem"),
     [
         ("{}", r"must be FILE\.py:CLASS, with the name of a class in that file"),
-        ("{}:B", "cannot be loaded: the file has no 'B'"),
+        ("{}:Window", "cannot be loaded: the file has no 'Window'$"),
+        ("{}:Nightlight", r"cannot be loaded: the file has no 'Nightlight'; did you mean NightLight\?"),
         ("{}:b", "is 1, not a class"),
         ("nosuch.py:B", r"cannot be loaded: there is no file nosuch\.py"),
     ],
 )
 def test_what_is_no_class_in_a_file_is_told_so(tmp_path: Path, name: str, problem: str) -> None:
     file = tmp_path / "apps_of_mine.py"
-    file.write_text("class A: pass\nb = 1\n")
+    file.write_text("from pathlib import Path\nclass NightLight: pass\nb = 1\n")
     with pytest.raises(PluginError, match=problem):
         load_plugin("homebot.apps", name.format(file))
 

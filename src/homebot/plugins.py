@@ -151,7 +151,8 @@ def _load_class(path: str) -> object:
     try:
         return getattr(module, class_name)
     except AttributeError:
-        raise PluginError(path, f"cannot be loaded: the module {module_name!r} has no {class_name!r}") from None
+        problem = _missing_class(f"the module {module_name!r} has no {class_name!r}", class_name, module)
+        raise PluginError(path, problem) from None
 
 
 def _load_from_file(name: str) -> object:
@@ -161,7 +162,8 @@ def _load_from_file(name: str) -> object:
     try:
         return getattr(_module_in(path, name), class_name)
     except AttributeError:
-        raise PluginError(name, f"cannot be loaded: the file has no {class_name!r}") from None
+        problem = _missing_class(f"the file has no {class_name!r}", class_name, _module_in(path, name))
+        raise PluginError(name, problem) from None
 
 
 def _file_and_class(name: str) -> tuple[Path, str | None]:
@@ -212,6 +214,13 @@ def _run_as_module(file: Path, _changed_at: int) -> ModuleType:
         del sys.modules[name]
         raise
     return module
+
+
+def _missing_class(problem: str, name: str, module: ModuleType) -> str:
+    """Return that there is no class *name* in *module*, with those of its own that somebody may have meant."""
+    own = [one for one, kind in vars(module).items() if _is_own(kind, object, module)]
+    similar = did_you_mean(name, own, "")
+    return f"cannot be loaded: {problem}{'; ' if similar else ''}{similar}"
 
 
 def _is_installed(module_name: str) -> bool:

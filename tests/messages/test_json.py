@@ -16,6 +16,7 @@ from homebot.errors import TypeMismatchError
 from homebot.messages import Bool, Empty, Float64, Int32, Log, Message, ParameterValue, String, Time
 from homebot.messages import message as fields
 from homebot.messages.json import message_from_json, message_to_json, message_to_pieces, message_to_text
+from homebot.messages.std_msgs import Header
 
 
 class Mood(StrEnum):
@@ -172,6 +173,7 @@ def test_a_whole_number_is_read_as_a_real_one() -> None:
         (Int32, {"data": 1.0}, "field 'data': input should be a valid integer, got 1.0"),
         (Int32, {"data": None}, "field 'data': input should be a valid integer, got None"),
         (String, {"data": "\ud800"}, r"field 'data': input should be a valid string, got b'\xed\xa0\x80'"),
+        (Header, {"stamp": 5, "frame_id": ""}, "field 'stamp' is an object with fields of its own, got 5"),
         (String, ["x"], "not a std_msgs/msg/String: expected an object, got ['x']"),
         (String, {"data": ["x" * 100]}, f"got ['{'x' * 55}..."),
     ],
@@ -206,7 +208,7 @@ def test_a_refusal_inside_a_nested_message_names_the_whole_path() -> None:
         message_from_json(Log, line)
     with pytest.raises(TypeMismatchError, match=r"field 'stamps\.1\.nanosec' is missing"):
         message_from_json(Report, {**message_to_json(REPORT), "stamps": [{"sec": 0, "nanosec": 0}, {"sec": 1}]})
-    with pytest.raises(TypeMismatchError, match=r"field 'stamp': .*, got 5"):
+    with pytest.raises(TypeMismatchError, match=r"field 'stamp' is an object with fields of its own, got 5"):
         message_from_json(Log, {**line, "stamp": 5})
 
 

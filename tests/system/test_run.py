@@ -227,7 +227,8 @@ def test_a_door_that_is_taken_is_a_clear_error_and_everything_stops_again(start:
         address = f"127.0.0.1:{taken.getsockname()[1]}"
         run = start("--door", address)
         assert run.end() == 1
-    assert run.log[-1].startswith(f"homebot: door: {address} is in use, maybe by another homebot")
+    assert run.log[-1].startswith(f"homebot: door: {address} is in use, maybe by another homebot; stop that one, or ")
+    assert run.log[-1].endswith("choose another port (--door or [door] port)\n")
     assert "embedded MQTT broker on mqtt://127.0.0.1:" in run.text
     assert run.has_left_nothing()
 

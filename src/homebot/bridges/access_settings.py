@@ -30,11 +30,11 @@ class AccessSettings(BaseModel):
     allowed_origins: tuple[str, ...] = ()
     max_clients: Count = 64
 
-    def listening_problem(self, error: OSError) -> str:
-        """Return why the address cannot be listened on, and what to do."""
+    def listening_problem(self, error: OSError, key: str) -> str:
+        """Return why the address cannot be listened on, and what to do: another port is chosen by *key*."""
         where = f"{self.host}:{self.port}"
         if error.errno == errno.EADDRINUSE:
-            return f"{where} is in use, maybe by another homebot; stop that one, or choose another port"
+            return f"{where} is in use, maybe by another homebot; stop that one, or choose another port ({key})"
         if error.errno == errno.EACCES:
-            return f"{where} is reserved by the system; choose a port from 1024 on"
+            return f"{where} is reserved by the system; choose a port from 1024 on ({key})"
         return f"cannot listen on {where}: {error.strerror or error}"

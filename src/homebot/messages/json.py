@@ -108,6 +108,8 @@ def validation_problem(error: ValidationError, secrets: frozenset[str] = frozens
         return f"field {path!r} is unknown"
     if first["type"] == "bytes_type":
         return f"field {path!r}: bytes are base64 text or a list of 0 to 255, got {_shown(first['input'])}"
+    if first["type"] == "model_type":
+        return f"field {path!r} is an object with fields of its own, got {_shown(first['input'])}"
     return f"field {path!r}: {first['msg'][:1].lower()}{first['msg'][1:]}, got {_shown(first['input'])}"
 
 

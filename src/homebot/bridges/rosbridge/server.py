@@ -174,7 +174,7 @@ class Door:
                 logger=log,
             )
         except OSError as exc:
-            raise UsageError(f"door: {settings.listening_problem(exc)}") from exc
+            raise UsageError(f"door: {settings.listening_problem(exc, '--door or [door] port')}") from exc
 
     async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         settings, headers = self._settings, request.headers

@@ -192,7 +192,7 @@ class BoundedServer:
         try:
             listener = await asyncio.get_running_loop().create_server(connections, settings.host, settings.port)
         except OSError as exc:
-            raise UsageError(f"thing_directory: {settings.listening_problem(exc)}") from exc
+            raise UsageError(f"thing_directory: {settings.listening_problem(exc, '[thing_directory] port')}") from exc
         self.port = listener.sockets[0].getsockname()[1]
         self.addresses = tuple(dict.fromkeys(one.getsockname()[0] for one in listener.sockets))
         try:
