@@ -107,7 +107,12 @@ def test_a_tag_is_written_and_read(homebot_at: Callable[[Type4Card | None], Home
         (card(capacity=9), ["write", "Plug"], 5, f"the tag {UID} was not written: it holds 9 bytes, and"),
         (card(is_writable=False), ["write", "Plug"], 5, "it is write-protected"),
         (None, ["write", "Lamp"], 1, "2 devices are called Lamp; give the id of one: lights/cellar, lights/hall"),
-        (None, ["read", "--gateway", "mqtt"], 1, "/gateway/mqtt/read_tag"),
+        (
+            None,
+            ["read", "--gateway", "mqtt"],
+            1,
+            "no gateway mqtt that reads tags is running; a table [gateways.nfc] in",
+        ),
     ],
 )
 def test_what_did_not_work_has_a_reason_and_a_code(

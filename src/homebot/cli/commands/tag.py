@@ -5,11 +5,13 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+from collections.abc import Mapping
 from functools import partial
 from typing import Final, cast
 
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_queries import named_device
+from homebot.cli.directory import entities
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.places_records import TagResponseRecord, TeachPlaceRecord
 from homebot.cli.records import ReadTagRecord, ScanCodeRecord, WriteTagRecord
@@ -100,7 +102,9 @@ def _read(options: argparse.Namespace) -> int:
     def run(door: DoorClient) -> int:
         request = {"reader": options.reader, "wait": options.wait}
         timeout = options.wait + _GRACE
-        answer = cast("ReadTagRecord", door.call(TagNames(options.gateway).read_tag, request, timeout))
+        answer = cast(
+            "ReadTagRecord", _call(door, options.gateway, TagNames(options.gateway).read_tag, request, timeout)
+        )
         if not answer["success"]:
             return _failed(answer["problem"], answer["message"])
         print(f"tag {printable(answer['tag'])} ({printable(answer['tag_type'])}): {printable(answer['message'])}")
@@ -116,7 +120,8 @@ def _scan(options: argparse.Namespace) -> int:
     """Print the device that a code points to, and have its room remembered."""
 
     def run(door: DoorClient) -> int:
-        found = cast("ScanCodeRecord", door.call(TagNames(options.gateway).scan, {"text": options.code}))
+        request = {"text": options.code}
+        found = cast("ScanCodeRecord", _call(door, options.gateway, TagNames(options.gateway).scan, request, _GRACE))
         if not found["success"]:
             raise PeerError(found["message"])
         print(printable(found["message"]))
@@ -148,13 +153,32 @@ def _write(options: argparse.Namespace) -> int:
         name, timeout = printable(device["name"]), options.wait + _GRACE
         print(f"hold a tag to the reader; it will point to {name}", flush=True)
         request = {"device": device["id"], "area": options.area, "reader": options.reader, "wait": options.wait}
-        answer = cast("WriteTagRecord", door.call(TagNames(options.gateway).write_tag, request, timeout))
+        answer = cast(
+            "WriteTagRecord", _call(door, options.gateway, TagNames(options.gateway).write_tag, request, timeout)
+        )
         if not answer["success"]:
             return _failed(answer["problem"], answer["message"])
         print(f"tag {printable(answer['tag'])} points to {name} ({printable(answer['device'])})")
         return 0
 
     return with_client(options, run)
+
+
+def _call(door: DoorClient, gateway: str, service: str, request: Mapping[str, object], timeout: float) -> object:
+    """Call a service of the gateway for tags.
+
+    Raises:
+        PeerError: It failed; or there is none, and the message says how it is turned on.
+    """
+    try:
+        return door.call(service, request, timeout)
+    except PeerError:
+        if entities(door, kind="service", name=service):
+            raise
+        problem = (
+            f"no gateway {gateway} that reads tags is running; a table [gateways.nfc] in homebot.toml turns one on"
+        )
+        raise PeerError(problem) from None
 
 
 def _failed(problem: str, message: str) -> int:
