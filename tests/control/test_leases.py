@@ -341,7 +341,7 @@ async def test_the_brightness_of_a_lamp_that_is_held_dark_is_no_hand(open_home: 
 @pytest.mark.parametrize(
     ("device", "part", "problem"),
     [
-        ("lampe", "", "there is no device lampe"),
+        ("lampe", "", "there is no device with the id lampe"),
         ("lamp", "main", "lamp has no part main; it has one part without an id"),
     ],
 )

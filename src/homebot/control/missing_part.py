@@ -16,7 +16,7 @@ def missing_part(device_id: str, part_id: str, device: Device | None, command_id
     Whether it was removed or never there is not known; programs outside may spell an id in any way.
     """
     if device is None:
-        text = f"there is no device {device_id}"
+        text = f"there is no device with the id {device_id}"
     else:
         known = ", ".join(one.id for one in device.parts if one.id) or "one part without an id"
         text = f"{device_id} has no part {part_id or 'without an id'}; it has {known}"
