@@ -112,3 +112,9 @@ async def test_a_raw_text_with_a_code_is_noted_without_it(open_home: OpenHome) -
 )
 def test_of_a_raw_text_all_but_the_code_is_noted(address: str, text: str, noted: str) -> None:
     assert public_text(text, address) == noted
+
+
+@pytest.mark.parametrize("text", ['{"' + "_" * 200_000, '{"a_' + "c" * 200_000 + '": "', '"a":"' * 50_000])
+def test_a_long_text_is_read_in_part(text: str) -> None:
+    """To look through all of it for the names of codes would hold everybody up."""
+    assert len(public_text(text, "lamp/set")) == 5_000

@@ -20,11 +20,12 @@ CODE_GIVEN: Final = "a code"
 MAY_BE_CODE: Final = frozenset({"number", "text"})
 """The capabilities whose value can be a code; no other is looked at."""
 
-_FIELD: Final = re.compile(
-    r'(?P<key>"(?:[^"]*[_\W])?(?:\w*code|pin|password|token)"\s*:\s*)(?:"(?:[^"\\]|\\.)*"|[^\s",{}\[\]]+)',
-    re.IGNORECASE,
-)
-"""A field of JSON whose name says that it holds a code, with a text or a number."""
+_FIELD: Final = re.compile(r'"(?P<key>[^"\\]{1,80})"(?P<colon>\s*:\s*)(?:"(?:[^"\\]|\\.)*"|[^\s",{}\[\]]+)')
+"""A field of JSON with a text or a number."""
+
+_ENDS: Final = ("code", "password", "token", "_pin", "-pin", " pin")
+_MOST_READ: Final = 5_000
+"""Characters of a raw text; of more the journal has none, so that a long one holds nobody up."""
 
 
 def without_codes(settings: tuple[Setting, ...], device: Device, part: DevicePart) -> tuple[Setting, ...]:
@@ -45,8 +46,16 @@ def public_text(text: str, address: str) -> str:
     """Return the raw *text* of a command to *address* with ``"***"`` for each code in a field, or without all of it."""
     if is_for_code(address):
         return CODE_GIVEN
-    found, count = _FIELD.subn(r'\g<key>"***"', text)
-    return CODE_GIVEN if names_secret(found) and not count else found
+    known = text[:_MOST_READ]
+    found = _FIELD.sub(_without_code, known)
+    return CODE_GIVEN if found == known and names_secret(found) else found
+
+
+def _without_code(field: re.Match[str]) -> str:
+    key = field["key"].lower()
+    if key.endswith(_ENDS) or key == "pin" or names_secret(key):
+        return f'"{field["key"]}"{field["colon"]}"***"'
+    return field[0]
 
 
 def _takes_code(device: Device, part: Part) -> bool:
