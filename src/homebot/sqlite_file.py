@@ -85,8 +85,11 @@ class SqliteFile:
             if not _is_damage(exc):
                 raise LinkError(f"{self._title} cannot be opened: {exc}") from exc
             set_aside = self._replace(now)
+        except PermissionError as exc:
+            advice = "give homebot a directory that it may write (HOMEBOT_DATA), or run it with --ephemeral"
+            raise LinkError(f"{self._title} cannot be opened: {exc.strerror}; {advice}") from exc
         except OSError as exc:
-            raise LinkError(f"{self._title} cannot be opened: {exc}") from exc
+            raise LinkError(f"{self._title} cannot be opened: {exc.strerror or exc}") from exc
         return set_aside
 
     def is_lost(self) -> bool:

@@ -18,6 +18,7 @@ from homebot.discovery.ids import Tombstone
 from homebot.discovery.record import Records, entry_record, read_entry, read_tombstone, tombstone_record
 from homebot.discovery.store import VERSION, IndexFile, index_path, take_over
 from homebot.errors import LinkError, UsageError, WireError
+from homebot.sqlite_file import SqliteFile, SqliteSchema
 
 Announce = Callable[..., Sighting]
 MakePart = Callable[..., Part]
@@ -158,6 +159,19 @@ def test_a_place_that_cannot_be_written_is_told(tmp_path: Path) -> None:
         IndexFile(blocked / "index.sqlite").open(0.0)
     with pytest.raises(LinkError, match="not open"):
         IndexFile(tmp_path / "x").read()
+
+
+def test_a_place_that_homebot_may_not_write_is_told_with_what_to_do(tmp_path: Path) -> None:
+    """For root, as whom tests may run, there is no such place."""
+
+    class ForbiddenFile(SqliteFile):
+        def _make_private(self) -> None:
+            raise PermissionError(13, "Permission denied", "/data")
+
+    with pytest.raises(
+        LinkError, match=r"cannot be opened: Permission denied; give homebot a directory .*HOMEBOT_DATA"
+    ):
+        ForbiddenFile(tmp_path / "index.sqlite", SqliteSchema("index file", 1, (), ())).open(0.0)
 
 
 def test_a_full_disk_costs_nothing_that_was_there(path: Path) -> None:
