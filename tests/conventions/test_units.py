@@ -56,3 +56,31 @@ def test_a_sensor_is_of_the_type_that_its_capability_says_or_of_its_kind() -> No
 def test_a_quantity_converts_into_the_vocabularys_unit() -> None:
     assert quantity("temperature", "°F").value(212.0) == pytest.approx(100.0)
     assert quantity("energy") == Quantity("electrical_meter", "energy")
+
+
+@pytest.mark.parametrize(
+    ("capability", "unit", "expected"),
+    [
+        ("energy", "KWh", 1.0),
+        ("energy", "kwh", 1.0),
+        ("energy", "wh", 0.001),
+        ("energy", "mwh", None),
+        ("power", "KW", 1000.0),
+        ("power", "mw", None),
+        ("power", "w", 1.0),
+        ("pressure", "Bar", 1000.0),
+        ("pressure", "hpa", 1.0),
+        ("flow", "l/min", 0.06),
+        ("temperature", "ºC", 1.0),
+        ("illuminance", "LUX", 1.0),
+        ("voltage", "mv", None),
+        ("humidity", "X", None),
+    ],
+)
+def test_a_unit_in_another_case_counts_where_that_leaves_no_doubt(
+    capability: str, unit: str, expected: float | None
+) -> None:
+    conversion = conversion_of(capability, unit)
+    assert (None if conversion is None else conversion.value(1.0)) == (
+        None if expected is None else pytest.approx(expected)
+    )

@@ -80,12 +80,15 @@ def conversion_of(capability: str, unit: str) -> Conversion | None:
 
     Args:
         capability: See :data:`homebot.devices.capabilities.CAPABILITIES`.
-        unit: As a device spells it, cut to some length.
+        unit: As a device spells it, cut to some length; in whatever case where that leaves no doubt, as in ``KWh``.
     """
     spelled = unit.strip().replace("\u03bc", "\u00b5").replace("\u2103", "°C").replace("\u2109", "°F")
-    if spelled == CAPABILITIES[capability].unit:
-        return _SAME
-    return _UNITS[capability].get(spelled) if capability in _UNITS else None
+    spelled = spelled.replace("\u00ba", "°")  # the ordinal indicator, which looks like it
+    known = {**_UNITS.get(capability, {}), CAPABILITIES[capability].unit: _SAME}
+    if spelled in known:
+        return known[spelled]
+    alike = {one for name, one in known.items() if name.casefold() == spelled.casefold()}
+    return alike.pop() if len(alike) == 1 else None
 
 
 def to_celsius(fahrenheit: float, digits: int = 6) -> float:
