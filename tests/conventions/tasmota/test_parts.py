@@ -276,6 +276,23 @@ def test_each_leaf_is_a_sensor(
     assert said(sensor, "s/STATUS10", {"StatusSNS": sensors}) == wanted
 
 
+@pytest.mark.parametrize(
+    ("sensors", "part_id", "category"),
+    [
+        ({"ESP32": {"Temperature": 53.3}}, "ESP32_Temperature", "diagnostic"),
+        ({"BL0940": {"Temperature": 43.5}}, "BL0940_Temperature", "diagnostic"),
+        ({"ANALOG": {"Temperature": 50.1}, "ENERGY": {"Power": 5}}, "ANALOG_Temperature", "diagnostic"),
+        ({"ANALOG": {"Temperature": 21.5}}, "ANALOG_Temperature", ""),
+        ({"ANALOG": {"Humidity": 40}, "ENERGY": {"Power": 5}}, "ANALOG_Humidity", ""),
+        ({"DS18B20": {"Temperature": 21.5}, "ENERGY": {"Power": 5}}, "DS18B20_Temperature", ""),
+    ],
+)
+def test_the_temperature_inside_a_device_is_no_temperature_of_its_room(
+    sensors: dict[str, Any], part_id: str, category: str
+) -> None:
+    assert built({**sensors, "TempUnit": "C"})[part_id].part.category == category
+
+
 def test_a_meter_may_tell_fewer_phases_than_it_announced() -> None:
     parts = built({"ENERGY": {"Power": [1, 2]}})
     assert said(parts["ENERGY_Power_0"], "t/SENSOR", {"ENERGY": {"Power": 5}}) == {"power": 5.0}

@@ -108,11 +108,13 @@ class Leaf:
         path: Where it is in the message: sensor, quantity, and at times an index or a name.
         quantity: What it is.
         is_number: Whether it was announced as a number.
+        is_internal: Whether it is the temperature of the device itself, which says nothing of the room.
     """
 
     path: Path
     quantity: Quantity
     is_number: bool
+    is_internal: bool = False
 
 
 def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
@@ -129,7 +131,9 @@ def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
             break
         if any(len(step) > _MAX_KEY for step in path if isinstance(step, str)):
             continue
-        leaves.append(Leaf(path, _quantity_of(path, sensors), finite_number(value) is not None))
+        found = _quantity_of(path, sensors)
+        is_internal = found.capability == "temperature" and _is_inside(str(path[0]), sensors)
+        leaves.append(Leaf(path, found, finite_number(value) is not None, is_internal))
     return tuple(leaves)
 
 
@@ -143,6 +147,7 @@ def describe_sensors(topics: TasmotaTopics, leaves: Iterable[Leaf]) -> Iterable[
             what.service_type,
             name=clean_text(" ".join(map(str, leaf.path))),
             advertised=clean_text(str(leaf.path[-1 if isinstance(leaf.path[-1], str) else -2])),
+            category="diagnostic" if leaf.is_internal else "",
         )
         capability = what.capability if is_number else "value"
         for topic in topics.sensors:
@@ -152,6 +157,17 @@ def describe_sensors(topics: TasmotaTopics, leaves: Iterable[Leaf]) -> Iterable[
         yield part.build()
     yield _signal(topics)
 
+
+def _is_inside(sensor: str, sensors: Mapping[str, object]) -> bool:
+    """Return whether *sensor* is a chip of the device, or the analog one of a device that measures what it switches.
+
+    As which plugs and Shelly relays have the thermometer that protects them.
+    """
+    return sensor.startswith(_CHIPS) or (sensor == "ANALOG" and "ENERGY" in sensors)
+
+
+_CHIPS = ("AXP", "BL09", "CSE77", "ESP32")
+"""Beginnings of the names of processors, and of chips that measure power or charge a battery."""
 
 _IGNORED = frozenset({"Time", "PN532", "RDM6300"})
 """No sensors, or readers of tags that say nothing between tags."""
