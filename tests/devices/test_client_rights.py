@@ -155,6 +155,11 @@ def test_a_relay_or_button_asks_whichever_one_its_name_says_it_is(
     assert always_asks(one, one.parts[0])
 
 
+def test_a_virtual_button_asks_by_its_name() -> None:
+    one = device("shelly", part("generic_switch", "push", name="Open gate"))
+    assert always_asks(one, one.parts[0])
+
+
 def test_a_button_asks_by_the_name_of_its_device() -> None:
     one = device("Garage door", part("x_setting", "push", name="Toggle"))
     assert always_asks(one, one.parts[0])

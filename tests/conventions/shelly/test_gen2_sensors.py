@@ -3,7 +3,7 @@ from collections.abc import Callable
 
 import pytest
 
-from homebot.conventions.description import AnnouncementEvent, DescribedPart
+from homebot.conventions.description import AnnouncementEvent, DescribedPart, DeviceAnnounced
 
 Say = Callable[..., tuple[AnnouncementEvent, ...]]
 Find = Callable[[tuple[AnnouncementEvent, ...], str], DescribedPart]
@@ -194,6 +194,36 @@ def test_a_zone_of_an_irrigation_controller_is_a_valve(say: Say, part: Find) -> 
     (told,) = zone.codec.write("valve", "open")
     call = json.loads(told.payload)
     assert (told.topic, call["method"], call["params"]) == ("x/rpc", "Boolean.Set", {"id": 200, "value": True})
+
+
+def test_a_water_valve_of_a_maker_is_a_valve(say: Say, part: Find) -> None:
+    config = {"id": 200, "owner": "service:0", "role": "position", "access": "crw", "min": 0, "max": 100}
+    valve = part(introduce(say, "number:200", {"value": 0}, config), "number:200")
+    assert (valve.part.service_type, valve.part.category) == ("water_valve", "")
+    read = [valve.codec.read("x/status/number:200", text, retained=False) for text in (b'{"value":40}', b'{"value":0}')]
+    assert read == [{"position": 40.0, "valve": "open"}, {"position": 0.0, "valve": "closed"}]
+    told = [valve.codec.write(*one)[0] for one in (("valve", "open"), ("valve", "closed"), ("position", 40.0))]
+    calls = [json.loads(one.payload) for one in told]
+    assert [(one["method"], one["params"]) for one in calls] == [
+        ("Number.Set", {"id": 200, "value": percent}) for percent in (100, 0, 40)
+    ]
+
+
+def test_what_turns_a_device_of_a_maker_on_is_a_switch(say: Say, part: Find) -> None:
+    config = {"id": 200, "name": "Power", "owner": "service:0", "role": "state", "access": "crw"}
+    switch = part(introduce(say, "boolean:200", {"value": True}, config), "boolean:200")
+    assert (switch.part.service_type, switch.part.category) == ("switch", "")
+    assert switch.codec.read("x/status/boolean:200", b'{"value":true}', retained=False) == {"on_off": True}
+    (told,) = switch.codec.write("on_off", False)
+    assert json.loads(told.payload)["params"] == {"id": 200, "value": False}
+
+
+def test_a_device_with_the_module_of_shelly_has_the_name_of_its_product(say: Say) -> None:
+    info = {"id": "x", "mac": "A8032ABE54DC", "model": "S3XT-0S", "app": "XT1", "jwt": {"n": "NEO Water Valve"}}
+    say("homebot/rpc", {"id": 1, "src": "x", "result": info})
+    heard = say("homebot/rpc", {"id": 1, "src": "x", "result": {"sys": {"mac": "A8"}, "switch:0": {"output": True}}})
+    (device,) = [one for one in heard if isinstance(one, DeviceAnnounced)]
+    assert (device.facts["model"], device.facts["model_id"]) == ("NEO Water Valve", "XT1")
 
 
 @pytest.mark.parametrize(("access", "capability"), [("crw", "number"), ("cr", "measurement")])

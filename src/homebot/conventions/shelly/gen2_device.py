@@ -279,7 +279,7 @@ class Gen2Device:
         generation = to_number(self.info.get("gen"))
         facts = {
             "manufacturer": "Shelly",
-            "model": text_of(self.info.get("model")),
+            "model": text_of(as_fields(self.info.get("jwt")).get("n")) or text_of(self.info.get("model")),
             "model_id": text_of(self.info.get("app")),
             "sw_version": text_of(self.info.get("ver")),
             "generation": "" if generation is None else f"{generation:g}",

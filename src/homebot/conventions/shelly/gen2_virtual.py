@@ -1,6 +1,7 @@
 """Values that users or makers of a device define themselves, in Shelly's second generation. Pure.
 
-Source: Shelly Gen2+ API, Virtual Components: Boolean, Number, Text, Enum and Button; XT1, Irrigation Controller.
+Source: Shelly Gen2+ API, Virtual Components: Boolean, Number, Text, Enum and Button; XT1, Irrigation Controller and
+Smart Water Valve; ShellyX, Manifest Reference.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from homebot.conventions.command_values import (
 )
 from homebot.conventions.description import Publications
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings, as_fields, clean_text, shown
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, clean_text, percent_of, shown
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent
 from homebot.conventions.units import sensor_type
 from homebot.devices.value import PlainValue
@@ -40,11 +41,14 @@ def build_virtual(component: ShellyComponent) -> tuple[JsonPart, ...]:
     role = _role(component.config)
     if component.kind == "boolean" and _ZONE.fullmatch(role):
         return (_build_zone(component),)
+    if component.kind == "number" and role == _POSITION:
+        return (_build_valve(component),)
     access = component.config.get("access")
     if (role in _WATCHED and component.kind == "number") or (isinstance(access, str) and "w" not in access):
         return (_build_watched(component, role),)
     is_number = component.kind == "number"
-    service_type, capability = (_SETPOINTS.get(role) if is_number else None) or ("x_setting", VIRTUAL[component.kind])
+    own = _CONTROLLED.get((component.kind, role))
+    service_type, capability = own or ("x_setting", VIRTUAL[component.kind])
     options = _options(component.config)
     bounds = _bounds(component.config)
     least, most = bounds or (-_MOST, _MOST)
@@ -94,6 +98,25 @@ def _build_zone(component: ShellyComponent) -> JsonPart:
     return part
 
 
+def _build_valve(component: ShellyComponent) -> JsonPart:
+    """Describe a water valve that can be opened in part."""
+
+    def decode(status: Fields) -> Readings:
+        percent = percent_of(status.get("value"))
+        return NO_READINGS if percent is None else {"position": percent, "valve": "open" if percent else "closed"}
+
+    def move(value: PlainValue, _transition: float) -> Publications:
+        return component.call("Number.Set", value=round(require_number("position", value, 0.0, 100.0, "%")))
+
+    part = component.part("", "water_valve", tag=_role(component.config))
+    component.read_status(part, decode)
+    component.add_command_topic(part)
+    writer = option_writer("valve", _VALVES, lambda state: move(100.0 if state == "open" else 0.0, 0.0))
+    part.add_capability("valve", writer=writer, options=_VALVES)
+    part.add_capability("position", writer=move)
+    return part
+
+
 def _build_watched(component: ShellyComponent, role: str) -> JsonPart:
     """Describe a value that is only reported."""
     plain = _READ_ONLY[component.kind]
@@ -122,11 +145,15 @@ _WATCHED: Mapping[str, tuple[str, str]] = {
 """Capabilities of the numbers of a maker's service, by their roles."""
 
 
-_SETPOINTS: Mapping[str, tuple[str, str]] = {
-    "target_temperature": ("thermostat", "heating_setpoint"),
-    "target_humidity": ("x_humidifier", "humidity_setpoint"),
+_POSITION = "position"
+"""Role of the number of a maker's service that is how far a water valve is open; blinds are covers there."""
+
+_CONTROLLED: Mapping[tuple[str, str], tuple[str, str]] = {
+    ("number", "target_temperature"): ("thermostat", "heating_setpoint"),
+    ("number", "target_humidity"): ("x_humidifier", "humidity_setpoint"),
+    ("boolean", "state"): ("switch", "on_off"),
 }
-"""Types and capabilities of the numbers of a maker's service that people set, by their roles."""
+"""Types and capabilities of what people set in a maker's service, by kind and role."""
 
 
 def _role(config: Fields) -> str:
