@@ -279,6 +279,13 @@ def test_another_temperature_does_not(name: str) -> None:
     assert not always_asks(one, one.parts[0])
 
 
+@pytest.mark.parametrize(("most", "asks"), [(120.0, True), (100.0, True), (90.0, False), (35.0, False)])
+def test_a_thermostat_asks_if_it_boils_water(most: float, *, asks: bool) -> None:
+    setpoint = Capability(name="heating_setpoint", settable=True, bounds=(20.0, most))
+    one = device("x", part("thermostat", capabilities=(setpoint,)))
+    assert always_asks(one, one.parts[0]) is asks
+
+
 def test_the_limit_of_a_radiator_valve_does_not_ask() -> None:
     assert not always_asks(RADIATOR, RADIATOR.parts[0])
 

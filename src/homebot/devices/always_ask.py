@@ -44,6 +44,9 @@ _ENDINGS = (
     | _HEATERS
     | _LOCKS
 )
+_SCALDING = 100.0
+"""Degrees Celsius that no room and no radiator has to have, but saunas, grills and kilns."""
+
 _DEGREES = frozenset({"°C", "°F", "K"})
 _RELAYS = frozenset({"plug", "switch", "window_covering", "x_unknown"})
 _HARMLESS = frozenset({"light"})
@@ -109,7 +112,11 @@ def is_declared(part: DevicePart) -> bool:
     if told.service_type in ALWAYS_ASK or not _OVENS.isdisjoint(words_of(told.advertised)):
         return True
     for one in told.capabilities:
-        if one.settable and (one.name in _CAPABILITIES or (one.name == "on_off" and told.name in _ARMED)):
+        if not one.settable:
+            continue
+        if one.name in _CAPABILITIES or (one.name == "on_off" and told.name in _ARMED):
+            return True
+        if one.name == "heating_setpoint" and one.bounds and one.bounds[-1] >= _SCALDING:
             return True
     return False
 
