@@ -261,3 +261,11 @@ def test_a_device_without_hardware_address_is_known_by_its_name() -> None:
 def test_an_assumed_state_is_an_echo(kind: str, *, is_assumed: bool) -> None:
     part = entity(kind, assumed_state=is_assumed).part("")
     assert {one.echoed for one in part.capabilities if one.settable} == {is_assumed}
+
+
+@pytest.mark.parametrize(("name", "is_read"), [("Guest PIN", False), ("Wi-Fi password", False), ("Last card", True)])
+def test_a_text_that_is_called_a_code_or_password_is_not_read(name: str, *, is_read: bool) -> None:
+    sensors = EsphomeDevice({}, [("text_sensor", {"key": 1, "object_id": "one", "name": name})]).entities
+    assert bool(sensors) is is_read
+    (capability,) = entity("text", name=name, max_length=20).part("one").capabilities
+    assert (capability.readable, capability.settable) == (is_read, True)

@@ -10,6 +10,7 @@ from homebot.conventions.esphome.entity import EsphomeEntity, Fields, key_of, te
 from homebot.conventions.esphome.light import build_light
 from homebot.conventions.esphome.openings import build_cover, build_lock, build_valve
 from homebot.conventions.esphome.simple_entities import SIMPLE_BUILDERS
+from homebot.conventions.secrets import names_secret
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Part
 from homebot.errors import RefusedError
@@ -41,7 +42,7 @@ class EsphomeDevice:
     """A device and its entities.
 
     Entities that are disabled by default are left out, as are cameras, and infrared and radio transmitters, for which
-    the vocabulary has no type.
+    the vocabulary has no type, and what reports a code or password.
 
     Args:
         info: Its ``DeviceInfoResponse``.
@@ -58,7 +59,7 @@ class EsphomeDevice:
         self.entities: dict[str, EsphomeEntity] = {}
         self._by_key: dict[tuple[str, tuple[int, int]], str] = {}
         self._info = info
-        known = [one for one in listed if one[0] in _BUILDERS and one[1].get("disabled_by_default") is not True]
+        known = [(kind, fields) for kind, fields in listed if kind in _BUILDERS and _is_to_be_read(kind, fields)]
         self.left_out = max(0, len(known) - MAX_ENTITIES)
         for kind, fields in sorted(known[:MAX_ENTITIES], key=lambda one: _ORDER[one[0]]):
             self._add(_BUILDERS[kind](kind, fields), text_of(fields, "object_id")[:_MAX_ID])
@@ -121,6 +122,12 @@ class EsphomeDevice:
             part_id = f"{base}_{number}"
         self.entities[part_id] = entity
         self._by_key[entity.kind, entity.key] = part_id
+
+
+def _is_to_be_read(kind: str, fields: Fields) -> bool:
+    if kind == "text_sensor" and names_secret(text_of(fields, "name")):
+        return False
+    return fields.get("disabled_by_default") is not True
 
 
 _MAX_ID = 120

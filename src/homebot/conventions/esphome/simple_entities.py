@@ -24,6 +24,7 @@ from homebot.conventions.esphome.entity import (
     whole_of,
 )
 from homebot.conventions.payload import clean_text, shown
+from homebot.conventions.secrets import names_secret
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WrongCodeError
 
@@ -115,7 +116,8 @@ def _setting_text(kind: str, info: Fields) -> EsphomeEntity:
         return {"state": value}
 
     entity = EsphomeEntity(kind, info, "x_setting")
-    entity.add("text", None if info.get("mode") == _PASSWORD else _text("state"), write)
+    is_secret = info.get("mode") == _PASSWORD or names_secret(text_of(info, "name"))
+    entity.add("text", None if is_secret else _text("state"), write)
     return entity
 
 
