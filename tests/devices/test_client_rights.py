@@ -155,6 +155,23 @@ def test_a_relay_or_button_asks_whichever_one_its_name_says_it_is(
     assert always_asks(one, one.parts[0])
 
 
+def test_a_contact_that_can_be_set_asks() -> None:
+    """Who sets it opens what it is the contact of, as a Thing with a property ``open`` has it."""
+    one = device("garage", part("contact_sensor", "contact"))
+    assert always_asks(one, one.parts[0])
+
+
+def test_a_choice_without_a_name_is_called_as_its_device() -> None:
+    one = device("Garage door", part("x_setting", "option"))
+    assert always_asks(one, one.parts[0])
+
+
+def test_a_deed_without_a_name_is_called_by_its_id() -> None:
+    """Many an action of a Thing has no title."""
+    one = device("Porch", part("generic_switch", "push", part_id="unlockDoor"), part("light", "on_off", part_id="lamp"))
+    assert [always_asks(one, each) for each in one.parts] == [True, False]
+
+
 def test_a_virtual_button_asks_by_its_name() -> None:
     one = device("shelly", part("generic_switch", "push", name="Open gate"))
     assert always_asks(one, one.parts[0])

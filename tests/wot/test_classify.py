@@ -14,10 +14,10 @@ from homebot.wot.payload import decode_document, encode_document
 HTTP = RequestBinding(frozenset({"http"}))
 
 
-def parts(properties: dict[str, Any], types: tuple[str, ...] = ()) -> tuple[ClassifiedPart, ...]:
+def parts(properties: dict[str, Any], types: tuple[str, ...] = (), title: str = "T") -> tuple[ClassifiedPart, ...]:
     described = {
         "@context": "https://www.w3.org/2022/wot/td/v1.1",
-        "title": "T",
+        "title": title,
         "@type": list(types),
         "securityDefinitions": {"none": {"scheme": "nosec"}},
         "security": "none",
@@ -101,6 +101,21 @@ def test_a_thermostat_heats_and_cools() -> None:
         "cooling_setpoint",
         "local_temperature",
     ]
+
+
+@pytest.mark.parametrize(
+    ("title", "level", "service_type"),
+    [
+        ("Water valve", "level", "switch"),
+        ("Pump 2", "level", "switch"),
+        ("Porch", "level", "light"),
+        ("Fan lamp", "brightness", "light"),
+    ],
+)
+def test_a_level_of_a_valve_is_not_that_of_a_lamp(title: str, level: str, service_type: str) -> None:
+    """A lamp harms nobody, and is turned on with all others."""
+    (found,) = parts({"on": {"type": "boolean"}, level: {"type": "number"}}, title=title)
+    assert found.part.service_type == service_type
 
 
 def test_a_dimmer_from_zero_to_one_is_a_level() -> None:

@@ -9,6 +9,7 @@ any device; so is a button, scene or choice by its name, and the setting that sa
 
 from __future__ import annotations
 
+import re
 from functools import lru_cache
 from typing import Final
 
@@ -33,7 +34,7 @@ ALWAYS_ASK = frozenset({"closure", "door_lock", "water_heater", "water_valve", "
 APPROVED: Final = "approved"
 """The name of the fact by which the owner states that a device that can hurt may be driven."""
 
-_CAPABILITIES = frozenset({"alarm", "lock", "valve", "water_heater_mode"})
+_CAPABILITIES = frozenset({"alarm", "contact", "lock", "valve", "water_heater_mode"})
 _ARMED = frozenset({"Armed", "armed"})
 _OVENS = frozenset({"cooker", "cooktop", "hob", "kiln", "oven", "stove"})
 _HEATERS = frozenset({"boiler", "geyser", "sauna"})
@@ -84,6 +85,7 @@ _BESIDE_THEM = (
 )
 """The ends of words for what is beside a gate, and harms nobody."""
 
+_CAMEL_CASE = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _BEFORE_PLACES = frozenset({"at", "for", "in", "of", "to"})
 _TAG = fold("always_ask")
 
@@ -166,12 +168,13 @@ def _is_named_button(device: Device, part: DevicePart) -> bool:
         if one.name in _PRESSED and not told.category and told.tag not in _NO_DEED:
             return _is_named(_ENDINGS, *_names(device, part))
         if one.name in _CHOSEN:
-            return _is_named(_ENDINGS - _LOCKS if told.category else _ENDINGS, told.name)
+            names = (told.name,) if told.name else _names(device, part)
+            return _is_named(_ENDINGS - _LOCKS if told.category else _ENDINGS, *names)
     return False
 
 
 def _names(device: Device, part: DevicePart) -> tuple[str, ...]:
-    return device.name, *device.names, part.part.name
+    return device.name, *device.names, part.part.name or _CAMEL_CASE.sub(" ", part.id)
 
 
 def _is_named(endings: frozenset[str], *names: str) -> bool:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
 from homebot.conventions.units import conversion_of
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Category, Part
+from homebot.folding import words_of
 from homebot.wot.binding import Binding
 from homebot.wot.payload import is_rgb
 from homebot.wot.scale import bounds_of, unit_of
@@ -96,7 +97,7 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
         _find_meaning(one, main)
     main_is_guess = not main
     if main_is_guess:
-        main = _guess([one.capability for one in found if not one.service_type])
+        main = _guess([one for one in found if not one.service_type], thing.title)
     groups: dict[str, list[_One]] = {}
     for one in found:
         groups.setdefault(_group(one, main, groups), []).append(one)
@@ -181,13 +182,22 @@ def _suits(capability: str, schema: DataSchema) -> bool:
     return expected == kind
 
 
-def _guess(capabilities: Iterable[str]) -> str:
-    has = set(capabilities)
-    if "on_off" in has and has & {"level", "color", "color_temperature"}:
+def _guess(found: Collection[_One], title: str) -> str:
+    """Return the type that the capabilities suggest; what has a level, and is called a valve, is no lamp."""
+    has = {one.capability for one in found}
+    is_dimmed = any(one.capability == "level" and one.name != "level" for one in found)
+    is_other = not is_dimmed and not _NO_LAMPS.isdisjoint(words_of(title))
+    if "on_off" in has and has & {"color", "color_temperature", *(() if is_other else ("level",))}:
         return "light"
     if "heating_setpoint" in has:
         return "thermostat"
     return next((LONE_TYPES[one] for one in ("lock", "position", "valve", "vacuum", "on_off") if one in has), "")
+
+
+_NO_LAMPS = frozenset(
+    {"boiler", "door", "fan", "gate", "heater", "irrigation", "kettle", "motor", "oven", "pump", "sprinkler", "valve"}
+)
+"""Words of a title by which a level is not that of light."""
 
 
 def _group(one: _One, main: str, groups: dict[str, list[_One]]) -> str:
