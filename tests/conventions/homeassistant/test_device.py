@@ -79,3 +79,14 @@ def test_a_child_device_is_itself_and_not_its_parent() -> None:
 def test_a_device_without_proper_identity_is_refused(fields: dict[str, object], problem: str) -> None:
     with pytest.raises(WireError, match=problem):
         read_device(fields, {})
+
+
+@pytest.mark.parametrize(
+    ("address", "shown"),
+    [
+        ("http://admin:secret@192.168.1.9/setup", "http://192.168.1.9/setup"),
+        ("http://192.168.1.9/@home", "http://192.168.1.9/@home"),
+    ],
+)
+def test_the_password_in_the_address_of_a_device_is_not_shown(address: str, shown: str) -> None:
+    assert read_device({"identifiers": "x", "configuration_url": address}, {}).facts == {"configuration_url": shown}

@@ -5,6 +5,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/schemas.py`` and ``entity.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import NamedTuple, get_args
@@ -103,6 +104,10 @@ _DEVICE_FACTS = {
     )
 }
 _ORIGIN_FACTS = {"name": "origin", "sw_version": "origin_sw_version", "support_url": "origin_url"}
+_ADDRESSES = frozenset({"configuration_url", "support_url"})
+_LOGIN = re.compile(r"(?<=://)[^/?#]*@")
+"""User and password in an address, which are nobody's to read."""
+
 _PLAIN_CONNECTIONS = frozenset({"mac", "bluetooth", "zigbee"})
 _PAIR = 2
 _FEW = 8
@@ -113,7 +118,7 @@ def _facts(fields: Mapping[str, object], names: Mapping[str, str]) -> dict[str, 
     found: dict[str, str] = {}
     for key, value in fields.items():
         if key in names and (text := _as_text(value, _MAX_FACT)):
-            found[names[key]] = text
+            found[names[key]] = _LOGIN.sub("", text) if key in _ADDRESSES else text
     return found
 
 
