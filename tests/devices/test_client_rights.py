@@ -135,6 +135,15 @@ def test_a_device_that_lets_in_or_floods_or_burns_always_asks(one: Device) -> No
         "Portail voiture",
         "Vanne d'eau",
         "Chauffe-eau",
+        "Cancello",
+        "Apri cancello",
+        "Porta del garage",
+        "Caldaia",
+        "Válvula principal",
+        "Puerta del garaje",
+        "Horno",
+        "Garagedeur",
+        "Poort openen",
     ],
 )
 @pytest.mark.parametrize(
@@ -251,6 +260,11 @@ def test_a_choice_does_not_ask_by_the_name_of_its_device() -> None:
         "Sonnette portail",
         "Porte",
         "Lumière garage",
+        "Luce cancello",
+        "Luz puerta garaje",
+        "Poortlamp",
+        "Deurbel poort",
+        "Puerta",
     ],
 )
 @pytest.mark.parametrize(("service_type", "capability"), [("plug", "on_off"), ("x_setting", "push")])

@@ -2,9 +2,9 @@
 
 What may drive them is the owner's to approve.
 
-A switch, plug or cover that drives such a device is known by its name, where that has an English, German or French word
-for it, by that of its model, where that has an English one, or by the tag ``always_ask``, which the owner may give to
-any device; so is a button, scene or choice by its name, and the setting that says how hot a boiler or an oven becomes.
+A switch, plug or cover that drives such a device is known by its name, in English or another language, by that of its
+model, where that has an English word for it, or by the tag ``always_ask``, which the owner may give to any device; so
+is a button, scene or choice by its name, and the setting that says how hot a boiler or an oven becomes.
 """
 
 from __future__ import annotations
@@ -78,10 +78,26 @@ _FRENCH = frozenset(
     {"chaudiere", "cuisiniere", "electrovanne", "gache", "gaziniere", "portail", "portails", "portillon", "serrure"}
     | {"vanne", "verrou"}
 )
-_FRENCH_PAIRS = (frozenset({"porte", "garage"}), frozenset({"porte", "entree"}), frozenset({"chauffe", "eau"}))
+_ITALIAN = frozenset(
+    {"caldaia", "cancelletto", "cancello", "elettrovalvola", "fornello", "forno", "portone", "scaldabagno", "serratura"}
+    | {"valvola"}
+)
+_SPANISH = frozenset(
+    {"caldera", "calentador", "cancela", "cerradura", "cerrojo", "electrovalvula", "horno", "porton", "valvula"}
+)
+_DUTCH = frozenset(
+    {"deuropener", "deurslot", "fornuis", "garagedeur", "garagepoort", "gaskraan", "kookplaat", "oprijpoort", "poort"}
+    | {"poortopener", "tuinpoort", "waterklep", "waterkraan"}
+)
+_WORDS = _GERMAN | _FRENCH | _ITALIAN | _SPANISH | _DUTCH
+_PAIRS = (
+    *(frozenset({"porte", "garage"}), frozenset({"porte", "entree"}), frozenset({"chauffe", "eau"})),
+    *(frozenset({"porta", "garage"}), frozenset({"puerta", "garaje"}), frozenset({"puerta", "garage"})),
+)
 _BESIDE_THEM = (
     *("licht", "lampe", "leuchte", "beleuchtung", "klingel", "kontakt", "sensor", "melder", "kamera", "batterie"),
     *("lumiere", "eclairage", "sonnette", "capteur", "detecteur"),
+    *("luce", "luci", "campanello", "sensore", "luz", "luces", "timbre", "lamp", "deurbel"),
 )
 """The ends of words for what is beside a gate, and harms nobody."""
 
@@ -205,15 +221,15 @@ def _is_called(words: tuple[str, ...], endings: frozenset[str]) -> bool:
 
 
 def _is_called_abroad(words: tuple[str, ...]) -> bool:
-    """Return whether *words* are German or French for something of the class: ``Garagentor``, ``Porte de garage``.
+    """Return whether *words* are for something of the class in another language: ``Garagentor``, ``Porte de garage``.
 
     Wherever the word stands, as to ask once too often does no harm; but a lamp, a bell or a sensor beside it is none.
     """
     if any(one.endswith(_BESIDE_THEM) for one in words):
         return False
-    if any(one in _GERMAN or one in _FRENCH or one.endswith(_GERMAN_ENDS) for one in words):
+    if not _WORDS.isdisjoint(words) or any(one.endswith(_GERMAN_ENDS) for one in words):
         return True
-    return any(pair.issubset(words) for pair in _FRENCH_PAIRS)
+    return any(pair.issubset(words) for pair in _PAIRS)
 
 
 @lru_cache(maxsize=1024)
