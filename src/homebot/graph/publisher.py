@@ -69,11 +69,10 @@ class Publisher(Generic[MessageT]):
     @property
     def is_full(self) -> bool:
         """True if a RELIABLE subscription has no room, so that :meth:`send` would wait; never on a keyed topic."""
-        return any(
-            subscription.qos.reliability is ReliabilityPolicy.RELIABLE
-            and len(subscription.mailbox.queue) >= subscription.mailbox.depth
-            for subscription in self._subscriptions
-        )
+        for one in self._subscriptions:  # as in reaches
+            if len(one.mailbox.queue) >= one.mailbox.depth and one.qos.reliability is ReliabilityPolicy.RELIABLE:
+                return True
+        return False
 
     def publish(self, message: MessageT) -> None:
         """Hand *message* to every matched subscription; never blocks.
