@@ -156,12 +156,18 @@ class HandlerTask:
         self._owner.by_task[task] = self
         try:
             with self.scope:
-                error: BaseException | None = None
-                while self.run is not None:
-                    await self._serve(self.run, error)
-                    if self.scope.cancel_called or len(self._owner.free) >= _MOST_FREE:
-                        return
-                    error = await self._wait()
+                free, error = self._owner.free, None
+                while True:
+                    if self.run is not None:
+                        await self._serve(self.run, error)
+                        if self.scope.cancel_called or len(free) >= _MOST_FREE:
+                            return
+                    free.append(self)
+                    try:
+                        await self.wait
+                        error = None
+                    except BaseException as exc:  # noqa: BLE001  # what the handler waits for failed, or it was cancelled
+                        error = self._thrown(exc)
         finally:
             del self._owner.by_task[task]
 
@@ -183,27 +189,21 @@ class HandlerTask:
             self.run = self.caller = None
             run.server.remove_run(run)
 
-    async def _wait(self) -> BaseException | None:
-        """Wait for a handler; return what its task was told since its first step, which is to be thrown into it."""
+    def _thrown(self, error: BaseException) -> BaseException | None:
+        """Return what is to be thrown into the handler, for its task was told *error* since the first step of it."""
         free = self._owner.free
-        while True:
-            free.append(self)
-            try:
-                await self.wait
-            except GeneratorExit:  # the task is thrown away, and what it has at work as well
-                if self.run is not None:
-                    self.run.handler.close()
-                raise
-            except BaseException as exc:  # what the handler waits for failed, or the task was cancelled
-                if self in free:  # else the next handler was given to it meanwhile
-                    free.remove(self)
-                if self.run is not None:
-                    return exc
-                if is_cancelled():
-                    raise
-                uncancel()  # it was the last thing that a handler did
-            else:
-                return None
+        if isinstance(error, GeneratorExit):  # the task is thrown away, and what it has at work as well
+            if self.run is not None:
+                self.run.handler.close()
+            raise error
+        if self in free:  # else the next handler was given to it meanwhile
+            free.remove(self)
+        if self.run is not None:
+            return error
+        if is_cancelled():
+            raise error
+        uncancel()  # it was the last thing that a handler did
+        return None
 
 
 @final
