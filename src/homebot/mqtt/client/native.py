@@ -143,9 +143,10 @@ class ClientProtocol(ClientLink):
             await self._wait_until_taken()
             return 0
         window = self._window
-        await window.acquire()
+        has_waited = await window.acquire()
         try:
-            self._check_alive()
+            if has_waited:
+                self._check_alive()
             packet_id = self._requests.new_id()
             if qos == 2:
                 self._requests.hold(Publish(topic, payload, qos, retain, packet_id=packet_id, properties=extra))

@@ -113,15 +113,15 @@ class SendWindow:
         self._free = size
         self._waiters: deque[asyncio.Future[None]] = deque()
 
-    async def acquire(self) -> None:
-        """Wait for a place, behind those who waited before.
+    async def acquire(self) -> bool:
+        """Wait for a place, behind those who waited before; return whether there was none at once.
 
         Raises:
             LinkError: The link was lost meanwhile.
         """
         if self._free > 0:
             self._free -= 1
-            return
+            return False
         waiter = asyncio.get_running_loop().create_future()
         self._waiters.append(waiter)
         try:
@@ -130,6 +130,7 @@ class SendWindow:
             if waiter.done() and not waiter.cancelled() and waiter.exception() is None:
                 self.release()  # the place came in the same moment
             raise
+        return True
 
     def release(self) -> None:
         """Free the place of a publish that has ended."""
