@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from homebot.control.held_values import COLORS, END_POSITIONS, POWERS, STOPPED, is_on
@@ -29,6 +30,8 @@ _MOTIONS: Final = frozenset({"movement", "position", "tilt"})
 
 _LEVELS: Final = ("level", "fan_speed")
 """Of these 0 is off."""
+
+_NAME, _READABLE = attrgetter("name"), attrgetter("readable")
 
 POWER: Final = "power_state"
 """Stands for whether a part is on, in the place of a capability."""
@@ -145,8 +148,7 @@ class IssuedCommand:
 
         One that is told to open or to close, and does not report whether it is open, is to report the position.
         """
-        capabilities = self.part.part.capabilities
-        told = [one.name for one in capabilities if one.readable]
+        told = set(map(_NAME, filter(_READABLE, self.part.part.capabilities)))
         found = {name: value for name, value in self.settings.items() if name in told and name not in MOMENTARY}
         movement = self.settings.get("movement")
         if movement in END_POSITIONS and "position" in told and found.keys().isdisjoint({"movement", "position"}):

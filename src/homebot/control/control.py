@@ -169,9 +169,9 @@ class Control:
         """Carry out a command to one part, and return what became of it."""
         return self._executor.perform(request)
 
-    async def send_text(self, request: SendTextRequest) -> SendTextResponse:
+    def send_text(self, request: SendTextRequest) -> Awaitable[SendTextResponse]:
         """Send a raw text to a device; return when its gateway has queued it."""
-        return await self._texts.send(request)
+        return self._texts.send(request)
 
     async def command_devices(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
         """Carry out a command in words, to one device or to all that fit a query."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 from collections import OrderedDict
 from collections.abc import Iterable, Mapping
-from functools import partial
+from functools import lru_cache, partial
+from operator import attrgetter
 from typing import Final, TypeAlias, final
 
 import anyio
@@ -13,7 +14,7 @@ import anyio
 from homebot.control.client_commands import POLICY, client_refusal
 from homebot.control.command import IssuedCommand, zero_as_off
 from homebot.control.echoes import NO_ECHOES, EchoHistory, ExpectedEchoes
-from homebot.control.gateway_watch import GatewayWatch
+from homebot.control.gateway_watch import GatewayWatch, PartWatch, ReportWatch
 from homebot.control.held_values import related
 from homebot.control.journal import CommandJournal
 from homebot.control.journal.given_codes import MAY_BE_CODE, without_codes
@@ -25,7 +26,6 @@ from homebot.control.missing_part import missing_part
 from homebot.control.pending import PendingCommand
 from homebot.control.pending_commands import PendingCommands
 from homebot.control.rehearsal import Rehearsal, rehearsed_result
-from homebot.control.report_watch import PartWatch, ReportWatch
 from homebot.control.roundings import Roundings
 from homebot.control.settings import ControlSettings
 from homebot.control.settling import Settling
@@ -44,7 +44,7 @@ from homebot.time_limits import TimeLimits
 
 __all__ = ["CommandExecutor"]
 
-_request_of = FindDevicesRequest.of_checked  # looked up once, as `of_checked` says
+_ECHOED = attrgetter("echoed")
 
 WOULD_SEND = "control.would_send"
 
@@ -126,7 +126,7 @@ class CommandExecutor:
             if one.capability in MAY_BE_CODE:
                 shown = await self._shown(request)
                 break
-        name = self._journal.requested(request.issuer, place, shown, request.trigger)
+        name = self._journal.requested(request.issuer, place, shown, request.trigger, self._clock.now())
         command = await self._command(name, request)
         result = await self._carry_out(command) if isinstance(command, IssuedCommand) else command
         self._journal.decided(name, request.issuer, place, result)
@@ -138,7 +138,7 @@ class CommandExecutor:
         Raises:
             ServiceError: The directory does not answer.
         """
-        found = (await self._find.call(_request_of(ids=(device_id,), service_type="", query=()))).devices
+        found = (await self._find.call(_request_for(device_id))).devices
         return found[0] if found else None
 
     def refusal(self, command: IssuedCommand) -> Refused | None:
@@ -238,10 +238,11 @@ class CommandExecutor:
         try:
             if recent and is_at_rest and pending.was_so and not command.is_always_sent:
                 return result_of(AlreadySo(command_id=command.id))
-            if (assumed := self.rehearsed(command)) is not None:
+            if self._rehearsal is not None and (assumed := self.rehearsed(command)) is not None:
                 await asyncio.sleep(_REHEARSED)
                 return rehearsed_result(assumed, without_codes(pending.wanted, command.device, command.part))
-            outcome = await self._send_and_verify(pending, changed)
+            send = self._transmission.run if self.witnesses.are_none else self._send_and_verify
+            outcome = await send(pending, changed)
             is_lost = isinstance(outcome, NoAnswer) or (isinstance(outcome, Refused) and outcome.policy == "gateway")
             if is_lost and await self._is_gone(command):
                 return result_of(Gone(command_id=command.id))
@@ -332,8 +333,10 @@ class CommandExecutor:
             self._unsure_since.popitem(last=False)
 
     def _expected_echoes(self, command: IssuedCommand) -> ExpectedEchoes:
-        settings = command.settings
-        declared = [one.name for one in command.part.part.capabilities if one.echoed and one.name in settings]
+        settings, capabilities = command.settings, command.part.part.capabilities
+        if not self._echoes.known and not any(map(_ECHOED, capabilities)):  # as of most
+            return NO_ECHOES
+        declared = [one.name for one in capabilities if one.echoed and one.name in settings]
         if not declared and not self._echoes.known:
             return NO_ECHOES
         limit, _ = self._transmission.times.expected(command.target, settings)
@@ -376,6 +379,11 @@ class CommandExecutor:
                 if unsure_since is None or told_at > unsure_since:
                     known[capability] = state.value.plain()
         return known, is_recent
+
+
+@lru_cache(maxsize=1024)
+def _request_for(device_id: str) -> FindDevicesRequest:
+    return FindDevicesRequest.of_checked(ids=(device_id,), service_type="", query=())
 
 
 def _settings_text(command: IssuedCommand) -> str:

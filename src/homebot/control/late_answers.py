@@ -8,8 +8,8 @@ from typing import Final, TypeAlias, final
 
 from homebot.clock import Clock
 from homebot.control.command import IssuedCommand
+from homebot.control.gateway_watch import PartWatch
 from homebot.control.pending import PendingCommand
-from homebot.control.report_watch import PartWatch
 from homebot.control.response_times import ResponseTimes
 from homebot.control.tolerance import fits
 from homebot.devices.outcomes import Contradicted, NoAnswer

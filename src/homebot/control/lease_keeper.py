@@ -13,6 +13,7 @@ from anyio.abc import TaskGroup
 
 from homebot.control.command import zero_as_off
 from homebot.control.executor import CommandExecutor
+from homebot.control.gateway_watch import ReportWatch
 from homebot.control.held_parts import held_part
 from homebot.control.held_values import STOPPED
 from homebot.control.journal import CommandJournal
@@ -20,7 +21,6 @@ from homebot.control.journal.given_codes import without_codes
 from homebot.control.journal.journal import LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, held_text
 from homebot.control.missing_part import missing_part
-from homebot.control.report_watch import ReportWatch
 from homebot.control.value_text import value_text
 from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import MOMENTARY

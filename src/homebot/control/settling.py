@@ -11,10 +11,10 @@ import anyio
 from homebot.control.command import IssuedCommand
 from homebot.control.echoes import EchoHistory
 from homebot.control.fade_out import FadeOut, FadeSign
+from homebot.control.gateway_watch import PartWatch
 from homebot.control.held_values import changes, related
 from homebot.control.journal import CommandJournal
 from homebot.control.pending import PendingCommand
-from homebot.control.report_watch import PartWatch
 from homebot.devices.command_messages import CommandEvent
 from homebot.devices.command_results import result_of
 from homebot.devices.names import COMMAND_EVENTS

@@ -75,8 +75,9 @@ class TextCommands:
         capability, value = _setting(request.payload, part)
         is_unread = capability == UNREAD
         shown = _unread(request.payload, target.address) if is_unread else _shown(capability, value, part, device)
+        now = self._clock.now()
         command = IssuedCommand(
-            id=self._requested(request, part.id, shown),
+            id=self._requested(request, part.id, shown, now),
             device=device,
             part=part,
             settings={capability: value},
@@ -84,7 +85,7 @@ class TextCommands:
             rights=self._judge.rights(request.issuer),
             cause=request.trigger.id,
             trigger=request.trigger,
-            issued_at=self._clock.now(),
+            issued_at=now,
             scope=request.scope,
         )
         refused = self._refusal(command)
@@ -111,13 +112,13 @@ class TextCommands:
             return Refused(_ALWAYS_ASK, _UNREADABLE, command_id=command.id)
         return self._executor.refusal(command)
 
-    def _requested(self, request: SendTextRequest, part: str, shown: Setting) -> str:
+    def _requested(self, request: SendTextRequest, part: str, shown: Setting, now: float) -> str:
         """Note what was requested; return the id that it has as a command."""
-        return self._journal.requested(request.issuer, (request.device, part), (shown,), request.trigger)
+        return self._journal.requested(request.issuer, (request.device, part), (shown,), request.trigger, now)
 
     def _failed(self, request: SendTextRequest, outcome: Outcome) -> SendTextResponse:
         """End a text before it is known what it means."""
-        name = self._requested(request, "", _unread(request.payload, ""))
+        name = self._requested(request, "", _unread(request.payload, ""), self._clock.now())
         return self._ended(request, "", replace(outcome, command_id=name))
 
     def _ended(self, request: SendTextRequest, part: str, outcome: Outcome) -> SendTextResponse:

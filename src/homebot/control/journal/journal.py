@@ -128,10 +128,13 @@ class CommandJournal:
             return ()
         return tuple(KeyValue(key=key, value=name) for key, name in part_names(found.devices).items() if name)
 
-    def requested(self, issuer: str, place: _Part, settings: tuple[Setting, ...], trigger: Trigger) -> str:
-        """Note that *issuer* gave a command to the part *place*; return its id, unique in the home."""
+    def requested(self, issuer: str, place: _Part, settings: tuple[Setting, ...], trigger: Trigger, at: float) -> str:
+        """Note that *issuer* gave a command to the part *place*; return its id, unique in the home.
+
+        It came at *at*, in seconds since the Unix epoch.
+        """
         name = next(self._ids)
-        self._keep(JournalNote("requested", self._clock.now(), *place, name, issuer, trigger, settings))
+        self._keep(JournalNote("requested", at, *place, name, issuer, trigger, settings))
         return name
 
     def note(

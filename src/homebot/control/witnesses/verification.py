@@ -66,6 +66,11 @@ class WitnessVerification:
             "witnesses_not_learnt": lambda: self._learning.missed,
         }
 
+    @property
+    def are_none(self) -> bool:
+        """True if no sensor can tell of any command, and every device is believed: there is nothing to ask for then."""
+        return not self.doubted and not self._home.sensors.ids
+
     async def run(self) -> None:
         """Follow the sensors and learn, until cancelled."""
         async with anyio.create_task_group() as tasks:
