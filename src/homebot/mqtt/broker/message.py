@@ -6,7 +6,8 @@ from dataclasses import replace
 from math import ceil
 from typing import final
 
-from homebot.mqtt.packets import NO_PROPERTIES, Properties, ProtocolVersion
+from homebot.mqtt.packets import NO_PROPERTIES, PacketType, Properties, ProtocolVersion
+from homebot.mqtt.packets.properties import encode_properties
 from homebot.mqtt.packets.publish import encode_publish_parts
 
 __all__ = ["BULKY", "BrokerMessage", "size_of"]
@@ -111,8 +112,10 @@ class BrokerMessage:
             return self.encoded
         parts = None if self._more is None else self._more.get(key)
         if parts is None:
-            properties = self.properties_for(identifiers, now) if is_v5 else NO_PROPERTIES
-            parts = encode_publish_parts(self.topic, self.payload, qos, retain, properties, version)
+            properties = b""
+            if is_v5:
+                properties = encode_properties(self.properties_for(identifiers, now), PacketType.PUBLISH)
+            parts = encode_publish_parts(self.topic, self.payload, qos, retain, properties)
             if not qos:
                 parts = (b"".join(parts), b"")
             if not retain and (self.size < BULKY or not self.holders):

@@ -16,11 +16,13 @@ from homebot.mqtt.packets import (
     Disconnect,
     Packet,
     PacketError,
+    PacketType,
     Properties,
     ProtocolVersion,
     ReasonCode,
     encode,
 )
+from homebot.mqtt.packets.properties import encode_properties
 from homebot.mqtt.packets.publish import encode_publish_parts
 
 __all__ = ["Outbound", "goodbye", "unread_connect_answer"]
@@ -128,8 +130,7 @@ class Outbound:
             message.payload,
             queued.qos,
             queued.retain,
-            replace(properties, topic_alias=alias),
-            self.version,
+            encode_properties(replace(properties, topic_alias=alias), PacketType.PUBLISH),
         )
         return (head, tail) if queued.qos else (head + tail, b"")
 

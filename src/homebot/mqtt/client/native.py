@@ -19,6 +19,7 @@ from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
 from homebot.mqtt.client.packet_values import (
     connect_packet,
     disconnect_packet,
+    encoded_properties,
     filter_request,
     publish_properties,
     session_of,
@@ -30,7 +31,7 @@ from homebot.mqtt.client.requests import Answer, Requests
 from homebot.mqtt.client.tcp_transport import dial_tcp
 from homebot.mqtt.client.transport import Dial
 from homebot.mqtt.client.version_choice import ClosedEarlyError, MqttVersion, UnansweredError
-from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
+from homebot.mqtt.message import MessageProperties
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import NO_PROPERTIES as NOTHING
 from homebot.mqtt.packets import (
@@ -135,8 +136,9 @@ class ClientProtocol(ClientLink):
     ) -> int:
         """Publish; see `ClientLink.publish`."""
         self._check_alive()
-        extra = publish_properties(properties) if properties is not NO_PROPERTIES and self._is_v5 else NOTHING
-        head, tail = encode_publish_parts(topic, payload, qos, retain, extra, self._version)
+        head, tail = encode_publish_parts(
+            topic, payload, qos, retain, encoded_properties(properties) if self._is_v5 else b""
+        )
         self._check_granted(topic, len(tail), qos, retain=retain)
         if not qos:
             self._put(head + tail)
@@ -149,6 +151,7 @@ class ClientProtocol(ClientLink):
                 self._check_alive()
             packet_id = self._requests.new_id()
             if qos == 2:
+                extra = publish_properties(properties) if self._is_v5 else NOTHING
                 self._requests.hold(Publish(topic, payload, qos, retain, packet_id=packet_id, properties=extra))
             (reason,) = await self._answer(packet_id, "publish", head + packet_id.to_bytes(2, "big") + tail)
         finally:

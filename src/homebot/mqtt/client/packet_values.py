@@ -2,14 +2,33 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from homebot.mqtt.client.port import MqttSubscription, SessionGrant
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.options import MqttWill as WillMessage
 from homebot.mqtt.packets import NO_PROPERTIES as NOTHING
-from homebot.mqtt.packets import Connack, Connect, Disconnect, FilterRequest, Properties, ProtocolVersion, Will
+from homebot.mqtt.packets import (
+    Connack,
+    Connect,
+    Disconnect,
+    FilterRequest,
+    PacketType,
+    Properties,
+    ProtocolVersion,
+    Will,
+)
+from homebot.mqtt.packets.properties import encode_properties
 
-__all__ = ["connect_packet", "disconnect_packet", "filter_request", "publish_properties", "session_of"]
+__all__ = [
+    "connect_packet",
+    "disconnect_packet",
+    "encoded_properties",
+    "filter_request",
+    "publish_properties",
+    "session_of",
+]
 
 
 def connect_packet(options: MqttOptions, version: ProtocolVersion) -> Connect:
@@ -75,6 +94,12 @@ def publish_properties(wanted: MessageProperties) -> Properties:
         correlation_data=wanted.correlation_data,
         user_properties=wanted.user,
     )
+
+
+@lru_cache(maxsize=32)
+def encoded_properties(wanted: MessageProperties) -> bytes:
+    """Return the properties of a PUBLISH as they are sent; the last ones are remembered: most say none, or how long."""
+    return encode_properties(publish_properties(wanted), PacketType.PUBLISH)
 
 
 def _will(will: WillMessage, *, is_v5: bool) -> Will:

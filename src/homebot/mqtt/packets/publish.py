@@ -143,7 +143,8 @@ def encode_publish(packet: Publish, version: ProtocolVersion) -> bytes:
         UsageError: QoS and packet id do not fit together, or a field does not fit its type.
     """
     topic, payload, qos, retain, dup, packet_id, properties = packet
-    head, tail = encode_publish_parts(topic, payload, qos, retain, properties, version, dup=dup)
+    encoded = encode_properties(properties, PacketType.PUBLISH) if version is ProtocolVersion.V5 else b""
+    head, tail = encode_publish_parts(topic, payload, qos, retain, encoded, dup=dup)
     if qos == 0:
         if packet_id is not None:
             raise UsageError("a PUBLISH at QoS 0 has no packet id")
@@ -158,14 +159,14 @@ def encode_publish_parts(
     payload: bytes,
     qos: int,
     retain: bool,  # noqa: FBT001 - made for every message, by position for speed
-    properties: Properties,
-    version: ProtocolVersion,
+    properties: bytes,
     *,
     dup: bool = False,
 ) -> tuple[bytes, bytes]:
     """Encode the bytes before and behind the packet id, so that receivers with other ids can share both.
 
-    At QoS 1 and 2 room for the packet id is counted. Arguments as the attributes of :class:`Publish`.
+    At QoS 1 and 2 room for the packet id is counted. Arguments as the attributes of :class:`Publish`, but for the
+    properties, which :func:`homebot.mqtt.packets.properties.encode_properties` has encoded; empty for MQTT 3.1.1.
 
     Raises:
         UsageError: A field does not fit its type.
@@ -174,9 +175,8 @@ def encode_publish_parts(
         name = len(topic).to_bytes(2, "big") + topic.encode()
     else:
         name = encode_text(topic)
-    if version is ProtocolVersion.V5:
-        none = properties is NO_PROPERTIES
-        payload = (b"\0" if none else encode_properties(properties, PacketType.PUBLISH)) + payload
+    if properties:
+        payload = properties + payload
     first = 0x30 | dup << 3 | qos << 1 | retain
     size = len(name) + len(payload) + (2 if qos else 0)
     if size < 0x80:
