@@ -76,6 +76,7 @@ class CommandExecutor:
 
     Attributes:
         leases: The same.
+        rehearsal: The same.
         witnesses: Sensors that see what commands do.
     """
 
@@ -95,7 +96,7 @@ class CommandExecutor:
         self._judge = judge
         self._journal = journal
         self.leases = leases
-        self._rehearsal = rehearsal
+        self.rehearsal = rehearsal
         self._watch = ReportWatch(node)
         self._gateways = GatewayWatch(node)
         self._transmission = Transmission(node, settings, judge, journal, leases, self._gateways)
@@ -238,7 +239,7 @@ class CommandExecutor:
         try:
             if recent and is_at_rest and pending.was_so and not command.is_always_sent:
                 return result_of(AlreadySo(command_id=command.id))
-            if self._rehearsal is not None and (assumed := self.rehearsed(command)) is not None:
+            if self.rehearsal is not None and (assumed := self.rehearsed(command)) is not None:
                 await asyncio.sleep(_REHEARSED)
                 return rehearsed_result(assumed, without_codes(pending.wanted, command.device, command.part))
             send = self._transmission.run if self.witnesses.are_none else self._send_and_verify
@@ -270,7 +271,7 @@ class CommandExecutor:
 
     def rehearsed(self, command: IssuedCommand) -> Outcome | None:
         """Return the outcome that a rehearsal assumes of *command*, and note it; None where it is to be sent."""
-        outcome = None if self._rehearsal is None else self._rehearsal.outcome(command)
+        outcome = None if self.rehearsal is None else self.rehearsal.outcome(command)
         if outcome is not None:
             self.leases.note_stop(command.place, command.settings, self._clock.monotonic())
             self._judge.note_sent(command)

@@ -77,7 +77,7 @@ class TextCommands:
         shown = _unread(request.payload, target.address) if is_unread else _shown(capability, value, part, device)
         now = self._clock.now()
         command = IssuedCommand(
-            id=self._requested(request, part.id, shown, now),
+            id=self._journal.requested(request.issuer, (device.id, part.id), (shown,), request.trigger, now),
             device=device,
             part=part,
             settings={capability: value},
@@ -91,7 +91,7 @@ class TextCommands:
         refused = self._refusal(command)
         if refused is not None:
             return self._ended(request, part.id, refused)
-        if (assumed := self._executor.rehearsed(command)) is not None:
+        if self._executor.rehearsal is not None and (assumed := self._executor.rehearsed(command)) is not None:
             self._journal.decided(command.id, request.issuer, command.place, rehearsed_result(assumed))
             is_refused = isinstance(assumed, Refused)
             return _response(assumed) if is_refused else SendTextResponse(success=True, command_id=command.id)
@@ -112,13 +112,10 @@ class TextCommands:
             return Refused(_ALWAYS_ASK, _UNREADABLE, command_id=command.id)
         return self._executor.refusal(command)
 
-    def _requested(self, request: SendTextRequest, part: str, shown: Setting, now: float) -> str:
-        """Note what was requested; return the id that it has as a command."""
-        return self._journal.requested(request.issuer, (request.device, part), (shown,), request.trigger, now)
-
     def _failed(self, request: SendTextRequest, outcome: Outcome) -> SendTextResponse:
         """End a text before it is known what it means."""
-        name = self._requested(request, "", _unread(request.payload, ""), self._clock.now())
+        place, shown = (request.device, ""), (_unread(request.payload, ""),)
+        name = self._journal.requested(request.issuer, place, shown, request.trigger, self._clock.now())
         return self._ended(request, "", replace(outcome, command_id=name))
 
     def _ended(self, request: SendTextRequest, part: str, outcome: Outcome) -> SendTextResponse:

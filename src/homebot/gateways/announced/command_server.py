@@ -61,34 +61,29 @@ class CommandServer:
         if not self._gateway.acts:
             self._counters.commands_refused += 1
             return SendCommandResponse(success=False, message=self._gateway.observes_because, problem="refused")
+        limit = asyncio.timeout(command.expires_after or None)
         try:
             raw = self.raw
             waits = raw is not None and (raw.mailbox.queue or raw.unbegun)
             perform = self._perform_after_raw if waits else self._perform
-            if command.expires_after:
-                await self._perform_in_time(command, perform)
-            else:
+            async with limit:  # as while a radio connects: nothing happens late
                 await perform(command)
         except LinkError as exc:
-            self._counters.commands_failed += 1
-            return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
+            return self._failed(str(exc))
         except HomebotError as exc:
             self._counters.commands_refused += 1
             is_unable = isinstance(exc, UnableError)
             return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=is_unable)
+        except TimeoutError:
+            if not limit.expired():
+                raise
+            return self._failed(f"{command.key[:100]} was not reached within {command.expires_after:.2g} s")
         self._counters.commands += 1
         return _ACCEPTED
 
-    async def _perform_in_time(self, command: Command, perform: Perform) -> None:
-        """Carry *command* out unless it expires before, as while a radio connects: nothing happens late."""
-        limit = asyncio.timeout(command.expires_after)
-        try:
-            async with limit:
-                await perform(command)
-        except TimeoutError as exc:
-            if not limit.expired():
-                raise
-            raise LinkError(f"{command.key[:100]} was not reached within {command.expires_after:.2g} s") from exc
+    def _failed(self, problem: str) -> SendCommandResponse:
+        self._counters.commands_failed += 1
+        return SendCommandResponse(success=False, message=problem, problem="unreachable")
 
     async def tell(self, key: str, part_id: str, text: str, command_id: str = "") -> None:
         """Carry out what *text* means to a part; see :mod:`homebot.devices.text.commands`.
