@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from itertools import chain
 from operator import attrgetter
 from typing import TypeAlias, final
 
@@ -151,13 +150,16 @@ class StateRecorder:
         if not table.collects_states:
             return
         merged = entry.parts(table.topics)
-        places, readings, _ = zip(*new, strict=True)
-        if not merged.has_own_ids:
-            readings = tuple([shown for one in readings if (shown := _shown(merged, source, one)) is not None])
-            places = tuple([(one.part, one.capability) for one in readings])
+        readings, names = [], [entry.id]
+        for place, reading, _ in new:
+            if merged.has_own_ids:
+                readings.append(reading)
+                names += place
+            elif (shown := _shown(merged, source, reading)) is not None:
+                readings.append(shown)
+                names += (shown.part, shown.capability)
         if readings:
-            stream = stream_of((entry.id, *chain.from_iterable(places)))
-            table.changes.note_states((entry, merged, readings, stream, stamp, live))
+            table.changes.note_states((entry, merged, tuple(readings), stream_of(names), stamp, live))
 
     def _record_event(self, entry: Entry, source: SourceRecord, reading: Reading, stamp: Time) -> None:
         """Publish an event once, by however many routes it comes; it is no state, so nothing is found by it."""
