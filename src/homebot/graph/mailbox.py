@@ -288,15 +288,12 @@ class _NewestOfEach(KeyedQueue[T]):
     """The same of depth 1, as nearly all keyed topics have it: the items lie under their keys."""
 
     def append(self, item: T) -> None:
-        key, items, on_loss = self._key(item), self.items, self._on_loss
-        if key in items:
-            lost = items.pop(key)
-            if on_loss is not None:
-                on_loss(lost)
-        elif len(items) >= MAX_KEYED_ITEMS:
+        key, items = self._key(item), self.items
+        lost = items.pop(key, None)
+        if lost is None and len(items) >= MAX_KEYED_ITEMS:
             _, lost = items.popitem(last=False)
-            if on_loss is not None:
-                on_loss(lost)
+        if lost is not None and self._on_loss is not None:
+            self._on_loss(lost)
         items[key] = item
 
     def has_room_for(self, item: T) -> bool:

@@ -50,7 +50,7 @@ class Publisher(Generic[MessageT]):
         self._subscriptions: tuple[Subscription[MessageT], ...] = ()
         self._mailboxes: tuple[Mailbox[MessageT | Expiring[MessageT]], ...] = ()
         self._history = _history(message_type, qos)
-        self._is_plain = self._history is None and not qos.lifespan
+        self._is_plain = not qos.lifespan
         self._is_keyed = message_type.key_field is not None
         self._closed = False
 
@@ -86,8 +86,10 @@ class Publisher(Generic[MessageT]):
         if type(message) is not self._message_type:
             self._reject(message)
         if not self._is_plain:
-            self._publish_kept(message)
+            self._publish_expiring(message)
             return
+        if self._history is not None:
+            self._history.append(message)
         # Written out rather than calling Mailbox.put: these loops are what a delivery costs.
         if self._is_keyed:  # its queues keep their own bounds
             for mailbox in self._mailboxes:
@@ -157,21 +159,14 @@ class Publisher(Generic[MessageT]):
             mailbox.put(item)
         mailbox.lost = lost  # to ask for less history than is kept is no loss
 
-    def _publish_kept(self, message: MessageT) -> None:
+    def _publish_expiring(self, message: MessageT) -> None:
         if self._closed:
             raise ClosedError(f"the publisher of {self.info.node} on {self.info.name} is closed")
-        lifespan = self.qos.lifespan
-        item = Expiring(message, self._clock.monotonic() + lifespan) if lifespan else message
+        item = Expiring(message, self._clock.monotonic() + self.qos.lifespan)
         if self._history is not None:
             self._history.append(item)
-        if not self._is_keyed:
-            for mailbox in self._mailboxes:
-                mailbox.put(item)
-            return
-        for mailbox in self._mailboxes:  # written out as above
-            mailbox.queue.append(item)
-            if mailbox.waiter is not None:
-                mailbox.wake()
+        for mailbox in self._mailboxes:
+            mailbox.put(item)
 
     def _kept(self) -> Iterator[MessageT | Expiring[MessageT]]:
         now = self._clock.monotonic()
