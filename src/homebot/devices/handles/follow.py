@@ -99,7 +99,7 @@ class FollowHandles(Generic[HandleT]):
         """
         if self._devices is None and not self._is_closed:
             self._devices = devices = Follow(self._node)
-            self._unwatch = self._handles.watch(self._on_state, self._on_event)
+            self._unwatch = self._handles.watch(self._mark_changed, self._on_event)
             self._node.create_task(lambda: self._follow(devices))
         self._count += 1
         if self._count % _TURN == 0:
@@ -145,11 +145,8 @@ class FollowHandles(Generic[HandleT]):
         finally:
             self.close()
 
-    def _on_state(self, change: StateChange) -> None:
-        self._mark_changed(change.device, change)
-
-    def _on_event(self, change: StateChange) -> None:
-        if change.device in self._tracked:
+    def _on_event(self, device_id: str, change: StateChange) -> None:
+        if device_id in self._tracked:
             self._add_event(change)
         else:  # the event that made the device known comes on another topic than its description
             self._early_events.append((self._clock.monotonic(), change))

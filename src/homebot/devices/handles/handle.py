@@ -188,11 +188,11 @@ class Handle:
             raise UsageError(f"{capability!r} is not a capability; {hint}")
 
     def _flag(self, capability: str) -> bool | None:
-        value = self.value(capability)
+        value = self._tracked.value(self._part_id, capability)
         return value if isinstance(value, bool) else None
 
     def _number(self, capability: str) -> float | None:
-        value = self.value(capability)
+        value = self._tracked.value(self._part_id, capability)
         return value if isinstance(value, float) else None
 
     def _number_of_device(self, capability: str) -> float | None:
@@ -203,7 +203,7 @@ class Handle:
         return value if isinstance(value, float) else None
 
     def _text(self, capability: str) -> str | None:
-        value = self.value(capability)
+        value = self._tracked.value(self._part_id, capability)
         return value if isinstance(value, str) else None
 
     @classmethod

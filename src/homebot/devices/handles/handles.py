@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 __all__ = ["Handles", "Watcher"]
 
 HandleT = TypeVar("HandleT", bound="Handle")
-Watcher: TypeAlias = Callable[[StateChange], None]
-"""Called with the new values of each message, or with each event."""
+Watcher: TypeAlias = Callable[[str, StateChange], None]
+"""Called with the id of a device, and the new values of a message of it, or with an event."""
 
 
 class Handles:
@@ -89,10 +89,11 @@ class Handles:
             tracked.update(change.device, change.sequence, is_gone=change.kind == "removed")
 
     def _on_state(self, change: StateChange) -> None:
+        device_id = change.device
         if change.is_event:
             for _, on_event in self._watchers:
-                on_event(change)
-        elif (tracked := self._tracked.get(change.device)) is not None:
+                on_event(device_id, change)
+        elif (tracked := self._tracked.get(device_id)) is not None:
             tracked.take(change)
             for on_state, _ in self._watchers:
-                on_state(change)
+                on_state(device_id, change)
