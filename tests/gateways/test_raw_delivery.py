@@ -151,7 +151,7 @@ async def test_an_address_that_nobody_listens_to_can_be_forgotten() -> None:
     house.listeners.drop_nodes_that_left()
     for address in ("a", "b"):
         house.listeners.tidy(address)
-    assert set(house.listeners._by_address) == {"a"}
+    assert set(house.listeners.by_address) == {"a"}
     house.listeners.tidy("never heard of")
 
 

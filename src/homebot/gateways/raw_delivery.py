@@ -50,6 +50,9 @@ class RawDelivery:
         node: The gateway's node.
         names: Its names.
         inboxes: Whether nodes get inboxes.
+
+    Attributes:
+        by_address: Who gets what is said, by address: what :meth:`has_listeners` looks at, without a call.
     """
 
     def __init__(self, node: Node, names: GatewayNames, *, inboxes: bool) -> None:
@@ -57,7 +60,7 @@ class RawDelivery:
         self._names = names
         self._inboxes = inboxes
         self._limit = LogLimit(node.graph.clock)
-        self._by_address: defaultdict[str, list[Publisher[RawMessage]]] = defaultdict(list)
+        self.by_address: defaultdict[str, list[Publisher[RawMessage]]] = defaultdict(list)
         self._by_topic: dict[str, Publisher[RawMessage]] = {}
         self._mirrored: dict[str, str] = {}
         self._askers: dict[str, _Asker] = {}
@@ -84,7 +87,7 @@ class RawDelivery:
             RefusedError: No such node is on the graph, or too many addresses are listened to.
             InvalidNameError: The device's name makes too long a topic name.
         """
-        if address not in self._by_address and len(self._by_address) >= MAX_ADDRESSES:
+        if address not in self.by_address and len(self.by_address) >= MAX_ADDRESSES:
             raise RefusedError(f"listening to {address}", f"{MAX_ADDRESSES:,} addresses are in use, the limit")
         asker = self._asker(listener)
         if self._inboxes and listener:
@@ -96,24 +99,24 @@ class RawDelivery:
         publisher = self._by_topic.get(topic)
         if publisher is None:
             publisher = self._by_topic[topic] = self._node.create_publisher(RawMessage, topic, _RAW_QOS)
-        if publisher not in self._by_address[address]:
-            self._by_address[address].append(publisher)
+        if publisher not in self.by_address[address]:
+            self.by_address[address].append(publisher)
         if asker is not None:
             asker.addresses.add(address)
         return publisher
 
     def has_listeners(self, address: str) -> bool:
         """Return whether anybody gets what is said on *address* at this moment."""
-        return bool(self._by_address.get(address))
+        return bool(self.by_address.get(address))
 
     def now(self, address: str) -> tuple[Publisher[RawMessage], ...]:
         """Return who gets what is said on *address* at this moment."""
-        return tuple(self._by_address.get(address, ()))
+        return tuple(self.by_address.get(address, ()))
 
     def tidy(self, address: str) -> None:
         """Forget *address* if nobody listens to it."""
-        if not self._by_address.get(address, True):
-            del self._by_address[address]
+        if not self.by_address.get(address, True):
+            del self.by_address[address]
 
     async def deliver(self, message: RawMessage, *, wait_if_full: bool) -> None:
         """Hand *message* to who listens to its address.
@@ -121,7 +124,7 @@ class RawDelivery:
         With *wait_if_full* it waits a moment for a full inbox rather than losing its oldest. A listener that let that
         pass is not waited for again for a minute: one that hangs must not hold up the others for long.
         """
-        for publisher in tuple(self._by_address.get(message.address, ())):
+        for publisher in tuple(self.by_address.get(message.address, ())):
             try:
                 if wait_if_full and publisher.is_full and self._may_wait(publisher.topic_name):
                     with anyio.move_on_after(FULL_INBOX_WAIT):
@@ -169,8 +172,8 @@ class RawDelivery:
             return []
         publisher.close()
         for address in asker.addresses:
-            self._by_address[address].remove(publisher)
-        return [address for address in asker.addresses if not self._by_address[address]]
+            self.by_address[address].remove(publisher)
+        return [address for address in asker.addresses if not self.by_address[address]]
 
     def _may_wait(self, topic: str) -> bool:
         return self._node.graph.clock.monotonic() >= self._no_wait_until.get(topic, 0.0)

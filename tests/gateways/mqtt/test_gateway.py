@@ -394,7 +394,7 @@ async def test_devices_that_come_and_go_leave_nothing_behind(embedded_broker_url
             await house.say(f"home425/lights/{number}/out", b"")
         for _ in range(100):
             await house.next_sighting()
-        assert house.gateway._described._listeners._by_address == {}
+        assert house.gateway._described._listeners.by_address == {}
 
 
 async def test_asking_twice_brings_what_was_missed_once(embedded_broker_url: str) -> None:

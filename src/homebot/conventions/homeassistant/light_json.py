@@ -6,6 +6,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_json.py``.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import NamedTuple
 
@@ -111,7 +112,8 @@ def _publish(command: CommandTopic, scale: int, in_kelvin: bool, light: LightCom
     return command.publish(compact_json(message))
 
 
-class _State(NamedTuple):
+@dataclass(slots=True, eq=False)
+class _State:
     """Reads what the lamp reports.
 
     A colour counts where the message names its mode, as in Home Assistant, and where it names none but has one only.

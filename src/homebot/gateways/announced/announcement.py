@@ -11,7 +11,7 @@ from typing import Any, Literal, TypeAlias
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, TextEndpoint
 from homebot.devices import KeyValue, Sighting
-from homebot.devices.capabilities import MOMENTARY
+from homebot.devices.capabilities import EVENTS, MOMENTARY
 from homebot.devices.names import text_address
 from homebot.devices.part import Part
 from homebot.devices.text.commands import accepts_text, main_part
@@ -30,6 +30,7 @@ _NOTHING: Mapping[str, Any] = MappingProxyType({})
 # Looked up once: pydantic's metaclass makes each look-up on a message type cost as much as a call.
 _reading_of, _value_of = Reading.of_checked, Value.of
 
+_PLAIN = frozenset({bool, float})
 _MAX_STREAMS = 100
 _MAX_READINGS = 100
 _NEVER = Time(sec=0, nanosec=0)
@@ -45,12 +46,14 @@ class AnnouncedPart(PartTexts):
         described: The part.
         address: Where it is listened to: its text address, or the address on which it says text by itself.
         known: The last value of each capability with its reading; None where it reported none.
+        is_plain: Whether all that it ever reported were numbers and flags, and no events.
     """
 
     stored: StoredAnnouncement
     described: DescribedPart
     address: str
     known: dict[str, tuple[PlainValue, Reading]] | None = field(default=None, init=False)
+    is_plain: bool = field(default=True, init=False)
 
     def reports(self, capability: str) -> bool:
         """Return whether it reports *capability* as a lasting value, so that it shows whether it obeyed."""
@@ -73,9 +76,12 @@ class AnnouncedPart(PartTexts):
                 if last != value or type(last) is not type(value):
                     reading = _reading_of(part=part, capability=name, value=_value_of(value))
                     known[name] = value, reading
+                    if type(value) not in _PLAIN:
+                        self.is_plain = False
             else:
                 make = _reading_of if str.isascii(name) else Reading
                 reading = make(part=part, capability=name, value=_value_of(value))
+                self.is_plain = self.is_plain and type(value) in _PLAIN and name not in EVENTS
                 if len(known) < _MAX_READINGS:
                     known[name] = value, reading
             found.append(reading)

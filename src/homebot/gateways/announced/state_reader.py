@@ -103,6 +103,7 @@ class StateReader:
         texts: list[RawMessage] = []
         stored: StoredAnnouncement | None = None
         has_events = False
+        listened = self._listeners.by_address
         for part in announced_parts:
             described = part.described
             try:
@@ -120,12 +121,12 @@ class StateReader:
             readings += found
             for expiry in described.expiries:
                 self._schedule_expiry(part, expiry, values)
-            if _is_brief(values) and not self._listeners.has_listeners(part.address):
-                self._keep_late(part, values, retained=retained)
+            if (part.is_plain or _is_brief(values)) and not listened.get(part.address):
+                self._keep_late(part, values, retained)
                 continue
             has_events = has_events or not EVENTS.isdisjoint(values)
             text = self._as_text(part, values, retained=retained)
-            if text is not None and self._listeners.has_listeners(part.address):
+            if text is not None and listened.get(part.address):
                 texts.append(text)
         if stored is not None:
             self._report(stored, readings, address, retained=retained, has_events=has_events)
@@ -167,7 +168,7 @@ class StateReader:
         is_brief = _is_brief(values)
         self._report(part.stored, readings, "", retained=retained, has_events=not is_brief, stream=stream)
         if is_brief and not self._listeners.has_listeners(part.address):
-            self._keep_late(part, values, retained=retained)
+            self._keep_late(part, values, retained)
             return
         text = self._as_text(part, values, retained=retained)
         if text is not None:
@@ -257,11 +258,11 @@ class StateReader:
         stored.note_reachable(part, reachable)
         self._reporter.report_reachable(stored, part, address, reachable=reachable, retained=retained)
 
-    def _keep_late(self, part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool) -> None:
+    def _keep_late(self, part: AnnouncedPart, values: Mapping[str, PlainValue], retained: bool) -> None:  # noqa: FBT001 - it runs for each message
         """Keep *values*, of which the text is made when somebody asks for it."""
-        stored, stamp = part.stored, self._reporter.stamp
-        make = partial(_late_text, stored.gateway, stored.key, part.address, values, stamp, retained)
-        part.keep_late(make, self._reporter.now)
+        stored, reporter = part.stored, self._reporter
+        make = partial(_late_text, stored.gateway, stored.key, part.address, values, reporter.stamp, retained)
+        part.keep_late(make, reporter.now)
 
     def _as_text(
         self, announced_part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool

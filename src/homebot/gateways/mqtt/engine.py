@@ -196,14 +196,15 @@ class AnnouncedDevices:
         Returns:
             What is left to be done, for those who listen to texts; None where nobody does.
         """
-        topic, payload, retained = message.topic, message.payload, message.retain
+        topic, payload, _, retained, _, _ = message
+        reporter = self._reporter
         self.counters.received += 1
-        self._keep(message)
+        self._last_messages.keep(topic, payload, reporter.stamp, reporter.now, retained=retained)
         if len(payload) > MAX_STATE_BYTES:
             self.counters.oversize += 1
             return None
         texts = self._states.take(topic, payload, route.announced_parts, retained=retained)
-        if texts or self._listeners.has_listeners(topic):
+        if texts or self._listeners.by_address.get(topic):
             return self._deliver(texts, message, route)
         return None
 

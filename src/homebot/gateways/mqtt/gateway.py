@@ -208,7 +208,7 @@ class MqttGateway(Gateway):
 
     async def _handle(self, batch: Iterable[MqttMessage]) -> None:
         described, lease, sent = self._described, self._lease, self._described.secrets.sent
-        responses = self._responses
+        responses, max_payload = self._responses, self._settings.max_payload
         described.tick()
         work = 0
         for message in batch:
@@ -216,24 +216,22 @@ class MqttGateway(Gateway):
             if work >= _TURN:
                 work = 0
                 await anyio.lowlevel.checkpoint()
-            topic = message.topic
+            topic, payload, qos, retained, _, _ = message
             if topic in lease.topics:
                 lease.take(message)
                 continue
             if responses is not None and topic == responses.topic:
                 responses.take(message)
                 continue
-            if topic in sent and described.secrets.is_one(topic, message.payload):
+            if topic in sent and described.secrets.is_one(topic, payload):
                 continue  # it has a code, which nobody who listens here is to see
             route = described.route(topic)
-            if len(message.payload) > self._settings.max_payload:
+            if len(payload) > max_payload:
                 work += await self._take_long(message, route)
             elif route is None:
                 described.offers.take(message)
-            elif route.only_text is not None and message.payload:
-                await described.read_text(
-                    topic, message.payload, route.only_text, retained=message.retain, wait_if_full=message.qos > 0
-                )
+            elif route.only_text is not None and payload:
+                await described.read_text(topic, payload, route.only_text, retained=retained, wait_if_full=qos > 0)
             elif route.only_states:
                 work += len(route.announced_parts)
                 if (left := described.take_states(message, route)) is not None:
