@@ -19,7 +19,7 @@ from homebot.devices.part import Capability, Part
 from homebot.errors import WireError
 from homebot.messages import Time
 from homebot.wot import CONTEXT, ClassifiedPart, MqttForms, PayloadFormat, basic_formats, parts_of, read_thing, to_thing
-from homebot.wot.mqtt.binding import MqttBinding
+from homebot.wot.mqtt.reader import MqttBinding
 
 NOW = Time(sec=1_800_000_000, nanosec=0)
 

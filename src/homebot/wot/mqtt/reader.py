@@ -1,25 +1,75 @@
-"""Reader of Thing Descriptions that came over MQTT: descriptions in, devices out. Pure."""
+"""Reader of Thing Descriptions that came over MQTT: descriptions in, devices with their codecs out. Pure."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
+from homebot.conventions.command_values import Writer
 from homebot.conventions.description import (
     AnnouncementEvent,
     DescribedPart,
     DeviceAnnounced,
     DeviceWithdrawn,
+    Publication,
+    Publications,
 )
-from homebot.conventions.payload import clean_text, parse_object
-from homebot.errors import InvalidNameError, WireError
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, parse_object, shown
+from homebot.conventions.table_codec import Reader, TableCodec, raw_bytes
+from homebot.devices.part import Capability
+from homebot.devices.value import PlainValue
+from homebot.errors import InvalidNameError, RefusedError, WireError
 from homebot.mqtt.topics import validate_filter, validate_topic
-from homebot.wot import ClassifiedPart, Thing, facts_of, identifiers_of, parts_of, read_thing
-from homebot.wot.mqtt.binding import MqttBinding
-from homebot.wot.mqtt.codec import thing_codec
+from homebot.wot import (
+    Affordance,
+    ClassifiedPart,
+    Form,
+    PayloadFormat,
+    PayloadFormats,
+    Thing,
+    basic_formats,
+    decode_document,
+    encode_document,
+    facts_of,
+    identifiers_of,
+    parts_of,
+    read_thing,
+)
 
-__all__ = ["ThingReader"]
+__all__ = ["MqttBinding", "ThingReader"]
 
-_BINDING = MqttBinding()
+_OBSERVE_OPS = frozenset({"readproperty", "observeproperty", "subscribeevent"})
+_WRITE_OPS = frozenset({"writeproperty", "invokeaction"})
+
+
+class MqttBinding:
+    """The forms with topics: whoever subscribes is sent the values.
+
+    Args:
+        formats: The formats of payloads that count; forms with any other are none.
+
+    Attributes:
+        formats: The same.
+    """
+
+    def __init__(self, formats: PayloadFormats = basic_formats) -> None:
+        self.formats = formats
+
+    def observe_forms(self, affordance: Affordance) -> tuple[Form, ...]:
+        """Return the forms with a filter to subscribe to."""
+        return tuple(
+            one
+            for one in affordance.forms
+            if one.is_mqtt and one.filter and not _OBSERVE_OPS.isdisjoint(one.ops) and self.formats(one.content_type)
+        )
+
+    def write_forms(self, affordance: Affordance) -> tuple[Form, ...]:
+        """Return the forms with a topic to publish on."""
+        return tuple(
+            one
+            for one in affordance.forms
+            if one.is_mqtt and one.topic and not _WRITE_OPS.isdisjoint(one.ops) and self.formats(one.content_type)
+        )
 
 
 class ThingReader:
@@ -69,10 +119,13 @@ class ThingReader:
         )
 
 
+_BINDING = MqttBinding()
+
+
 def _parts(thing: Thing) -> Iterator[DescribedPart]:
     for classified in parts_of(thing, _BINDING):
         usable = _with_checked_topics(classified)
-        yield DescribedPart(usable.part, thing_codec(usable))
+        yield DescribedPart(usable.part, _thing_codec(usable))
 
 
 def _with_checked_topics(classified: ClassifiedPart) -> ClassifiedPart:
@@ -101,3 +154,46 @@ def _checked(name: str, topic: str, check: Callable[[str], None]) -> str:
     if topic[0] in "+#$":
         raise WireError(f"the topic of {clean_text(name, 60)}: {topic[:60]!a} names more than one Thing")
     return topic
+
+
+def _thing_codec(part: ClassifiedPart) -> TableCodec[bytes]:
+    """Return the codec of one part of a thing, by the first form of each of its affordances."""
+    readers: dict[str, tuple[Reader[bytes], ...]] = {}
+    event_readers: dict[str, tuple[Reader[bytes], ...]] = {}
+    writers: dict[str, Writer] = {}
+    for one in part.affordances:
+        observed, written = one.observed, one.written
+        if observed is not None and (format_ := basic_formats(observed.content_type)) is not None:
+            readers.setdefault(observed.filter, ())
+            table = event_readers if one.affordance.kind == "event" else readers
+            reader = partial(_read, one.capability, one.affordance, format_)
+            table[observed.filter] = (*table.get(observed.filter, ()), reader)
+        if written is not None and (format_ := basic_formats(written.content_type)) is not None:
+            writers.setdefault(one.capability.name, partial(_write, one.capability, one.affordance, written, format_))
+    return TableCodec(raw_bytes, readers, event_readers, writers)
+
+
+def _read(capability: Capability, affordance: Affordance, format_: PayloadFormat, payload: bytes) -> Readings:
+    try:
+        document = format_.parse(payload)
+    except WireError:
+        return NO_READINGS
+    value = decode_document(capability, affordance, document)
+    return NO_READINGS if value is None else {capability.name: value[0]}
+
+
+def _write(
+    capability: Capability,
+    affordance: Affordance,
+    form: Form,
+    format_: PayloadFormat,
+    value: PlainValue,
+    _transition: float,
+) -> Publications:
+    """Write a value; a Thing Description has no transitions."""
+    if affordance.kind == "action":
+        if value is not True:
+            raise RefusedError(f"{capability.name} {shown(value)}", "it takes only true")
+        return (Publication(form.topic, b"", form.qos, form.retain),)
+    payload = format_.encode(encode_document(capability, affordance, value))
+    return (Publication(form.topic, payload, form.qos, form.retain),)
