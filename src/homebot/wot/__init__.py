@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from homebot.wot.binding import Binding, RequestBinding
     from homebot.wot.classify import ClassifiedAffordance, ClassifiedPart, parts_of
     from homebot.wot.export import FormWriter, property_names, thing_id, to_thing
-    from homebot.wot.identity import facts_of, identifiers_of
     from homebot.wot.mqtt_forms import MqttForms
     from homebot.wot.parse import CONTEXT, read_thing
     from homebot.wot.payload import (
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
         media_type,
     )
     from homebot.wot.scale import canonical, on_the_wire
-    from homebot.wot.thing import Affordance, DataSchema, Form, SecurityScheme, Thing
+    from homebot.wot.thing import Affordance, DataSchema, Form, SecurityScheme, Thing, facts_of, identifiers_of
 
 __all__ = [
     "CONTEXT",
@@ -64,7 +63,6 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
             "homebot.wot.binding": "Binding RequestBinding",
             "homebot.wot.classify": "ClassifiedAffordance ClassifiedPart parts_of",
             "homebot.wot.export": "FormWriter property_names thing_id to_thing",
-            "homebot.wot.identity": "facts_of identifiers_of",
             "homebot.wot.mqtt_forms": "MqttForms",
             "homebot.wot.parse": "CONTEXT read_thing",
             "homebot.wot.payload": (
@@ -72,6 +70,6 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
                 " decode_document encode_document media_type"
             ),
             "homebot.wot.scale": "canonical on_the_wire",
-            "homebot.wot.thing": "Affordance DataSchema Form SecurityScheme Thing",
+            "homebot.wot.thing": "Affordance DataSchema Form SecurityScheme Thing facts_of identifiers_of",
         },
     )

@@ -6,14 +6,30 @@ editor's draft "Web of Things (WoT) MQTT Binding".
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
-__all__ = ["Affordance", "AffordanceKind", "DataSchema", "DataType", "Form", "SecurityScheme", "Thing"]
+from homebot.conventions.payload import clean_text
+from homebot.devices.identity import identifiers
+
+__all__ = [
+    "Affordance",
+    "AffordanceKind",
+    "DataSchema",
+    "DataType",
+    "Form",
+    "SecurityScheme",
+    "Thing",
+    "change_forms",
+    "facts_of",
+    "identifiers_of",
+]
 
 AffordanceKind: TypeAlias = Literal["property", "action", "event"]
 DataType: TypeAlias = Literal["boolean", "integer", "number", "string", "object", "array", "null", ""]
+
+_OWN = ("mac:", "eui64:", "id:")
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,3 +165,38 @@ class Thing:
     identifiers: tuple[str, ...] = ()
     forms: tuple[Form, ...] = ()
     security: Mapping[str, SecurityScheme] = field(default_factory=dict)
+
+
+def identifiers_of(thing: Thing, *others: str) -> tuple[str, ...]:
+    """Return the identifiers of *thing*, see :func:`homebot.devices.identity.identifiers`.
+
+    Args:
+        thing: The thing.
+        others: What else it is known by, for example the name of its host.
+    """
+    own = tuple(one for one in thing.identifiers if one.startswith(_OWN))
+    declared = identifiers(one for one in (*thing.identifiers, thing.id, *others) if one and one not in own)
+    return tuple(dict.fromkeys((*own, *declared)))
+
+
+def facts_of(thing: Thing) -> dict[str, str]:
+    """Return the further facts that a description has of *thing*, by name."""
+    facts = {clean_text(key, 60): clean_text(value) for key, value in thing.facts.items()}
+    if thing.description:
+        facts.setdefault("description", clean_text(thing.description, 200))
+    return facts
+
+
+def change_forms(thing: Thing, change: Callable[[Form], Form | None]) -> Thing:
+    """Return *thing* with its forms changed.
+
+    Args:
+        thing: The thing.
+        change: Returns what stands in place of a form; None leaves it out.
+    """
+
+    def changed(forms: Iterable[Form]) -> tuple[Form, ...]:
+        return tuple(new for one in forms if (new := change(one)) is not None)
+
+    affordances = tuple(replace(one, forms=changed(one.forms)) for one in thing.affordances)
+    return replace(thing, affordances=affordances, forms=changed(thing.forms))

@@ -44,7 +44,7 @@ from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, login
 from homebot.gateways.things.thing_device import describe_thing
 from homebot.isolation import run_as, ungrouped
 from homebot.wot import Form, Thing, read_thing
-from homebot.wot.forms import change_forms
+from homebot.wot.thing import change_forms
 
 __all__ = ["DirectorySession"]
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from homebot.conventions.coap.endpoint import authority_of
-from homebot.wot.forms import change_forms
-from homebot.wot.thing import Thing
+from homebot.wot.thing import Thing, change_forms
 
 __all__ = ["with_own_forms"]
 
