@@ -14,8 +14,8 @@ from homebot.conventions.coap.endpoint import (
 from homebot.conventions.coap.link_format import parse_links
 from homebot.errors import UsageError, WireError
 from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
+from homebot.gateways.coap.session import with_own_forms
 from homebot.wot import CONTEXT, read_thing
-from homebot.wot.coap.own_forms import with_own_forms
 
 
 def test_an_address_that_answered_is_an_endpoint() -> None:

@@ -24,15 +24,15 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.coap.coap_port import COAP_BINDING, CoapPort
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
 from homebot.isolation import run_as, ungrouped
-from homebot.wot import Thing, read_thing
+from homebot.wot import read_thing
 from homebot.wot.coap.content_formats import LINK_FORMAT, TD_FORMAT
-from homebot.wot.coap.own_forms import with_own_forms
 from homebot.wot.coap.resource_types import thing_of_links
+from homebot.wot.thing import Thing, change_forms
 
 if TYPE_CHECKING:
     from homebot.gateways.coap.aiocoap_client import CoapClient
 
-__all__ = ["EndpointSession"]
+__all__ = ["EndpointSession", "with_own_forms"]
 
 STEADY_AFTER: Final = 60.0
 """Seconds after which a connection that ends counts as a first failure."""
@@ -250,3 +250,16 @@ class EndpointSession:
             ),
             thing,
         )
+
+
+def with_own_forms(thing: Thing, base: str) -> Thing:
+    """Return *thing* with those forms alone that are at the endpoint *base*: it does not speak for other hosts."""
+    own = authority_of(base)
+    return change_forms(thing, lambda form: form if _is_at(form.href, own) else None)
+
+
+def _is_at(href: str, own: str) -> bool:
+    try:
+        return authority_of(href) == own
+    except ValueError:
+        return False
