@@ -19,8 +19,8 @@ from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import parse_world
 from homebot.messages.std_srvs import Trigger, TriggerRequest
-from homebot.recording.messages import ReadRecording, ReadRecordingRequest
 from homebot.recording.recording import Recording, read_recording
+from homebot.recording.session import ReadRecording, ReadRecordingRequest
 from homebot.replay.command_diff import CommandDiff, command_diff
 from homebot.replay.replay import Replayed, replay, replay_config
 from homebot.testing import virtual_house_of

@@ -12,7 +12,7 @@ from homebot.config import parse_config
 from homebot.devices.names import READ_RECORDING, START_RECORDER
 from homebot.graph import Client, Node
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
-from homebot.recording.messages import ReadRecording, ReadRecordingRequest, ReadRecordingResponse
+from homebot.recording.session import ReadRecording, ReadRecordingRequest, ReadRecordingResponse
 from homebot.runtime import Runtime
 
 Reader = Client[ReadRecordingRequest, ReadRecordingResponse]

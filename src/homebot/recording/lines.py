@@ -28,7 +28,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal, TypeAlias
 
 from homebot.devices import Device, RawMessage, Sighting
 from homebot.devices.command_messages import CommandResult, Setting
@@ -40,16 +40,17 @@ from homebot.errors import TypeMismatchError, UsageError
 from homebot.messages import Time
 from homebot.messages.json import message_from_json, message_to_text
 from homebot.messages.message import Message, UInt32
-from homebot.recording.lease_news import LeaseNews
 from homebot.recording.repetitions import Repetition
 from homebot.strict_json import parse_strict
 
 __all__ = [
     "FORMAT",
     "GatewayNews",
+    "LeaseNews",
     "LostLines",
     "RecordedApp",
     "RecordedCommand",
+    "RecordedLeaseStep",
     "RecordingEnd",
     "RecordingHeader",
     "RecordingLine",
@@ -136,6 +137,30 @@ class RecordedCommand(Message):
     settings: tuple[Setting, ...] = ()
     text: str = ""
     trigger: Trigger = NO_TRIGGER
+
+
+RecordedLeaseStep: TypeAlias = Literal["held", "released", "ended", "expired"]
+
+
+class LeaseNews(Message):
+    """A step of a lease.
+
+    Attributes:
+        step: ``held``: *by* began to hold the part, or held it when the recording began; ``released``: it let go;
+            ``ended``: *issuer* ended the leases of the device; ``expired``: the time of *by* was over.
+        device: The id of the device.
+        part: The id of the part.
+        setting: What is held.
+        issuer: Who holds it, or ended it: the name of a node, or ``client:NAME`` for a client of the door.
+        by: The holder, in a word.
+    """
+
+    step: RecordedLeaseStep
+    device: str
+    part: str = ""
+    setting: Setting
+    issuer: str
+    by: str = ""
 
 
 class LostLines(Message):

@@ -7,8 +7,7 @@ from typing import Final, final
 
 from homebot.devices.command_messages import CommandResult
 from homebot.devices.journal_messages import JournalEntry
-from homebot.recording.lease_news import LeaseNews
-from homebot.recording.lines import RecordedCommand
+from homebot.recording.lines import LeaseNews, RecordedCommand
 from homebot.recording.secrets import without_secrets
 
 __all__ = ["CommandNews"]

@@ -26,11 +26,11 @@ from homebot.errors import InvalidNameError, RefusedError, ServiceError
 from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile, Subscription
 from homebot.messages import Time
 from homebot.messages.message import Message
-from homebot.recording.lease_news import LeaseNews
 from homebot.recording.line_buffer import LineBuffer
 from homebot.recording.lines import (
     FORMAT,
     GatewayNews,
+    LeaseNews,
     LostLines,
     RecordedApp,
     RecordingEnd,

@@ -17,9 +17,9 @@ from homebot.devices.places_messages import OwnerRequest
 from homebot.devices.services import IndexRow
 from homebot.errors import UsageError
 from homebot.messages.message import Message
-from homebot.recording.lease_news import LeaseNews
 from homebot.recording.lines import (
     GatewayNews,
+    LeaseNews,
     LostLines,
     RecordedCommand,
     RecordingEnd,

@@ -1,4 +1,4 @@
-"""The file that a recording is written to."""
+"""The file that a recording is written to, and the port through which its lines come there."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ import gzip
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import IO, Final, Self, cast, final
+from typing import IO, Final, Protocol, Self, cast, final
+
+from anyio import to_thread
 
 from homebot.errors import UsageError
 from homebot.recording.lines import LostLines, RecordingEnd, RecordingLine, line_text
 
-__all__ = ["DEFAULT_MEGABYTES", "RecordingFile"]
+__all__ = ["DEFAULT_MEGABYTES", "FileSink", "LineSink", "RecordingFile"]
 
 DEFAULT_MEGABYTES: Final = 500.0
 
@@ -89,6 +91,44 @@ class RecordingFile:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+class LineSink(Protocol):
+    """Takes lines, and keeps the event loop waiting for nothing."""
+
+    @property
+    def is_full(self) -> bool:
+        """True once it takes no more."""
+        ...
+
+    async def write(self, lines: Sequence[str]) -> None:
+        """Write *lines*.
+
+        Raises:
+            OSError: They could not be written.
+        """
+        ...
+
+
+@final
+class FileSink:
+    """Writes into a file, by a thread.
+
+    Args:
+        file: The file.
+    """
+
+    def __init__(self, file: RecordingFile) -> None:
+        self._file = file
+
+    @property
+    def is_full(self) -> bool:
+        """True once the file takes no more."""
+        return self._file.is_full
+
+    async def write(self, lines: Sequence[str]) -> None:
+        """Write *lines*; see :class:`LineSink`."""
+        await to_thread.run_sync(self._file.write, lines)
 
 
 def _created(path: Path, *, force: bool) -> IO[bytes]:

@@ -1,4 +1,4 @@
-"""Work of a recorder in a running homebot: into a file, or for a client that fetches the lines."""
+"""Work of a recorder in a running homebot: into a file, or for a client that fetches the lines by a service."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from anyio.abc import TaskStatus
 
 from homebot.devices.names import READ_RECORDING
 from homebot.graph import Node
-from homebot.recording.line_sink import LineSink
-from homebot.recording.messages import ReadRecording, ReadRecordingRequest, ReadRecordingResponse
+from homebot.messages.message import Message, ServiceType
 from homebot.recording.recorder import Recorder, RunFacts
+from homebot.recording.recording_file import LineSink
 
-__all__ = ["record_for_client", "record_into"]
+__all__ = ["ReadRecording", "ReadRecordingRequest", "ReadRecordingResponse", "record_for_client", "record_into"]
 
 FAILED = "recording.failed"
 FULL = "recording.file_full"
@@ -24,6 +24,31 @@ _UNREAD: Final = 10.0
 
 _MOST_LINES: Final = 2_000
 _MOST_BYTES: Final = 2 * 1024 * 1024
+
+
+class ReadRecordingRequest(Message):
+    """A request for the next lines; it waits up to a second for some.
+
+    Attributes:
+        is_last: Whether to end the recording; ask again until it is over.
+    """
+
+    is_last: bool = False
+
+
+class ReadRecordingResponse(Message):
+    """Lines, which are forgotten then.
+
+    Attributes:
+        lines: The lines, in order, without their ends.
+        is_over: Whether these were the last.
+    """
+
+    lines: tuple[str, ...] = ()
+    is_over: bool = False
+
+
+ReadRecording = ServiceType("homebot/srv/ReadRecording", ReadRecordingRequest, ReadRecordingResponse)
 
 
 async def record_into(

@@ -25,8 +25,7 @@ from homebot.devices.places_messages import OwnerRequest
 from homebot.errors import TypeMismatchError, UsageError
 from homebot.graph import Node
 from homebot.messages.json import message_from_json
-from homebot.recording.lease_news import LeaseNews
-from homebot.recording.lines import RecordedCommand
+from homebot.recording.lines import LeaseNews, RecordedCommand
 from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.command_matcher import is_carried_out
 from homebot.replay.replay_feed import ReplayFeed

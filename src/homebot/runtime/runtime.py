@@ -48,8 +48,8 @@ if TYPE_CHECKING:
     from homebot.control.rehearsal import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.house import World
-    from homebot.recording.line_sink import LineSink
     from homebot.recording.recorder import RunFacts
+    from homebot.recording.recording_file import LineSink
 
 __all__ = ["Runtime"]
 

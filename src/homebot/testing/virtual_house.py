@@ -23,7 +23,7 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
-from homebot.recording.line_sink import LineSink
+from homebot.recording.recording_file import LineSink
 from homebot.runtime import Runtime
 from homebot.testing.contexts import in_background, plain_logs
 from homebot.testing.house import EVERYTHING, TestHouse, house_config

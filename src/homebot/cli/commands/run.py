@@ -26,7 +26,7 @@ from homebot.runtime import Runtime
 
 if TYPE_CHECKING:
     from homebot.house import World
-    from homebot.recording.line_sink import LineSink
+    from homebot.recording.recording_file import LineSink
 
 __all__ = ["add_arguments", "configuration", "run", "with_tokens"]
 
@@ -129,8 +129,7 @@ def _recording(path: str | None) -> Iterator[LineSink | None]:
     if path is None:
         yield None
         return
-    from homebot.recording.line_sink import FileSink  # noqa: PLC0415 - few runs are recorded
-    from homebot.recording.recording_file import RecordingFile  # noqa: PLC0415 - as above
+    from homebot.recording.recording_file import FileSink, RecordingFile  # noqa: PLC0415 - few runs are recorded
 
     with RecordingFile(Path(path)) as file:
         yield FileSink(file)
