@@ -12,7 +12,7 @@ from homebot.devices.outcomes import Confirmed, Evidence, Outcome
 from homebot.devices.value import Value
 from homebot.recording.lines import RecordedCommand
 from homebot.recording.recording import TimedCommand
-from homebot.replay.command_matcher import CommandMatcher
+from homebot.replay.command_diff import CommandMatcher
 
 __all__ = ["RecordedOutcomes"]
 

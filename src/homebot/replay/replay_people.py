@@ -27,7 +27,7 @@ from homebot.graph import Node
 from homebot.messages.json import message_from_json
 from homebot.recording.lines import LeaseNews, RecordedCommand
 from homebot.recording.recording import Recording, TimedCommand
-from homebot.replay.command_matcher import is_carried_out
+from homebot.replay.command_diff import is_carried_out
 from homebot.replay.replay_feed import ReplayFeed
 from homebot.strict_json import parse_strict
 
