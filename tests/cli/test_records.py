@@ -10,11 +10,11 @@ from typing import Literal, get_origin, get_type_hints, is_typeddict
 import pytest
 
 from homebot.bridges.rosapi import endpoints
-from homebot.cli import command_records, journal_records, lease_records, places_records, records
+from homebot.cli import command_records, places_records, records
 from homebot.cli.device_json import json_text, list_text
 from homebot.messages.message import Message
 
-MODULES = (command_records, journal_records, lease_records, places_records, records)
+MODULES = (command_records, places_records, records)
 NAMES = {name: found for module in MODULES for name, found in vars(module).items()}
 RECORDS = [one for one in NAMES.values() if is_typeddict(one)]
 

@@ -1,12 +1,24 @@
-"""Records of commands and outcomes: the fields of their messages, as JSON has them; see :mod:`homebot.cli.records`."""
+"""Records of commands, leases and the journal: the fields of messages as JSON; see :mod:`homebot.cli.records`."""
 
 from __future__ import annotations
 
 from typing import TypedDict
 
-from homebot.cli.records import ValueRecord
+from homebot.cli.records import KeyValueRecord, TimeRecord, ValueRecord
 
-__all__ = ["CommandDevicesRecord", "CommandResultRecord", "CommandedPartRecord", "SettingRecord"]
+__all__ = [
+    "CommandDevicesRecord",
+    "CommandResultRecord",
+    "CommandedPartRecord",
+    "HeldPartRecord",
+    "HolderRecord",
+    "JournalEntryRecord",
+    "JournalRecord",
+    "JournalVerdictRecord",
+    "LeasesRecord",
+    "SettingRecord",
+    "TriggerRecord",
+]
 
 
 class SettingRecord(TypedDict):
@@ -48,3 +60,91 @@ class CommandDevicesRecord(TypedDict):
     message: str
     outcome: str
     results: list[CommandedPartRecord]
+
+
+class HolderRecord(TypedDict):
+    """:class:`homebot.devices.lease_messages.HolderOfPart`."""
+
+    by: str
+    issuer: str
+    until: TimeRecord
+
+
+class HeldPartRecord(TypedDict):
+    """:class:`homebot.devices.lease_messages.HeldPart`."""
+
+    device: str
+    part: str
+    setting: SettingRecord
+    holders: list[HolderRecord]
+    outranked_until: TimeRecord
+    saw: str
+
+
+class LeasesRecord(TypedDict):
+    """:class:`homebot.devices.lease_messages.LeasesResponse`."""
+
+    parts: list[HeldPartRecord]
+
+
+class ReadingRecord(TypedDict):
+    """:class:`homebot.devices.value.Reading`."""
+
+    part: str
+    capability: str
+    value: ValueRecord
+
+
+class TriggerRecord(TypedDict):
+    """:class:`homebot.devices.trigger.Trigger`."""
+
+    kind: str
+    id: str
+    device: str
+    readings: list[ReadingRecord]
+    text: str
+    at: TimeRecord
+
+
+class JournalFactRecord(TypedDict):
+    """:class:`homebot.devices.journal_messages.JournalFact`."""
+
+    name: str
+    value: ValueRecord
+    since: TimeRecord
+
+
+class JournalVerdictRecord(TypedDict):
+    """:class:`homebot.devices.journal_messages.JournalVerdict`."""
+
+    policy: str
+    allowed: bool
+    reason: str
+    facts: list[JournalFactRecord]
+
+
+class JournalEntryRecord(TypedDict):
+    """:class:`homebot.devices.journal_messages.JournalEntry`."""
+
+    kind: str
+    at: TimeRecord
+    device: str
+    part: str
+    command: str
+    issuer: str
+    trigger: TriggerRecord
+    settings: list[SettingRecord]
+    text: str
+    verdicts: list[JournalVerdictRecord]
+    results: list[CommandResultRecord]
+
+
+class JournalRecord(TypedDict):
+    """:class:`homebot.devices.journal_messages.ReadJournalResponse`."""
+
+    success: bool
+    message: str
+    entries: list[JournalEntryRecord]
+    complete: bool
+    begins: TimeRecord
+    names: list[KeyValueRecord]

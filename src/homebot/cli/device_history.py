@@ -6,9 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
-from homebot.cli.command_records import SettingRecord
+from homebot.cli.command_records import JournalEntryRecord, SettingRecord, TriggerRecord
 from homebot.cli.journal_client import JournalClient
-from homebot.cli.journal_records import JournalEntryRecord, TriggerRecord
 from homebot.cli.journal_words import settings_text
 from homebot.cli.late_effects import failed_command_of
 from homebot.cli.records import DeviceRecord, StateRecord, TimeRecord

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
+from homebot.cli.command_records import JournalEntryRecord
 from homebot.cli.device_history import Chain
-from homebot.cli.journal_records import JournalEntryRecord
 from homebot.cli.journal_words import (
     clock_text,
     denial_text,

@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import cast, final
 
-from homebot.cli.command_records import CommandResultRecord, SettingRecord
+from homebot.cli.command_records import (
+    CommandResultRecord,
+    JournalEntryRecord,
+    JournalRecord,
+    SettingRecord,
+    TriggerRecord,
+)
 from homebot.cli.door_client import DoorClient
-from homebot.cli.journal_records import JournalEntryRecord, JournalRecord, TriggerRecord
 from homebot.cli.time_format import from_seconds, iso
 from homebot.cli.values import plain_value
 from homebot.devices.names import READ_JOURNAL

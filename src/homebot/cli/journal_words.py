@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 
-from homebot.cli.command_records import CommandResultRecord, SettingRecord
-from homebot.cli.journal_records import JournalEntryRecord, TriggerRecord
+from homebot.cli.command_records import CommandResultRecord, JournalEntryRecord, SettingRecord, TriggerRecord
 from homebot.cli.records import CapabilityRecord, TimeRecord
 from homebot.cli.table import printable
 from homebot.cli.time_format import ago, from_seconds, to_seconds

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from homebot.cli.journal_records import JournalEntryRecord
+from homebot.cli.command_records import JournalEntryRecord
 from homebot.cli.records import StateRecord
 from homebot.cli.time_format import to_seconds
 from homebot.cli.values import PlainValue, plain_value

@@ -7,8 +7,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import cast
 
-from homebot.cli.command_records import SettingRecord
-from homebot.cli.journal_records import TriggerRecord
+from homebot.cli.command_records import SettingRecord, TriggerRecord
 from homebot.cli.journal_words import issuer_text, name_text, settings_text, trigger_text
 from homebot.cli.table import printable
 from homebot.messages.json import message_to_json

@@ -7,10 +7,10 @@ import json
 from typing import cast
 
 from homebot.cli.arguments import set_client_command, whole
+from homebot.cli.command_records import JournalEntryRecord
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.journal_client import JournalClient, entry_json
-from homebot.cli.journal_records import JournalEntryRecord
 from homebot.cli.journal_words import clock_text, entry_text, name_text, repeats, trigger_text
 from homebot.cli.time_format import ago
 from homebot.devices.names import JOURNAL_ENTRIES

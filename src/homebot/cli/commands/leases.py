@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator
 from typing import cast
 
 from homebot.cli.arguments import set_client_command
+from homebot.cli.command_records import HeldPartRecord, LeasesRecord
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.journal_words import issuer_text, settings_text
-from homebot.cli.lease_records import HeldPartRecord, LeasesRecord
 from homebot.cli.records import DeviceRecord, TimeRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_table

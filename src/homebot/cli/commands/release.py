@@ -6,10 +6,10 @@ import argparse
 from typing import cast
 
 from homebot.cli.arguments import set_client_command
+from homebot.cli.command_records import LeasesRecord
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.journal_words import issuer_text, settings_text
-from homebot.cli.lease_records import LeasesRecord
 from homebot.cli.table import printable
 from homebot.devices.names import END_LEASES
 from homebot.errors import PeerError
