@@ -11,7 +11,7 @@ from pathlib import Path
 import anyio
 from tests.apps.houses import flat, lamp, motion
 
-from homebot.cli.replay_words import difference_text
+from homebot.cli.commands.replay import difference_text
 from homebot.config import parse_config
 from homebot.devices.names import READ_RECORDING, START_RECORDER
 from homebot.devices.part_names import part_names

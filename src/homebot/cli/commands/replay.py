@@ -7,29 +7,30 @@ import asyncio
 import json
 import sys
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import Final
+from typing import Final, cast
 
 from homebot.cli.arguments import set_command
-from homebot.cli.replay_words import (
-    command_json,
-    command_text,
-    difference_json,
-    difference_text,
-    summary_text,
-)
+from homebot.cli.command_records import SettingRecord, TriggerRecord
+from homebot.cli.journal_words import issuer_text, name_text, settings_text, trigger_text
+from homebot.cli.table import printable
 from homebot.config import load_config
 from homebot.devices.part_names import part_names
 from homebot.errors import HomebotError
 from homebot.log import configure_logging
+from homebot.messages.json import message_to_json
 from homebot.recording.recording import Recording, TimedCommand, load_recording
-from homebot.replay.command_diff import CommandDiff, command_diff
+from homebot.replay.command_diff import CommandDiff, DifferentCommand, command_diff
 from homebot.replay.replay import Replayed, replay, replay_config
 from homebot.virtual_time import VirtualTimeLoop
 
-__all__ = ["add_arguments"]
+__all__ = ["add_arguments", "difference_text"]
 
 _TROUBLE: Final = 2
+
+_SIGNS = {"added": "+", "gone": "-"}
 
 _EXAMPLES = """\
   homebot replay day.jsonl.gz --diff
@@ -62,6 +63,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--diff", action="store_true", help="print the commands that would be added (+) or gone (-)")
     parser.add_argument("--json", action="store_true", help="print each command as one line of JSON")
     parser.add_argument("--log", action="store_true", help="show the log of the apps")
+
+
+def difference_text(one: DifferentCommand, start: float, names: Mapping[str, str]) -> str:
+    """Return a difference as a line that begins with ``+`` or ``-``."""
+    where = "in the replay" if one.kind == "gone" else "in the recording"
+    refused = f"; refused {where} by {printable(one.refused)}" if one.refused else ""
+    return f"{_SIGNS[one.kind]} {_command_text(replace(one.given, result=None), start, names)}{refused}"
 
 
 def _replay(options: argparse.Namespace) -> int:
@@ -104,12 +112,69 @@ def _print_commands(
 ) -> None:
     start = recording.header.started_at.to_seconds()
     for one in commands:
-        print(json.dumps(command_json(one, start, names)) if as_json else command_text(one, start, names))
+        print(json.dumps(_command_json(one, start, names)) if as_json else _command_text(one, start, names))
 
 
 def _print_diff(recording: Recording, diff: CommandDiff, names: Mapping[str, str], *, as_json: bool) -> None:
     start = recording.header.started_at.to_seconds()
     for one in diff.different:
-        print(json.dumps(difference_json(one, start, names)) if as_json else difference_text(one, start, names))
+        print(json.dumps(_difference_json(one, start, names)) if as_json else difference_text(one, start, names))
     if not as_json:
-        print(summary_text(diff))
+        print(_summary_text(diff))
+
+
+def _command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -> str:
+    """Return a command as a line: when, which device, what, who and why.
+
+    Args:
+        given: The command.
+        start: When the recording began, in seconds since the Unix epoch.
+        names: As :func:`homebot.devices.part_names.part_names` gives them.
+    """
+    command = given.command
+    local = datetime.fromtimestamp(start + given.at, UTC).astimezone()
+    what = printable(command.text) or settings_text(_settings(given))
+    cause = trigger_text(_trigger(given), names)
+    because = f", because {cause}" if cause else ""
+    outcome = f" ({printable(given.result.text)})" if given.result is not None else ""
+    stamp = f"{local:%Y-%m-%d %H:%M:%S}"
+    return f"{stamp}  {_name(given, names)}  {what}  {issuer_text(command.issuer)}{because}{outcome}"
+
+
+def _summary_text(diff: CommandDiff) -> str:
+    """Return the numbers of a diff as a sentence."""
+    added = sum(one.kind == "added" for one in diff.different)
+    gone = len(diff.different) - added
+    if not diff.different:
+        return f"no difference: {'1 command is' if diff.same == 1 else f'{diff.same:,} commands are'} the same"
+    return f"{added:,} added, {gone:,} gone, {diff.same:,} the same"
+
+
+def _command_json(given: TimedCommand, start: float, names: Mapping[str, str]) -> dict[str, object]:
+    """Return a command for programs; arguments as for :func:`_command_text`."""
+    command = given.command
+    record = message_to_json(command)
+    return {
+        "at": datetime.fromtimestamp(start + given.at, UTC).isoformat(timespec="milliseconds"),
+        "name": _name(given, names),
+        "because": trigger_text(_trigger(given), names),
+        **{key: value for key, value in record.items() if key not in {"id", "trigger"}},
+        "outcome": "" if given.result is None else given.result.outcome,
+    }
+
+
+def _difference_json(one: DifferentCommand, start: float, names: Mapping[str, str]) -> dict[str, object]:
+    """Return a difference for programs."""
+    return {"difference": one.kind, "refused": one.refused, **_command_json(one.given, start, names)}
+
+
+def _name(given: TimedCommand, names: Mapping[str, str]) -> str:
+    return name_text(given.command.device, names, given.command.part)
+
+
+def _settings(given: TimedCommand) -> list[SettingRecord]:
+    return [cast("SettingRecord", message_to_json(one)) for one in given.command.settings]
+
+
+def _trigger(given: TimedCommand) -> TriggerRecord:
+    return cast("TriggerRecord", message_to_json(given.command.trigger))
