@@ -8,8 +8,8 @@ import pytest
 from tests.days.told import Told
 
 from homebot.house.faults import Silent, Unplugged
-from homebot.house.placed import Placed
 from homebot.house.sensors import SimulatedContactSensor
+from homebot.house.simulated_device import Placed
 from homebot.testing.virtual_house import HEARTBEAT
 
 HOUR = 3600.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from homebot.house.faults import Silent
-from homebot.house.placed import Placed
+from homebot.house.simulated_device import Placed
 from homebot.testing.virtual_house import HEARTBEAT
 
 __all__ = ["RECONNECTED", "Told"]

@@ -9,10 +9,9 @@ import pytest
 from homebot.errors import UsageError
 from homebot.house.faults import Stuck, Unplugged
 from homebot.house.household import Habit, Person
-from homebot.house.placed import Placed
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.sensors import SimulatedContactSensor
-from homebot.house.simulated_device import SimulatedDevice
+from homebot.house.simulated_device import Placed, SimulatedDevice
 from homebot.house.world import World
 
 PLAN = Rooms({OUTSIDE: Room(window=1.0), "hall": Room()}, [(OUTSIDE, "hall")])

@@ -28,9 +28,8 @@ from homebot.house.dialects import DIALECTS
 from homebot.house.dialects.thesis import ThesisDialect
 from homebot.house.faults import Chatterbox, Unplugged
 from homebot.house.mqtt_device import QUEUED
-from homebot.house.placed import Placed, ScheduledCommand
 from homebot.house.rooms import DAY, Room, Rooms
-from homebot.house.simulated_device import SimulatedDevice
+from homebot.house.simulated_device import Placed, ScheduledCommand, SimulatedDevice
 from homebot.mqtt.broker import Broker, BrokerPolicy
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient

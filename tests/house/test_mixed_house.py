@@ -13,8 +13,8 @@ from homebot.house import World
 from homebot.house.description import parse_world
 from homebot.house.devices import SimulatedLamp
 from homebot.house.dialects import DIALECTS
-from homebot.house.placed import Placed
 from homebot.house.rooms import OUTSIDE, Room, Rooms
+from homebot.house.simulated_device import Placed
 from homebot.testing import EventLog, virtual_house_of
 
 MIXED = tomllib.loads((Path(__file__).parents[2] / "examples" / "houses" / "mixed.toml").read_text("utf-8"))

@@ -17,8 +17,8 @@ from homebot.graph import Node
 from homebot.house import SimulatedLamp, World
 from homebot.house.description import load_world, parse_world
 from homebot.house.network import FAMILIES, HouseNetwork, kinds_of
-from homebot.house.placed import Placed
 from homebot.house.rooms import OUTSIDE, Room, Rooms
+from homebot.house.simulated_device import Placed
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from homebot.house.devices import SimulatedLamp
 from homebot.house.household import Habit, Person
-from homebot.house.placed import Placed
 from homebot.house.rooms import DAY, OUTSIDE, Room, Rooms
 from homebot.house.sensors import MotionSensor
+from homebot.house.simulated_device import Placed
 from homebot.house.world import World
 
 PLAN = Rooms({OUTSIDE: Room(window=1.0), "living": Room(window=0.02)}, [(OUTSIDE, "living")])

@@ -13,10 +13,10 @@ from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, 
 from homebot.house.event_log import Event
 from homebot.house.faults import Chatterbox, Deaf, Liar, Reverter, Unplugged
 from homebot.house.household import Habit, Person
-from homebot.house.placed import Placed, ScheduledCommand
 from homebot.house.robot import Robot
 from homebot.house.rooms import DAY, OUTSIDE, Room, Rooms
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.simulated_device import Placed, ScheduledCommand
 from homebot.house.world import World
 
 PLAN = Rooms(

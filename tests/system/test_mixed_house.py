@@ -13,8 +13,8 @@ from homebot.config import parse_config
 from homebot.house import SimulatedHouse, World
 from homebot.house.devices import SimulatedLamp
 from homebot.house.dialects import DIALECTS
-from homebot.house.placed import Placed
 from homebot.house.rooms import OUTSIDE, Room, Rooms
+from homebot.house.simulated_device import Placed
 from homebot.runtime import Runtime
 
 pytestmark = pytest.mark.system

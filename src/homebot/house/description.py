@@ -45,10 +45,9 @@ from homebot.house.faults import unwrap
 from homebot.house.household import Habit, Person
 from homebot.house.kinds import FAULTS, KINDS, Surroundings
 from homebot.house.network import FAMILIES, kinds_of
-from homebot.house.placed import Placed, ScheduledCommand
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.sensors import PowerMeter
-from homebot.house.simulated_device import SimulatedDevice
+from homebot.house.simulated_device import Placed, ScheduledCommand, SimulatedDevice
 from homebot.house.world import World
 from homebot.similar import unknown_key
 from homebot.toml_file import read_toml

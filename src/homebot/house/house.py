@@ -22,8 +22,8 @@ from homebot.house.event_log import Event
 from homebot.house.faults import unwrap
 from homebot.house.mqtt_device import HouseCounters, MqttDevice
 from homebot.house.network import FAMILIES, HouseNetwork, kinds_of
-from homebot.house.placed import Placed
 from homebot.house.rooms import DAY
+from homebot.house.simulated_device import Placed
 from homebot.house.world import World
 from homebot.isolation import run_as
 from homebot.log import LogLimit

@@ -1,14 +1,14 @@
-"""State machine of a simulated device: takes the time and commands, and gives the reports that follow."""
+"""A simulated device: a state machine that takes the time and commands, and its place in a house."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from homebot.numbers import to_number
 
-__all__ = ["SimulatedDevice", "number", "number_text"]
+__all__ = ["Placed", "ScheduledCommand", "SimulatedDevice", "number", "number_text"]
 
 
 @dataclass(eq=False)
@@ -103,6 +103,36 @@ class SimulatedDevice(ABC):
     def _on_timer(self) -> tuple[str, ...]:
         """Do what :meth:`next_event` announced; must move that on."""
         return ()
+
+
+class Placed(NamedTuple):
+    """A device in its place.
+
+    Attributes:
+        device: The device, with its faults.
+        room: Where it is.
+        door: For a contact or a lock: the room on the other side of the door it is on.
+        dialect: Its family where it is carried over a wire, by name.
+    """
+
+    device: SimulatedDevice
+    room: str
+    door: str = ""
+    dialect: str = "thesis"
+
+
+class ScheduledCommand(NamedTuple):
+    """A command that a timer gives every day.
+
+    Attributes:
+        at: Seconds since midnight.
+        device_id: The device.
+        command: What.
+    """
+
+    at: float
+    device_id: str
+    command: str
 
 
 def number(text: str, low: float, high: float) -> float | None:

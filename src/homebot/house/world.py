@@ -18,11 +18,10 @@ from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, 
 from homebot.house.event_log import Event, Verb, WorldLog
 from homebot.house.faults import unwrap
 from homebot.house.household import Household, Person
-from homebot.house.placed import Placed, ScheduledCommand
 from homebot.house.robot import Robot
 from homebot.house.rooms import DAY, OUTSIDE, Room, Rooms, daylight, weather
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
-from homebot.house.simulated_device import SimulatedDevice
+from homebot.house.simulated_device import Placed, ScheduledCommand, SimulatedDevice
 from homebot.timer_queue import TimerQueue
 
 __all__ = ["World"]
