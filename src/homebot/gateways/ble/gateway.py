@@ -21,10 +21,9 @@ from homebot.errors import LinkError, PluginError, UsageError, WireError
 from homebot.extras import check_extra
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
-from homebot.gateways.ble.admission import Newcomers, find_dispensable
 from homebot.gateways.ble.connections import ConnectionHost, Connections
 from homebot.gateways.ble.intake import Intake
-from homebot.gateways.ble.known_device import KnownDevice
+from homebot.gateways.ble.known_device import KnownDevice, Newcomers, find_dispensable
 from homebot.gateways.ble.radio import BleRadio, BluetoothUnavailableError
 from homebot.gateways.ble.settings import PARSERS, BleDeviceSettings, BleGatewaySettings
 from homebot.gateways.context import GatewayContext

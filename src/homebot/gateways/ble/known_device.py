@@ -1,8 +1,8 @@
-"""A device that the gateway lists, with all its facts. Pure."""
+"""A device that the gateway lists, with all its facts, and how many new ones it takes: anybody may advertise. Pure."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from homebot.conventions.bluetooth.advertisement import Advertisement
 from homebot.conventions.bluetooth.broadcast import Broadcast
@@ -15,8 +15,9 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.ble.settings import BleDeviceSettings
+from homebot.rate_limit import RateLimit
 
-__all__ = ["BATTERY", "KnownDevice"]
+__all__ = ["BATTERY", "KnownDevice", "Newcomers", "find_dispensable"]
 
 BATTERY = "battery"
 SIGNAL = "signal"
@@ -24,6 +25,14 @@ DISTANCE = "distance"
 _LONGEST_NAME = 100
 _FREE_SPACE_1M = 41.0
 """dB that are lost on the first metre at 2.4 GHz."""
+
+_BURST = 200
+
+_RATE = 5.0
+"""Devices a second; a house has fewer than the burst, so that more are probably fake."""
+
+_SETTLED_AFTER = 60.0
+"""Seconds after which a device is not removed to make room for another."""
 
 _SIGNAL_PARTS = (
     Part(
@@ -140,3 +149,23 @@ class KnownDevice:
         if "manufacturer" not in facts or "serial_number" not in facts:
             return ()
         return (f"{facts['manufacturer']} {facts.get('model', '')} {facts['serial_number']}",)
+
+
+class Newcomers:
+    """The rate limit for new devices: 200 at once, then five a second."""
+
+    def __init__(self) -> None:
+        self.refused = 0
+        self._limit = RateLimit(_RATE, _BURST)
+
+    def admits(self, now: float) -> bool:
+        """Return whether one more device may be accepted now."""
+        is_admitted = self._limit.admits(now)
+        self.refused += not is_admitted
+        return is_admitted
+
+
+def find_dispensable(devices: Iterable[KnownDevice]) -> KnownDevice | None:
+    """Return the longest silent device of those heard for less than a minute; None if there is none."""
+    brief = (one for one in devices if one.presence.last_heard - one.presence.first_heard < _SETTLED_AFTER)
+    return min(brief, key=lambda one: one.presence.last_heard, default=None)
