@@ -11,7 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.errors import WireError
-from homebot.gateways.thing_directory.documents import id_of, lifetime_of, members_of, next_page, read_event, text_of
+from homebot.gateways.thing_directory.documents import (
+    etag_of,
+    id_of,
+    lifetime_of,
+    members_of,
+    next_page,
+    read_event,
+    text_of,
+)
 
 
 def test_a_page_is_an_array_or_a_collection_with_members() -> None:
@@ -108,6 +116,16 @@ def test_a_registration_may_say_when_it_ends(expires: object, lifetime: float) -
     new_year = datetime(2026, 1, 1, tzinfo=UTC).timestamp()
     assert lifetime_of({"registration": {"expires": expires}}, new_year) == lifetime
     assert lifetime_of({"registration": {"expires": expires, "ttl": 100}}, new_year) == 100.0
+
+
+@pytest.mark.parametrize("etag", ['"a"', 'W/"a-1"', '""'])
+def test_an_entity_tag_can_be_sent_back(etag: str) -> None:
+    assert etag_of({"etag": etag}) == etag
+
+
+@pytest.mark.parametrize("etag", ["", "a", '"a', '"a", "b"', '"a\r\nX: y"', '"ü"', f'"{"a" * 1000}"'])
+def test_what_is_no_entity_tag_is_not_sent_back(etag: str) -> None:
+    assert etag_of({"etag": etag}) == ""
 
 
 VALUES = st.none() | st.booleans() | st.floats() | st.text(max_size=20)

@@ -18,8 +18,7 @@ from homebot.gateways.http_address import parse_url
 from homebot.gateways.http_client import HttpClient
 from homebot.gateways.http_events import EventStream
 from homebot.gateways.long_json import parse_long_json
-from homebot.gateways.thing_directory.documents import members_of, next_page
-from homebot.gateways.thing_directory.read_pages import DirectoryPage, ReadPage, etag_of
+from homebot.gateways.thing_directory.documents import DirectoryPage, ReadPage, etag_of, members_of, next_page
 
 __all__ = ["DirectoryReader"]
 

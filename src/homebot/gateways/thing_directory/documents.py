@@ -1,7 +1,8 @@
 """The documents of a directory of things: pages of its list, and events. Pure.
 
 Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sections 7.3.2.1 (Things API), 7.3.2.2
-(Events API); RFC 8288, section 3 (the header field Link).
+(Events API); RFC 8288, section 3 (the header field Link); RFC 9110, sections 8.8.3 (ETag) and 13.1.2 (If-None-Match):
+a page that has not changed is not sent again.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import json
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Final, Literal, TypeAlias, cast
 
@@ -21,6 +22,9 @@ from homebot.numbers import to_number
 __all__ = [
     "DirectoryChange",
     "DirectoryEvent",
+    "DirectoryPage",
+    "ReadPage",
+    "etag_of",
     "id_of",
     "lifetime_of",
     "members_of",
@@ -34,6 +38,7 @@ DirectoryChange: TypeAlias = Literal["thing_created", "thing_updated", "thing_de
 _CHANGES: Final = frozenset({"thing_created", "thing_updated", "thing_deleted"})
 _LONGEST_ID = 500
 _LONGEST_HEADER = 4000
+_ETAG = re.compile(r'(?:W/)?"[\x21\x23-\x7e]{0,200}"')
 _LINK = re.compile(r'<([^<>]{0,2000})>((?:[^<>,"]|"[^"]*")*)')
 _NEXT = re.compile(r';\s*rel\s*=\s*(?:"(?:[^"]*\s)?next(?:\s[^"]*)?"|next)\s*(?:;|$)', re.IGNORECASE)
 _SHORTEST_LIFETIME, _LONGEST_LIFETIME = 60.0, 30 * 86_400.0
@@ -52,6 +57,34 @@ class DirectoryEvent:
     change: DirectoryChange
     id: str
     description: Mapping[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class ReadPage:
+    """A page as it was when it was read.
+
+    Attributes:
+        etag: Its entity tag.
+        keys: The keys of the things on it.
+        following: The address of the next page; empty for none.
+    """
+
+    etag: str
+    keys: frozenset[str]
+    following: str
+
+
+@dataclass(slots=True)
+class DirectoryPage:
+    """A page of the list.
+
+    Attributes:
+        members: The descriptions on it; none where it has not changed.
+        keys: The keys of the things on it; the reader of a page that has members adds them.
+    """
+
+    members: list[object] = field(default_factory=list)
+    keys: set[str] = field(default_factory=set)
 
 
 def members_of(page: object) -> list[object]:
@@ -120,6 +153,12 @@ def lifetime_of(document: object, now: float) -> float:
     elif not given > 0:
         return 0.0
     return 0.0 if given == math.inf else min(max(given, _SHORTEST_LIFETIME), _LONGEST_LIFETIME)
+
+
+def etag_of(headers: Mapping[str, str]) -> str:
+    """Return the entity tag in header fields, names in lower case; empty where there is none that can be sent back."""
+    etag = headers.get("etag", "")
+    return etag if _ETAG.fullmatch(etag) else ""
 
 
 def _end_of(expires: object) -> float:

@@ -31,13 +31,13 @@ from homebot.gateways.http_client import HttpClient
 from homebot.gateways.thing_directory.directory_client import DirectoryReader
 from homebot.gateways.thing_directory.documents import (
     DirectoryEvent,
+    ReadPage,
     id_of,
     lifetime_of,
     read_event,
     text_of,
 )
 from homebot.gateways.thing_directory.listed_thing import ListedThing
-from homebot.gateways.thing_directory.read_pages import ReadPage
 from homebot.gateways.thing_directory.settings import ThingDirectorySettings
 from homebot.gateways.things.http_credentials import read_logins
 from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, login_at
