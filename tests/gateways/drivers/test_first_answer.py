@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from homebot.errors import LinkError, RefusedError
-from homebot.gateways.drivers.first_answer import MAX_ASKED, first_answer
+from homebot.gateways.drivers.base import MAX_ASKED, first_answer
 
 ADDRESSES = tuple(f"10.0.0.{number}" for number in range(1, 9))
 

@@ -7,8 +7,8 @@ states and sends it commands. There is one driver object for each found service,
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from typing import ClassVar, Protocol
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from typing import ClassVar, Final, Protocol, TypeVar
 
 from pydantic import BaseModel, ConfigDict
 from structlog.typing import FilteringBoundLogger
@@ -21,7 +21,12 @@ from homebot.errors import LinkError
 from homebot.extras import check_extra
 from homebot.gateways.announced.gateway_device import GatewayDevice
 
-__all__ = ["Driver", "DriverHost", "DriverSession", "DriverSettings", "FoundService", "SessionDriver"]
+__all__ = ["Driver", "DriverHost", "DriverSession", "DriverSettings", "FoundService", "SessionDriver", "first_answer"]
+
+Answer = TypeVar("Answer")
+
+MAX_ASKED: Final = 4
+"""Addresses that are asked; a device has an IPv4 address and up to three of IPv6."""
 
 
 class DriverSettings(BaseModel):
@@ -159,3 +164,23 @@ class SessionDriver(Driver):
         if self._session is None:
             raise LinkError(f"{self.service.name} is not connected")
         await self._session.perform(command)
+
+
+async def first_answer(name: str, addresses: Sequence[str], ask: Callable[[str], Awaitable[Answer]]) -> Answer:
+    """Ask one address after the other, and return the first answer.
+
+    Args:
+        name: The name of the device, for errors.
+        addresses: Its addresses, best first.
+        ask: Asks an address; a LinkError means that it does not answer.
+
+    Raises:
+        LinkError: None of them answers; the error of the last one.
+    """
+    failed = LinkError(f"{name} has no address")
+    for address in addresses[:MAX_ASKED]:
+        try:
+            return await ask(address)
+        except LinkError as exc:
+            failed = exc
+    raise failed

@@ -18,9 +18,9 @@ from pydantic import SecretStr
 from homebot.conventions.esphome import Fields, ListedEntity
 from homebot.conventions.payload import clean_text
 from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.drivers.base import first_answer
 from homebot.gateways.drivers.esphome.metered_socket import PER_SECOND, MeteredSocket, open_socket
 from homebot.gateways.drivers.esphome.settings import KEY_ADVICE, PASSWORD_ADVICE, PLAIN_ADVICE
-from homebot.gateways.drivers.first_answer import first_answer
 
 __all__ = ["EsphomeConnection", "connected"]
 

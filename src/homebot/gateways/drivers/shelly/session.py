@@ -19,8 +19,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.drivers.base import DriverHost, FoundService
-from homebot.gateways.drivers.first_answer import first_answer
+from homebot.gateways.drivers.base import DriverHost, FoundService, first_answer
 from homebot.gateways.drivers.shelly.rpc_link import RpcLink, wants_password
 from homebot.gateways.drivers.shelly.settings import ShellyDriverSettings
 from homebot.gateways.http_address import http_origin

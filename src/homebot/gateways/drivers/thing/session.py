@@ -18,8 +18,7 @@ from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, clean_text, pars
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.drivers.base import DriverHost, FoundService
-from homebot.gateways.drivers.first_answer import first_answer
+from homebot.gateways.drivers.base import DriverHost, FoundService, first_answer
 from homebot.gateways.drivers.thing.driver import WEB_THING
 from homebot.gateways.drivers.thing.settings import ThingDriverSettings
 from homebot.gateways.http_address import http_origin, parse_url, shown_url

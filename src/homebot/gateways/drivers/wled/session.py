@@ -19,8 +19,7 @@ from homebot.conventions.wled import Fields, WledStrip, effect_names, preset_nam
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.drivers.base import DriverHost, FoundService
-from homebot.gateways.drivers.first_answer import first_answer
+from homebot.gateways.drivers.base import DriverHost, FoundService, first_answer
 from homebot.gateways.http_address import http_origin
 from homebot.gateways.http_client import HttpClient
 from homebot.gateways.http_websocket import WebSocket
