@@ -1,11 +1,48 @@
-"""A service that was found on the network. Pure."""
+"""A service that was found on the network, and what it tells of its device: names, identifiers and facts. Pure."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import ipaddress
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-__all__ = ["FoundService"]
+from homebot.devices.identity import identifiers
+
+__all__ = ["FoundService", "facts_of", "identifiers_of", "name_of", "printable", "usable_addresses"]
+
+_HARDWARE = ("mac", "macaddr", "macaddress", "mac_address", "deviceid", "ethmac", "bridgeid")
+"""Keys of TXT records that say the hardware address: of ESPHome, WLED, Tasmota, AirPlay, Hue and others. A ``bssid`` is
+that of the access point, which all devices there have."""
+
+_SEPARATORS = re.compile(r"[|,;\s]+")
+"""Between the addresses of a device that says several."""
+
+_DECLARED = ("serial", "serialnumber", "serial_number", "serialnum", "sn", "uuid", "udn", "usn", "id")
+"""Keys that say what the device calls itself."""
+
+_SHORTEST = 8
+"""Characters of a declared id: a shorter one, such as ``1``, belongs to many devices."""
+
+_PAIRING = "_hap._tcp.local."
+"""HomeKit: its ``id`` looks like a hardware address, and is a random number that changes with each reset."""
+
+_NAMES = ("friendly_name", "friendlyname", "fn")
+"""Keys that say the name that people gave, of ESPHome and of Google Cast."""
+
+_COMMISSIONABLE = "_matterc._udp.local."
+_ID = re.compile(r"[0-9A-Za-z]+[_-][0-9A-Fa-f]{12,}|[0-9A-Fa-f]{12,}")
+_ADDRESS_BEHIND = re.compile(r"\s*\[((?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2})\]$")
+"""Of computers, ``office [00:0e:c6:12:34:56]``, and of Bosch's controller, with hyphens."""
+
+_MOST_ADDRESSES = 8
+
+_FACTS = {
+    "manufacturer": ("manufacturer", "vendor", "mf", "usb_mfg", "mfg"),
+    "model": ("model", "md", "ty", "app", "board", "modelid", "product_name", "product", "usb_mdl", "am"),
+    "sw_version": ("sw_version", "fw_version", "version", "ver", "fv", "firmwareversion", "fwversion", "srcvers"),
+}
+"""Facts by their names in the directory, and the keys of TXT records that say them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,3 +66,86 @@ class FoundService:
     port: int
     addresses: tuple[str, ...]
     properties: Mapping[str, str] = field(default_factory=dict)
+
+
+def facts_of(service: FoundService) -> dict[str, str]:
+    """Return what is known of a service, as metadata of its device: DNS-SD's facts, and TXT as ``txt_<key>``."""
+    found = {
+        "dns_sd_type": service.service_type.removesuffix(".local."),
+        "host": service.host.removesuffix("."),
+        "port": str(service.port),
+        "ip_address": next(iter(service.addresses), ""),
+    }
+    for fact, keys in _FACTS.items():
+        found[fact] = next((service.properties[key] for key in keys if service.properties.get(key)), "")
+    found |= {f"txt_{key}": value for key, value in service.properties.items()}
+    return {name: printable(value) for name, value in found.items() if value}
+
+
+def identifiers_of(service: FoundService) -> tuple[str, ...]:
+    """Return by what the device of a service is known beyond this gateway; see :mod:`homebot.devices.identity`.
+
+    A host name and an instance name count where they contain a hardware address: without one, they are names that
+    people give, and one computer may be the host of many devices.
+    """
+    said = service.properties
+    label = service.host.removesuffix(".").removesuffix(".local")
+    named = [label] if _has_address(label, "mac:", "eui64:") else []
+    # Not of 64 bits: an instance of Matter is called <fabric>-<node>, and neither is an address.
+    named += [one for one in (service.name, service.name.partition("@")[0]) if _has_address(one, "mac:")]
+    named += [match[1] for match in _ADDRESS_BEHIND.finditer(service.name)]
+    if service.service_type == _PAIRING:
+        declared = [f"homekit {said['id']} pairing"] if "id" in said else []
+    else:
+        declared = [said[key] for key in _DECLARED if len(said.get(key, "")) >= _SHORTEST]
+    hardware = [one for key in _HARDWARE if key in said for one in _SEPARATORS.split(said[key])[:_MOST_ADDRESSES]]
+    return identifiers([*hardware, *named, *declared])
+
+
+def name_of(service: FoundService) -> str:
+    """Return the name of a service for people: its instance name without the address that some put into it.
+
+    A name in the TXT record comes first: there the instance name is made of an id (Google Cast, Matter).
+    """
+    for key in (*_NAMES, *(("dn",) if service.service_type == _COMMISSIONABLE else ())):
+        if name := printable(service.properties.get(key, "")).strip():
+            return name
+    before, _, after = service.name.partition("@")
+    if after.strip() and (_has_address(before, "mac:") or _ID.fullmatch(before)):
+        return after.strip()
+    return _ADDRESS_BEHIND.sub("", service.name) or service.name
+
+
+def usable_addresses(found: Iterable[str], *, with_loopback: bool) -> tuple[str, ...]:
+    """Return those of the addresses *found* that can be connected to, best first: IPv4, IPv6, then link-local ones.
+
+    Args:
+        found: Addresses, as text; link-local ones of IPv6 with their scope, without which they lead nowhere.
+        with_loopback: Whether a loopback address is this computer's own service. One that was announced on a network
+            would let any neighbour have us connect to what listens for this computer alone.
+    """
+    ranked: dict[str, int] = {}
+    for text in found:
+        try:
+            address = ipaddress.ip_address(text)
+        except ValueError:
+            continue
+        if address.is_multicast or address.is_unspecified or (address.is_loopback and not with_loopback):
+            continue
+        if address.version == 6 and address.is_link_local and "%" not in text:
+            continue
+        ranked[text] = 2 * address.is_link_local + (address.version == 6)
+    return tuple(sorted(ranked, key=lambda one: (ranked[one], one)))
+
+
+def printable(text: str) -> str:
+    """Return *text* with everything replaced that does not show, such as control characters."""
+    return (
+        text
+        if text.isprintable()
+        else "".join(one if one.isprintable() else "\N{REPLACEMENT CHARACTER}" for one in text)
+    )
+
+
+def _has_address(text: str, *kinds: str) -> bool:
+    return any(one.startswith(kinds) for one in identifiers([text]))

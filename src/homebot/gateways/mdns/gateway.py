@@ -14,8 +14,7 @@ from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
 from homebot.backoff import BackoffCounter
-from homebot.conventions.dns_sd.found_service import FoundService
-from homebot.conventions.dns_sd.service_facts import facts_of, identifiers_of, name_of
+from homebot.conventions.dns_sd.found_service import FoundService, facts_of, identifiers_of, name_of
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
 from homebot.extras import check_extra

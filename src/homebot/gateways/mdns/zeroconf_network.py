@@ -20,8 +20,7 @@ from zeroconf import Error, IPVersion, ServiceInfo, ServiceStateChange, Zeroconf
 from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf
 
 from homebot.addresses import is_loopback
-from homebot.conventions.dns_sd.found_service import FoundService
-from homebot.conventions.dns_sd.service_facts import printable, usable_addresses
+from homebot.conventions.dns_sd.found_service import FoundService, printable, usable_addresses
 from homebot.conventions.dns_sd.service_type import ENUMERATION, base_type, full_type, instance_label, is_service_type
 from homebot.conventions.dns_sd.txt_record import read_txt
 from homebot.errors import LinkError
