@@ -282,9 +282,11 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
     key = "thing_directory"
     if config.thing_directory is None:
         return None
-    from homebot.bridges.thing_directory import DirectoryBridgeSettings  # noqa: PLC0415 - for those who serve it
+    from homebot.bridges.thing_directory.settings import (  # noqa: PLC0415 - for those who serve it
+        DirectoryBridgeSettings,
+        ThingDirectoryTable,
+    )
     from homebot.extras import check_extra  # noqa: PLC0415 - likewise
-    from homebot.runtime.thing_directory_table import ThingDirectoryTable  # noqa: PLC0415 - likewise
 
     _scope(key, config.thing_directory, config)
     own = _without_act(config.thing_directory)

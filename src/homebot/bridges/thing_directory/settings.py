@@ -7,8 +7,9 @@ from typing import Annotated
 from pydantic import Field
 
 from homebot.bridges.access_settings import AccessSettings, Count
+from homebot.config import FilePath
 
-__all__ = ["DirectoryBridgeSettings"]
+__all__ = ["DirectoryBridgeSettings", "ThingDirectoryTable"]
 
 
 class DirectoryBridgeSettings(AccessSettings):
@@ -23,3 +24,13 @@ class DirectoryBridgeSettings(AccessSettings):
     port: Annotated[int, Field(ge=0, le=65535)] = 8081
     allows_commands: bool = True
     max_devices: Count = 10_000
+
+
+class ThingDirectoryTable(DirectoryBridgeSettings):
+    """The keys of the table ``[thing_directory]``.
+
+    Attributes:
+        token_file: File whose first line is the token, for nobody else to read.
+    """
+
+    token_file: FilePath | None = None
