@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TypeVar, cast
 
-from homebot.cli.directory import entities
 from homebot.cli.door_client import DoorClient
+from homebot.cli.graph_queries import entities
 from homebot.cli.places_records import UnapprovedRecord
 from homebot.cli.records import DeviceRecord, QueryResponseRecord, TimeRecord
 from homebot.cli.table import printable

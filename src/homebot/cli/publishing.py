@@ -6,8 +6,8 @@ import time
 from collections.abc import Mapping
 from typing import cast
 
-from homebot.cli.directory import entities
 from homebot.cli.door_client import DoorClient
+from homebot.cli.graph_queries import entities
 from homebot.cli.records import GatewayStateRecord, HealthRecord
 from homebot.devices.names import GatewayNames
 from homebot.errors import LinkError, RefusedError

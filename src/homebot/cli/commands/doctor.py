@@ -8,8 +8,8 @@ from typing import cast
 
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import find_devices, house_time
-from homebot.cli.directory import entities
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.graph_queries import entities
 from homebot.cli.publishing import GATEWAY_STATE, gateway_state
 from homebot.cli.records import (
     CountRecord,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
-from homebot.cli.directory import entities, is_hidden, not_found
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.graph_queries import entities, is_hidden, not_found
 
 __all__ = ["add_arguments"]
 

@@ -11,8 +11,8 @@ from typing import Final, cast
 
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_queries import named_device
-from homebot.cli.directory import entities
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.graph_queries import entities
 from homebot.cli.places_records import TagResponseRecord, TeachPlaceRecord
 from homebot.cli.records import ReadTagRecord, ScanCodeRecord, WriteTagRecord
 from homebot.cli.table import printable

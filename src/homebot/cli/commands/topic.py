@@ -13,11 +13,10 @@ from collections.abc import Sequence
 
 from homebot.cli.arguments import Commands, add_verb, add_verbs, message, positive, set_client_command, whole
 from homebot.cli.device_queries import find_devices
-from homebot.cli.directory import entities, is_hidden, no_such_topic, not_yet, topic_type
 from homebot.cli.door_client import DoorClient, ReceivedMessage, with_client
+from homebot.cli.graph_queries import Schema, entities, is_hidden, message_schema, no_such_topic, not_yet, topic_type
 from homebot.cli.publishing import GatewayPublisher
 from homebot.cli.records import EntityRecord
-from homebot.cli.schema import Schema, message_schema
 from homebot.cli.table import printable
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
