@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from homebot.devices import Device, Sighting
 from homebot.devices.always_ask import is_approved
+from homebot.devices.client_rights import without_taught_room
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import parse_query
-from homebot.devices.taught_room import without_taught_room
 from homebot.discovery import DeviceIndex, OwnerFacts, owner_facts
 from homebot.discovery.description import MAX_FACTS
 from homebot.errors import RefusedError, UsageError, WireError

@@ -7,6 +7,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.names import TAG
 from homebot.devices.query.terms import And, FactIs, NameIs, Or, Query, TypeIs
 from homebot.errors import UsageError
 from homebot.similar import did_you_mean
@@ -23,6 +24,7 @@ __all__ = [
     "is_client",
     "issuer_of_client",
     "read_scope",
+    "without_taught_room",
 ]
 
 LOCAL_CLIENT = "local"
@@ -30,7 +32,6 @@ LOCAL_CLIENT = "local"
 
 OWNER_CLIENT = "owner"
 """The name of clients with the one token that has no name of its own."""
-
 
 HARMLESS = "harmless"
 """In place of a query: every device but those that always ask."""
@@ -95,7 +96,6 @@ class ClientRights(NamedTuple):
             return True
         from homebot.devices.always_ask import always_asks, is_declared  # noqa: PLC0415 - needed with the first command
         from homebot.devices.query.matching import PartFacets, fits  # noqa: PLC0415 - likewise
-        from homebot.devices.taught_room import without_taught_room  # noqa: PLC0415 - likewise
 
         facets = PartFacets(without_taught_room(device))
         facets.part = part
@@ -171,6 +171,16 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
         manages=Right.MANAGE in found,
         is_raw=Right.RAW in found,
     )
+
+
+def without_taught_room(device: Device) -> Device:
+    """Return *device* without its room, where only a tag or a code says it; otherwise the same device.
+
+    Whoever can put up a tag can say a room, so it gives nobody a right. A room that the owner states, in the
+    configuration or by a command, and one that the device announces of itself are not touched.
+    """
+    conventions = {one.convention for one in device.facts if one.name == "area"} if device.area else set()
+    return device.with_checked(area="", outer_areas=()) if conventions == {TAG} else device
 
 
 def _parse(text: str) -> Query:
