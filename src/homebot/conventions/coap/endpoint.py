@@ -1,22 +1,35 @@
-"""Endpoints: the hosts that devices were found on. Pure."""
+"""Endpoints, the hosts that devices were found on, and their addresses. Pure."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from urllib.parse import urlsplit
 
-from homebot.conventions.coap.address import SCHEMES
 from homebot.conventions.coap.link_format import WebLink
 from homebot.conventions.payload import clean_text
 from homebot.conventions.uri import resolve_uri
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
 
-__all__ = ["CoapEndpoint", "authority_of", "endpoint_at", "endpoint_of_link", "static_endpoint"]
+__all__ = [
+    "SCHEMES",
+    "CoapEndpoint",
+    "authority_of",
+    "check_uri",
+    "endpoint_at",
+    "endpoint_of_link",
+    "split_address",
+    "static_endpoint",
+]
+
+SCHEMES = frozenset({"coap", "coaps", "coap+tcp", "coaps+tcp"})
 
 _COAP_PORT = 5683
 _FACTS = {"d": "sector", "et": "endpoint_type"}
+
+_ADDRESS = re.compile(r"\[?([^\[\]]+?)\]?:(\d{1,5})")
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +100,34 @@ def authority_of(uri: str) -> str:
     """Return scheme, host and port of an address, for comparison."""
     parts = urlsplit(uri)
     return f"{parts.scheme}://{parts.netloc}".casefold().removesuffix(f":{_COAP_PORT}")
+
+
+def check_uri(uri: str) -> str:
+    """Return *uri*, an address such as ``coap://192.168.1.20``.
+
+    Raises:
+        ValueError: It is none.
+    """
+    try:
+        parts = urlsplit(uri)
+        port = parts.port
+    except ValueError as exc:
+        raise ValueError(f"{uri!r} is not an address: {exc}") from None
+    if parts.scheme not in SCHEMES or not parts.hostname or port == 0:
+        raise ValueError(f"{uri!r} is not an address such as coap://192.168.1.20")
+    return uri
+
+
+def split_address(address: str) -> tuple[str, int]:
+    """Return host and port of ``127.0.0.1:5683`` or ``[::1]:5683``.
+
+    Raises:
+        ValueError: It is none of these.
+    """
+    match = _ADDRESS.fullmatch(address)
+    if match is None or int(match[2]) > 65535:
+        raise ValueError(f"{address!r} is not an address such as 127.0.0.1:5683")
+    return match[1], int(match[2])
 
 
 def _checked_base(base: str, name: str) -> str:

@@ -10,7 +10,7 @@ from collections.abc import AsyncGenerator, Callable
 from contextlib import aclosing
 from typing import TYPE_CHECKING, Final
 
-from homebot.conventions.coap.address import SCHEMES
+from homebot.conventions.coap.endpoint import SCHEMES
 from homebot.errors import RefusedError
 from homebot.gateways.things.port import ThingPayload
 from homebot.wot import Form, RequestBinding

@@ -12,8 +12,7 @@ from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
 from homebot.backoff import DEVICE_BACKOFF, BackoffCounter
-from homebot.conventions.coap.address import split_address
-from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoint_at, static_endpoint
+from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoint_at, split_address, static_endpoint
 from homebot.conventions.coap.link_format import parse_links
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, UnableError, UsageError, WireError
