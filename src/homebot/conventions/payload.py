@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from collections.abc import Callable, Mapping
 from contextvars import ContextVar
 from functools import lru_cache
@@ -174,10 +173,6 @@ def shown(value: object) -> str:
         if value is None or isinstance(value, bool) or (isinstance(value, int) and abs(value) < _MOST_DIGITS):
             text = str(value)
     return text if len(text) <= _MAX_SHOWN else f"{text[:_MAX_SHOWN]}…"
-
-
-_SPACES = b" \t\n\r"
-_NO_SPACE = re.compile(r"[^ \t\n\r]")
 
 
 _JOINERS = "\u200c\u200d"

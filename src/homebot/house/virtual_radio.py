@@ -69,7 +69,6 @@ class VirtualPeripheral:
     """A device on the radio, while it has power.
 
     Args:
-        radio: The radio.
         device: Its stack.
         characteristics: What it serves, by UUID.
 
@@ -77,8 +76,7 @@ class VirtualPeripheral:
         connected_times: How often it was connected to.
     """
 
-    def __init__(self, radio: VirtualRadio, device: Device, characteristics: Mapping[str, Any]) -> None:
-        self._radio = radio
+    def __init__(self, device: Device, characteristics: Mapping[str, Any]) -> None:
         self._device = device
         self._characteristics = characteristics
         self.connected_times = 0
@@ -178,7 +176,7 @@ class VirtualRadio:
             device.add_service(Service(core.UUID(uuid), list(own.values())))
             served.update(own)
         await device.power_on()
-        peripheral = VirtualPeripheral(self, device, served)
+        peripheral = VirtualPeripheral(device, served)
         try:
             yield peripheral
         finally:

@@ -80,7 +80,6 @@ class Door:
                 "host",
                 f"{settings.host} can be reached by others, so it needs a token; set one or listen on 127.0.0.1",
             )
-        self._node = node
         self._settings = settings
         self._error_log = ClientErrorLog(node)
         self._counters = DoorCounters()

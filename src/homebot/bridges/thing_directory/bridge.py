@@ -76,7 +76,6 @@ class ThingDirectoryBridge:
             problem = f"{settings.host} can be reached by others, so it needs a token; set one or listen on 127.0.0.1"
             raise ConfigError("thing_directory", "host", problem)
         needs_token = settings.token is not None
-        self._node = node
         self._settings = settings
         self._announce = announce
         self._error_log = ClientErrorLog(node)

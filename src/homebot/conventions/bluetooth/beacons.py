@@ -19,7 +19,6 @@ APPLE = 0x004C
 EDDYSTONE = full_uuid("feaa")
 _IBEACON = b"\x02\x15"
 _IBEACON_SIZE = 23
-_UID = 0x00
 _UID_SIZE = 18
 _LOSS_AT_1M = 41.0
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -10,7 +10,7 @@ from homebot.conventions.matter.endpoint import MatterEndpoint, MatterOrder
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 
-__all__ = ["FindAbilities", "MatterAbility", "WriteValue"]
+__all__ = ["MatterAbility", "WriteValue"]
 
 WriteValue: TypeAlias = Callable[[MatterEndpoint, PlainValue, float, str], tuple[MatterOrder, ...]]
 """Takes an endpoint, a value, the transition in seconds and a code; returns the orders that set the value."""
@@ -35,7 +35,3 @@ class MatterAbility:
     write: WriteValue | None = None
     also_read: int | None = None
     beside: str = ""
-
-
-FindAbilities: TypeAlias = Callable[[MatterEndpoint], Iterable[MatterAbility]]
-"""Yields the abilities of an endpoint from one group of clusters."""

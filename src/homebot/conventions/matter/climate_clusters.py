@@ -22,7 +22,7 @@ __all__ = ["climate_abilities"]
 THERMOSTAT, FAN = 513, 514
 
 _LOCAL, _COOLING, _HEATING = 0, 0x11, 0x12
-_SYSTEM_MODE, _RUNNING_MODE, _RUNNING_STATE = 0x1C, 0x1E, 0x29
+_SYSTEM_MODE, _RUNNING_STATE = 0x1C, 0x29
 _LIMITS: Final = {_HEATING: ((0x15, 0x16), (3, 4)), _COOLING: ((0x17, 0x18), (5, 6))}
 """Of each setpoint: the attributes of the limits that people set, and of those of the device."""
 

@@ -25,7 +25,7 @@ LOCK, COVERING, VALVE = 257, 258, 129
 _MOVES = ("open", "closed", "opening", "closing", "stopped")
 _STATUS, _LIFT, _TILT = 10, 14, 15
 _LIFT_PERCENT, _TILT_PERCENT = 8, 9
-_HAS_LIFT, _HAS_TILT, _KNOWS_LIFT, _KNOWS_TILT = 1 << 0, 1 << 1, 1 << 2, 1 << 4
+_HAS_LIFT, _KNOWS_LIFT, _KNOWS_TILT = 1 << 0, 1 << 2, 1 << 4
 _COVERING_COMMANDS: Final = {"open": "UpOrOpen", "closed": "DownOrClose", "stopped": "StopMotion"}
 
 _LOCK_STATE, _DOOR_STATE, _NEEDS_PIN = 0, 3, 0x33

@@ -24,7 +24,7 @@ _PAGE: Final = 4
 _FIRST_PAGE: Final = 4
 _LONGEST_SHORT: Final = 0xFE
 _MAGIC: Final = 0xE1
-_NULL, _LOCK, _MEMORY, _MESSAGE, _END = 0x00, 0x01, 0x02, 0x03, 0xFE
+_NULL, _MESSAGE, _END = 0x00, 0x03, 0xFE
 
 
 class CardTag:

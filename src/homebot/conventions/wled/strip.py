@@ -48,7 +48,6 @@ _CHANNELS = (3, 4)
 _WARMEST, _STEP = 1900, 32
 _COLDEST = _WARMEST + _FULL * _STEP
 _WHITE_RANGE = (_WARMEST, _COLDEST)
-_SOLID = "Solid"
 _NO_EFFECTS = frozenset({"RSVD", "-", ""})
 
 _ON_OFF = Capability(name="on_off", settable=True)

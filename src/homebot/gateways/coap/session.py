@@ -85,7 +85,6 @@ class EndpointSession:
         self._describing = describing
         self._things: dict[str, ThingDevice] = {}
         self._seen = anyio.Event()
-        self._misses = 0
 
     @property
     def keys(self) -> tuple[str, ...]:

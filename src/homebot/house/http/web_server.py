@@ -123,7 +123,6 @@ class WebServer:
         self.port = port
         self.peers: list[WebPeer] = []
         self._device = device
-        self._site: web.TCPSite | None = None
 
     def broadcast(self, text: bytes) -> None:
         """Send a text to all WebSockets; never waits."""
