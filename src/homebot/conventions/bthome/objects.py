@@ -79,10 +79,8 @@ DIMMER_TURNS: Mapping[int, str] = {0x01: "rotate_left", 0x02: "rotate_right"}
 COMMANDS: Mapping[int, str] = {0x00: "off", 0x01: "on", 0x02: "toggle", 0x03: "step_up", 0x04: "step_down"}
 
 
-def _number(
-    name: str, capability: str, size: int, factor: str = "1", *, unit: str = "", signed: bool = False
-) -> BTHomeObject:
-    return BTHomeObject(name, capability, size, signed, factor, unit)
+def _number(name: str, capability: str, size: int, factor: str = "1", *, signed: bool = False) -> BTHomeObject:
+    return BTHomeObject(name, capability, size, signed, factor)
 
 
 def _measured(name: str, size: int, factor: str = "1", unit: str = "", *, signed: bool = False) -> BTHomeObject:

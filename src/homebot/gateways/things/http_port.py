@@ -18,7 +18,7 @@ from yarl import URL
 
 from homebot.errors import PeerError, RefusedError
 from homebot.gateways.http_address import parse_url
-from homebot.gateways.http_client import MAX_ANSWER_BYTES, HttpAnswer, HttpClient
+from homebot.gateways.http_client import HttpAnswer, HttpClient
 from homebot.gateways.http_login import HttpLogin
 from homebot.gateways.things.http_credentials import ThingLogin
 from homebot.gateways.things.port import ThingPayload
@@ -48,16 +48,14 @@ class HttpThingPort:
     Args:
         thing: The thing.
         logins: The credentials that are known, of whatever host.
-        max_bytes: Longest answer.
     """
 
     binding = HTTP_BINDING
     pushes_current = False
 
-    def __init__(self, thing: Thing, logins: Sequence[ThingLogin], max_bytes: int = MAX_ANSWER_BYTES) -> None:
+    def __init__(self, thing: Thing, logins: Sequence[ThingLogin]) -> None:
         self._thing = thing
         self._logins = logins
-        self._max_bytes = max_bytes
         self._clients: dict[HttpLogin | None, HttpClient] = {}
         self._stack = AsyncExitStack()
         self._read_forms = {
@@ -150,7 +148,7 @@ class HttpThingPort:
         login, url = self._login(form)
         client = self._clients.get(login)
         if client is None:
-            made = HttpClient(login=login, max_bytes=self._max_bytes)
+            made = HttpClient(login=login)
             client = self._clients[login] = await self._stack.enter_async_context(made)
         return client, url
 
