@@ -9,7 +9,7 @@ from homebot.errors import UsageError
 from homebot.mqtt.packets import ReasonCode
 from homebot.mqtt.topics import topic_matches
 
-__all__ = ["BrokerPolicy", "ConnectionHandler", "RefusedFilters", "Transport", "policy_of"]
+__all__ = ["BrokerPolicy", "ConnectedClient", "ConnectionHandler", "RefusedFilters", "Transport", "policy_of"]
 
 _BRIDGE_STATE: Final = "$SYS/broker/connection/+/state"
 
@@ -76,6 +76,19 @@ class ConnectionHandler(Protocol):
 
     def lost(self) -> None:
         """End, as the link is gone."""
+        ...
+
+    def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
+        """Close the connection from the broker's side: MQTT 5 clients are sent *reason*."""
+        ...
+
+
+class ConnectedClient(Protocol):
+    """The connection of a client that is logged in, as all connections of the broker know it; a peer fills it."""
+
+    @property
+    def will_bytes(self) -> int:
+        """The size of its will."""
         ...
 
     def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:

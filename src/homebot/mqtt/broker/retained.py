@@ -10,7 +10,7 @@ from typing import Final, final
 
 from homebot.mqtt.broker.deadlines import SliceBudget
 from homebot.mqtt.broker.message import BrokerMessage
-from homebot.mqtt.broker.subscriptions import SessionSubscription
+from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.filter_tree import FilterTree
 from homebot.timer_queue import TimerQueue
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from random import Random, SystemRandom
-from typing import TYPE_CHECKING, final
+from typing import final
 
 from homebot.clock import Clock
 from homebot.log import LogLimit, more_like_this
@@ -18,13 +18,10 @@ from homebot.mqtt.broker.deadlines import BrokerTimers, SliceBudget
 from homebot.mqtt.broker.exchange import MessageRouter
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BrokerMessage
-from homebot.mqtt.broker.ports import BrokerPolicy, RefusedFilters
+from homebot.mqtt.broker.ports import BrokerPolicy, ConnectedClient, RefusedFilters
 from homebot.mqtt.broker.sessions import Sessions
 from homebot.mqtt.broker.stats import BrokerStats, Counters
 from homebot.mqtt.packets import ReasonCode
-
-if TYPE_CHECKING:
-    from homebot.mqtt.broker.peer import Peer
 
 __all__ = ["BrokerState", "short"]
 
@@ -82,7 +79,7 @@ class BrokerState:
         self.work = SliceBudget(clock, self.deadlines)
         self.turn = SliceBudget(clock, self.deadlines, _IN_A_TURN, 0.0)
         self._on_message = on_message
-        self.peers: dict[str, Peer] = {}
+        self.peers: dict[str, ConnectedClient] = {}
         self.waiting_logins = WaitingLogins(limits.max_waiting_logins)
         self.throttle = LoginThrottle(clock)
         self.unread_logins = UnreadPackets(max(limits.max_unread_login_bytes, limits.max_connect_size))

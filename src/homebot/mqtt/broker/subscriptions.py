@@ -2,59 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Self, final
+from typing import TYPE_CHECKING, NamedTuple, final
 
 from homebot.mqtt.broker.deadlines import SliceBudget
+from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.filter_tree import FilterTree
-from homebot.mqtt.packets import FilterRequest
-from homebot.mqtt.topics import parse_shared_filter
 
 if TYPE_CHECKING:
     from homebot.mqtt.broker.session import BrokerSession
 
-__all__ = ["Recipients", "SessionSubscription", "ShareGroup", "SubscriptionTree", "Target"]
-
-
-class SessionSubscription(NamedTuple):
-    """A filter with its options.
-
-    Attributes:
-        name: The filter as the client gave it, ``$share/GROUP/`` included; what it is unsubscribed by.
-        filter: What topics are matched against.
-        qos: The highest QoS to send with.
-        no_local: Not what the client published itself.
-        retain_as_published: Keep the retain flag.
-        identifier: The subscription identifier; 0 is none.
-        share: Group and filter of a shared subscription, else None.
-    """
-
-    name: str
-    filter: str
-    qos: int
-    no_local: bool = False
-    retain_as_published: bool = False
-    identifier: int = 0
-    share: tuple[str, str] | None = None
-
-    @classmethod
-    def of(cls, request: FilterRequest, identifier: int = 0) -> Self:
-        """Make it from one filter of a SUBSCRIBE packet."""
-        shared = parse_shared_filter(request.filter)
-        return cls(
-            request.filter,
-            request.filter if shared is None else shared.filter,
-            request.qos,
-            request.no_local,
-            request.retain_as_published,
-            identifier,
-            None if shared is None else (shared.group, shared.filter),
-        )
-
-    @property
-    def levels(self) -> list[str]:
-        """The filter's levels."""
-        return self.filter.split("/")
-
+__all__ = ["Recipients", "ShareGroup", "SubscriptionTree", "Target"]
 
 _MAX_CACHED_TOPICS = 4096  # enough for the busy topics of a house; beyond it the cache starts anew
 _MOST_CACHED = 50_000  # targets of all cached topics
