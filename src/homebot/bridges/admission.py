@@ -1,4 +1,4 @@
-"""Rules for who may connect: on Host, Origin and token. No I/O.
+"""Admission to a server for other programs: where it listens, and the rules on Host, Origin and token. No I/O.
 
 A web page anywhere can make a browser connect to a local port; the browser then tells the page's origin, and the name
 that the page used for us. A foreign origin, or a foreign name that was bent to our address (DNS rebinding), is refused.
@@ -6,21 +6,54 @@ that the page used for us. A foreign origin, or a foreign name that was bent to 
 
 from __future__ import annotations
 
+import errno
 import hmac
 import ipaddress
 import re
 from collections.abc import Mapping, Sequence
+from typing import Annotated
 from urllib.parse import parse_qs, urlsplit
 
-from pydantic import SecretStr
+from pydantic import BaseModel, ConfigDict, Field, SecretStr
 
 from homebot.addresses import is_loopback
-from homebot.bridges.access_settings import AccessSettings
 
-__all__ = ["name_of_token", "refusal", "token_of"]
+__all__ = ["AccessSettings", "Count", "name_of_token", "refusal", "token_of"]
 
 _HOST = re.compile(r"[A-Za-z0-9._~%:\[\]-]*")
 """A name or an address, with its port (RFC 9110, section 7.2): addresses in answers begin with it."""
+
+Count = Annotated[int, Field(ge=1)]
+
+
+class AccessSettings(BaseModel):
+    """The settings that all servers for other programs have.
+
+    Attributes:
+        host: Name or address to listen on. Any other than a loopback one needs a token.
+        port: TCP port; 0 takes a free one.
+        token: What a client must show, as ``Authorization: Bearer TOKEN`` or, for browsers, as ``?token=TOKEN``.
+        allowed_origins: Web pages that may connect besides those of the same host and of loopback, for example
+            ``https://panel.example.org``; ``null`` is a page opened from a file.
+        max_clients: Clients at a time; one more is turned away.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    host: str = "127.0.0.1"
+    port: Annotated[int, Field(ge=0, le=65535)] = 0
+    token: Annotated[SecretStr, Field(min_length=1)] | None = None
+    allowed_origins: tuple[str, ...] = ()
+    max_clients: Count = 64
+
+    def listening_problem(self, error: OSError, key: str) -> str:
+        """Return why the address cannot be listened on, and what to do: another port is chosen by *key*."""
+        where = f"{self.host}:{self.port}"
+        if error.errno == errno.EADDRINUSE:
+            return f"{where} is in use, maybe by another homebot; stop that one, or choose another port ({key})"
+        if error.errno == errno.EACCES:
+            return f"{where} is reserved by the system; choose a port from 1024 on ({key})"
+        return f"cannot listen on {where}: {error.strerror or error}"
 
 
 def refusal(settings: AccessSettings, hosts: Sequence[str], origins: Sequence[str]) -> str | None:

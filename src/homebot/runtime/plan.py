@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, SecretStr, ValidationError
 
 from homebot.addresses import is_loopback
 from homebot.apps import App
-from homebot.bridges.access_settings import AccessSettings
+from homebot.bridges.admission import AccessSettings
 from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
 from homebot.config import Config, FilePath, Table, parse_settings, read_secret
 from homebot.devices.names import THING_DIRECTORY_NODE

@@ -7,7 +7,7 @@ from typing import Annotated, Final, Self, TypeAlias
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, model_validator
 
 from homebot.addresses import is_loopback
-from homebot.bridges.access_settings import AccessSettings, Count
+from homebot.bridges.admission import AccessSettings, Count
 from homebot.config import value_errors
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_CLIENT, OWNER_CLIENT, ClientRights, read_scope
 

@@ -18,7 +18,7 @@ import anyio
 from aiohttp import web
 from aiohttp.http_exceptions import HttpProcessingError
 
-from homebot.bridges.access_settings import AccessSettings
+from homebot.bridges.admission import AccessSettings
 from homebot.clock import Clock
 from homebot.errors import UsageError
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from homebot.bridges.access_settings import AccessSettings, Count
+from homebot.bridges.admission import AccessSettings, Count
 from homebot.config import FilePath
 
 __all__ = ["DirectoryBridgeSettings", "ThingDirectoryTable"]
