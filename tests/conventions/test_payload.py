@@ -15,6 +15,7 @@ from homebot.conventions.payload import (
     percent_of,
     read_number,
     shown,
+    text_of,
     to_json,
     to_text,
 )
@@ -140,6 +141,13 @@ def test_an_object_is_asked_for_and_nothing_else_taken(payload: bytes) -> None:
 )
 def test_a_name_is_one_short_visible_line(text: str, clean: str) -> None:
     assert clean_text(text) == clean
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(" Hall\n", "Hall"), ("Hallway", "Hall"), (7, ""), (None, ""), (["Hall"], "")]
+)
+def test_what_is_no_text_is_shown_as_an_empty_one(value: object, text: str) -> None:
+    assert text_of(value, 4) == text
 
 
 @given(st.text(max_size=400), st.integers(1, 60))

@@ -44,6 +44,7 @@ __all__ = [
     "percent_of",
     "read_number",
     "shown",
+    "text_of",
     "to_json",
     "to_text",
     "whole_of",
@@ -159,6 +160,11 @@ def clean_text(text: str, limit: int = 120) -> str:
         return text.strip()
     kept = "".join(one if one.isprintable() or one in _JOINERS else " " for one in text[: 4 * limit])
     return " ".join(kept.split())[:limit].rstrip()
+
+
+def text_of(value: object, limit: int = 120) -> str:
+    """Return *value* as :func:`clean_text` has it; empty where it is no text."""
+    return clean_text(value, limit) if isinstance(value, str) else ""
 
 
 def shown(value: object) -> str:

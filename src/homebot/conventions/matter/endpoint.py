@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
-from homebot.conventions.payload import clean_text
+from homebot.conventions.payload import text_of
 
 __all__ = ["DESCRIPTOR", "TAG_LIST", "AttributeWrite", "ClusterInvocation", "MatterEndpoint", "MatterOrder"]
 
@@ -59,8 +59,7 @@ class MatterEndpoint:
 
     def text(self, cluster: int, attribute: int) -> str:
         """Return a value that is a text, on one line; empty where it is not a text."""
-        value = self.value(cluster, attribute)
-        return clean_text(value) if isinstance(value, str) else ""
+        return text_of(self.value(cluster, attribute))
 
     def structs(self, cluster: int, attribute: int) -> Iterator[Mapping[object, object]]:
         """Yield the structs in a value that is a list of structs; their fields are numbers, as text."""

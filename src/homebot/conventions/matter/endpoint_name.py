@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from homebot.conventions.matter.endpoint import DESCRIPTOR, TAG_LIST, MatterEndpoint
-from homebot.conventions.payload import clean_text
+from homebot.conventions.payload import clean_text, text_of
 
 __all__ = ["name_of"]
 
@@ -54,7 +54,7 @@ def _words(endpoint: MatterEndpoint) -> Iterator[str]:
     for one in endpoint.structs(DESCRIPTOR, TAG_LIST):
         namespace, tag = one.get("1", one.get("namespaceID")), one.get("2", one.get("tag"))
         text = one.get("3", one.get("label"))
-        label = clean_text(text) if isinstance(text, str) else ""
+        label = text_of(text)
         if type(namespace) is not int or type(tag) is not int or tag < 0:
             continue
         words = _NAMESPACES.get(namespace, ())

@@ -11,7 +11,7 @@ from typing import Final
 from homebot.conventions.command_values import require_option
 from homebot.conventions.matter.ability import MatterAbility
 from homebot.conventions.matter.endpoint import ClusterInvocation, MatterEndpoint, MatterOrder
-from homebot.conventions.payload import clean_text
+from homebot.conventions.payload import text_of
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 
@@ -39,7 +39,7 @@ def _presets(endpoint: MatterEndpoint) -> dict[str, str]:
     for one in endpoint.structs(THERMOSTAT, _PRESETS):
         handle, scenario = one.get("0", one.get("presetHandle")), one.get("1", one.get("presetScenario"))
         said = one.get("2", one.get("name"))
-        name = clean_text(said) if isinstance(said, str) else ""
+        name = text_of(said)
         name = name or (_SCENARIOS.get(scenario, "") if isinstance(scenario, int) else "")
         if name and isinstance(handle, str) and 0 < len(handle) <= _LONGEST_HANDLE and len(found) < _MOST:
             found.setdefault(name, handle)

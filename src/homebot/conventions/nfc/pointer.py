@@ -15,7 +15,7 @@ from typing import Final, TypeAlias
 from urllib.parse import quote, unquote, urlsplit
 
 from homebot.conventions.nfc.ndef_message import NdefRecord
-from homebot.conventions.payload import clean_text, parse_object
+from homebot.conventions.payload import clean_text, parse_object, text_of
 from homebot.conventions.setup_codes import HomekitCode, MatterCode, read_homekit_code, read_matter_code
 from homebot.errors import WireError
 
@@ -206,7 +206,7 @@ def _of_thing(document: bytes, check_thing: CheckThing) -> Pointer:
     title, area = thing.get("title", thing.get("name")), thing.get("homebot:area")
     return Pointer(
         "thing",
-        clean_text(title) if isinstance(title, str) else "",
+        text_of(title),
         thing=thing,
-        area=clean_text(area, 100) if isinstance(area, str) else "",
+        area=text_of(area, 100),
     )

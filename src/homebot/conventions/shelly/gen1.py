@@ -22,7 +22,7 @@ from homebot.conventions.description import (
     DeviceWithdrawn,
     LastWillAvailability,
 )
-from homebot.conventions.payload import clean_text, parse_object, shown
+from homebot.conventions.payload import clean_text, parse_object, shown, text_of
 from homebot.conventions.shelly.gen1_controls import Presses
 from homebot.conventions.shelly.gen1_models import Gen1Model, Gen1Topics, find_model
 from homebot.conventions.shelly.gen1_parts import build_parts, is_known_topic
@@ -69,11 +69,11 @@ class _Gen1Device:
         before = self._announced_facts()
         mode = announcement.get("mode")
         self.mac = mac
-        self.model_name = _text(announcement.get("model"), 40)
+        self.model_name = text_of(announcement.get("model"), 40)
         self.model = find_model(self.model_name, device_id)
         self.mode = mode if isinstance(mode, str) else ""
-        self.version = _text(announcement.get("fw_ver"))
-        self.address = _text(announcement.get("ip"))
+        self.version = text_of(announcement.get("fw_ver"))
+        self.address = text_of(announcement.get("ip"))
         return self._announced_facts() != before
 
     def known(self) -> frozenset[str]:
@@ -133,10 +133,6 @@ _HARDWARE_ID = re.compile(r"shelly[a-z0-9-]*-(?:[0-9a-f]{6}|[0-9a-f]{12})", re.I
 
 def _kind(suffix: str) -> str:
     return suffix.partition("/")[0]
-
-
-def _text(value: object, limit: int = 120) -> str:
-    return clean_text(value, limit) if isinstance(value, str) else ""
 
 
 _MAX_DEVICES = 5000

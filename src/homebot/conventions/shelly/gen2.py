@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from homebot.conventions.bounded_dict import BoundedDict
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest, DeviceWithdrawn
-from homebot.conventions.payload import parse_object, shown, to_json
+from homebot.conventions.payload import parse_object, shown, text_of, to_json
 from homebot.conventions.shelly.gen2_component import Fields, call
 from homebot.conventions.shelly.gen2_device import (
     Gen2Device,
@@ -21,7 +21,6 @@ from homebot.conventions.shelly.gen2_device import (
     kind_of,
     looks,
     mac_in,
-    text_of,
 )
 from homebot.errors import WireError
 

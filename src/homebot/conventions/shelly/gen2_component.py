@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings, as_fields, clean_text, compact_json, read_number
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, compact_json, read_number, text_of
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 
@@ -92,7 +92,7 @@ class ShellyComponent:
     def name(self) -> str:
         """Name that people gave it, or what sends it; empty where there is none."""
         name = self.config.get("name")
-        return (clean_text(name) if isinstance(name, str) else "") or self.sender
+        return text_of(name) or self.sender
 
     def part(self, suffix: str, service_type: str, *, tag: str = "", category: Category = "") -> JsonPart:
         """Return a part of it without capabilities; its *suffix* is empty for the main part of the component."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from homebot.conventions.description import Availability, DescribedPart, DeviceAnnounced, LastWillAvailability
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import as_fields, clean_text
+from homebot.conventions.payload import as_fields, clean_text, text_of
 from homebot.conventions.shelly.gen2_bluetooth import build_bluetooth_device, build_bluetooth_sensor
 from homebot.conventions.shelly.gen2_component import Fields, Gen2Topics, ShellyComponent, call
 from homebot.conventions.shelly.gen2_controls import (
@@ -41,7 +41,6 @@ __all__ = [
     "looks",
     "mac_in",
     "sleeps",
-    "text_of",
 ]
 
 
@@ -86,11 +85,6 @@ def sleeps(status: Fields) -> bool:
     external = as_fields(as_fields(status.get("devicepower:0")).get("external"))
     runs_on_battery = "devicepower:0" in status and external.get("present") is not True
     return runs_on_battery or (period is not None and period > 0)
-
-
-def text_of(value: object) -> str:
-    """Return *value* fit to be shown; empty where it is no text."""
-    return clean_text(value) if isinstance(value, str) else ""
 
 
 def _is_named(event: object) -> bool:

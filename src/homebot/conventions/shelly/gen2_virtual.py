@@ -18,7 +18,7 @@ from homebot.conventions.command_values import (
 )
 from homebot.conventions.description import Publications
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings, as_fields, clean_text, percent_of, shown
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, clean_text, percent_of, shown, text_of
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent
 from homebot.conventions.units import sensor_type
 from homebot.devices.value import PlainValue
@@ -199,7 +199,7 @@ def _options(config: Fields) -> tuple[str, ...]:
 def _unit(config: Fields) -> str:
     """Return the unit in which the device's own pages show a number; empty where it has none."""
     unit = as_fields(as_fields(config.get("meta")).get("ui")).get("unit")
-    return clean_text(unit, _LONGEST_UNIT) if isinstance(unit, str) else ""
+    return text_of(unit, _LONGEST_UNIT)
 
 
 def _bounds(config: Fields) -> tuple[float, ...]:

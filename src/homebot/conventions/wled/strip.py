@@ -21,7 +21,7 @@ from homebot.conventions.command_values import (
     require_transition,
 )
 from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
-from homebot.conventions.payload import Readings, as_fields, clean_text, shown
+from homebot.conventions.payload import Readings, as_fields, shown, text_of
 from homebot.conventions.wled.presets import shown_preset
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Capability, Category, Part
@@ -111,21 +111,21 @@ class WledStrip:
     @property
     def name(self) -> str:
         """Its name for people; empty where it does not say."""
-        return _text(self._info.get("name"))
+        return text_of(self._info.get("name"))
 
     @property
     def identifiers(self) -> tuple[str, ...]:
         """Its hardware address, as an identifier."""
-        return identifiers((_text(self._info.get("mac")),))
+        return identifiers((text_of(self._info.get("mac")),))
 
     @property
     def metadata(self) -> dict[str, str]:
         """Further facts."""
         facts = {
-            "manufacturer": _text(self._info.get("brand")) or "WLED",
-            "model": _text(self._info.get("product")),
-            "sw_version": _text(self._info.get("ver")),
-            "architecture": _text(self._info.get("arch")),
+            "manufacturer": text_of(self._info.get("brand")) or "WLED",
+            "model": text_of(self._info.get("product")),
+            "sw_version": text_of(self._info.get("ver")),
+            "architecture": text_of(self._info.get("arch")),
         }
         return {name: value for name, value in facts.items() if value}
 
@@ -270,7 +270,7 @@ def effect_names(document: object) -> tuple[str, ...]:
         return ()
     names: list[str] = []
     for one in document[:_MOST_EFFECTS]:
-        name = _text(one, 40).partition("@")[0]
+        name = text_of(one, 40).partition("@")[0]
         names.append("" if name in _NO_EFFECTS or name in names else name)
     return tuple(names)
 
@@ -290,7 +290,7 @@ def _segments(state: Fields, leds: Fields) -> Iterator[_Segment]:
         seen.add(number)
         part = MASTER if len(lit) == 1 else f"segment:{number}"
         abilities = _abilities(fields, leds, place if by_place else number)
-        yield _Segment(number, part, _text(fields.get("n"), 60), abilities, fields)
+        yield _Segment(number, part, text_of(fields.get("n"), 60), abilities, fields)
 
 
 def _abilities(segment: Fields, leds: Fields, place: int) -> int:
@@ -352,7 +352,3 @@ def _byte(value: object) -> float | None:
 
 def _percent(level: float | None) -> float | None:
     return None if level is None else round(level * 100 / _FULL, 1)
-
-
-def _text(value: object, limit: int = 120) -> str:
-    return clean_text(value, limit) if isinstance(value, str) else ""

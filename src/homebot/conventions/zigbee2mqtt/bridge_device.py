@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from homebot.conventions.description import Availability
-from homebot.conventions.payload import as_fields, clean_text, parse_json, shown
+from homebot.conventions.payload import as_fields, parse_json, shown, text_of
 from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.topics import validate_topic
 
@@ -208,4 +208,4 @@ def _facts(entry: Mapping[str, object], definition: Mapping[str, object]) -> dic
 
 
 def _fact_text(value: object) -> str:
-    return clean_text(value, _MAX_FACT) if isinstance(value, str) else ""
+    return text_of(value, _MAX_FACT)

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from homebot.conventions.payload import as_fields, clean_text, compact_json, shown
+from homebot.conventions.payload import as_fields, clean_text, compact_json, shown, text_of
 from homebot.errors import LinkError, RefusedError, WireError
 
 __all__ = [
@@ -125,7 +125,7 @@ def read_frame(fields: object) -> ServerFrame:
         return ServerInfo(
             _whole("schema_version", fields["schema_version"]),
             _whole("min_supported_schema_version", oldest),
-            clean_text(sdk, 40) if isinstance(sdk, str) else "",
+            text_of(sdk, 40),
             fields.get("bluetooth_enabled") is True,
         )
     raise WireError("a message is neither an event, nor an answer, nor the server's greeting")

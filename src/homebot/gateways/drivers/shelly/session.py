@@ -9,10 +9,10 @@ from typing import Final
 import anyio
 
 from homebot.conventions.description import DeviceAnnounced
-from homebot.conventions.payload import Readings, as_fields, clean_text, compact_json
+from homebot.conventions.payload import Readings, as_fields, clean_text, compact_json, text_of
 from homebot.conventions.shelly.gen2 import MAX_ANSWER_BYTES
 from homebot.conventions.shelly.gen2_component import Fields
-from homebot.conventions.shelly.gen2_device import is_prefix, text_of
+from homebot.conventions.shelly.gen2_device import is_prefix
 from homebot.conventions.shelly.gen2_rpc import ANSWERS, COMPONENTS, AnswerKind, Gen2RpcDevice, is_news_of_setup
 from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.devices.gateway_messages import Command
