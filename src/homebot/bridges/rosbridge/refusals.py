@@ -1,4 +1,4 @@
-"""Refusals for want of a right: counted, logged with a limit, and published on the graph."""
+"""Refusals for want of a right: logged with a limit, and published on the graph."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final, final
 
 from homebot.bridges.client_error_log import ClientErrorLog, short_text
-from homebot.bridges.rosbridge.shared_state import DoorCounters, operation_text
 from homebot.devices.names import ACCESS_REFUSALS
 from homebot.graph import Node, Publisher, QoSProfile
 from homebot.messages import Time
@@ -17,34 +16,43 @@ if TYPE_CHECKING:
     from homebot.bridges.rosbridge.protocol import Operation
     from homebot.devices.access_messages import AccessRefused
 
-__all__ = ["Refusals"]
+__all__ = ["Refusals", "operation_text"]
 
 _QOS: Final = QoSProfile(depth=100)
 _LONGEST_NAME: Final = 247
+_SHOWN: Final = 100
 _WORD: Final = re.compile(r"[A-Za-z_ ]{1,40}")
 """A command without a number, so that it holds no code."""
+
+_DEEDS: Final = {
+    "advertise": "advertising",
+    "unadvertise": "unadvertising",
+    "publish": "publishing on",
+    "subscribe": "subscribing to",
+    "unsubscribe": "unsubscribing from",
+    "call_service": "calling",
+    "service_response": "answering a call of",
+    "advertise_service": "offering",
+    "unadvertise_service": "withdrawing",
+}
 
 
 @final
 class Refusals:
-    """Notes each refusal for want of a right. Of one client 20 in ten seconds are logged and published, all counted.
+    """Notes each refusal for want of a right. Of one client 20 in ten seconds are logged and published.
 
     Args:
         node: The node of the door.
-        counters: Where they are counted.
         error_log: Where they are logged.
     """
 
-    def __init__(self, node: Node, counters: DoorCounters, error_log: ClientErrorLog) -> None:
+    def __init__(self, node: Node, error_log: ClientErrorLog) -> None:
         self._node = node
-        self._counters = counters
         self._error_log = error_log
         self._publisher: Publisher[AccessRefused] | None = None
 
     def note(self, access: ClientAccess, address: str, op: Operation, error: MissingRightError) -> None:
         """Note that *op* of the client at *address* was refused with *error*."""
-        self._counters.requests_refused += 1
-        self._counters.rights_missing += 1
         held_back = self._error_log.log(
             f"rights of {access.issuer}",
             "door.right_missing",
@@ -76,6 +84,11 @@ class Refusals:
                 wanted=wanted,
             )
         )
+
+
+def operation_text(op: str, name: str) -> str:
+    """Return an operation in words, such as ``publishing on /t``; an operation without a name stays as it is."""
+    return f"{_DEEDS.get(op, op)} {short_text(name, _SHOWN)}" if name else op
 
 
 def _command_in(op: Operation) -> tuple[str, str]:

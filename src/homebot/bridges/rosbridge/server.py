@@ -87,7 +87,7 @@ class Door:
         self._turns = Turns()
         self._expected = ExpectedTopics(node.graph)
         self._tokens = TokenCheck(settings.all_tokens(), node.graph.clock)
-        refusals = Refusals(node, self._counters, self._error_log)
+        refusals = Refusals(node, self._error_log)
         self._shared = SharedState(
             node, settings, self._turns, self._backlog, self._expected, self._counters, self._error_log, refusals
         )

@@ -40,8 +40,9 @@ from homebot.bridges.rosbridge.protocol import (
 )
 from homebot.bridges.rosbridge.provided_services import ProvidedServices
 from homebot.bridges.rosbridge.publications import Publications
+from homebot.bridges.rosbridge.refusals import operation_text
 from homebot.bridges.rosbridge.services import call_service, missing_service
-from homebot.bridges.rosbridge.shared_state import SharedState, operation_text
+from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.bridges.rosbridge.subscriptions import Subscriptions
 from homebot.bridges.turns import Turns
 from homebot.devices.client_rights import Right
@@ -161,6 +162,8 @@ class ClientSession:
             self._do(op, holdings)
         except MissingRightError as exc:
             self.refused += 1
+            self._shared.counters.requests_refused += 1
+            self._shared.counters.rights_missing += 1
             self._shared.refusals.note(self._access, self._client, op, exc)
             self._answer(op.op, op.id, op.name, str(exc))
         except HomebotError as exc:

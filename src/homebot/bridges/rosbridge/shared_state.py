@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, final
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.bridges.client_error_log import ClientErrorLog, short_text
+from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
+from homebot.bridges.rosbridge.refusals import Refusals
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.turns import Turns
 from homebot.graph import EntityKind, Graph, Node
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.provided_services import ProvidedServices
-    from homebot.bridges.rosbridge.refusals import Refusals
 
-__all__ = ["DoorCounters", "ExpectedTopics", "SharedState", "operation_text"]
+__all__ = ["DoorCounters", "ExpectedTopics", "SharedState"]
 
 
 @dataclass(slots=True)
@@ -43,26 +43,6 @@ class DoorCounters:
     rights_missing: int = 0
     slowed_down: int = 0
     clients_cut: int = 0
-
-
-_LONGEST_NAME = 100
-
-_DEEDS = {
-    "advertise": "advertising",
-    "unadvertise": "unadvertising",
-    "publish": "publishing on",
-    "subscribe": "subscribing to",
-    "unsubscribe": "unsubscribing from",
-    "call_service": "calling",
-    "service_response": "answering a call of",
-    "advertise_service": "offering",
-    "unadvertise_service": "withdrawing",
-}
-
-
-def operation_text(op: str, name: str) -> str:
-    """Return an operation in words, such as ``publishing on /t``; an operation without a name stays as it is."""
-    return f"{_DEEDS.get(op, op)} {short_text(name, _LONGEST_NAME)}" if name else op
 
 
 @final
