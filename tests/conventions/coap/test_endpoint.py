@@ -14,8 +14,6 @@ from homebot.conventions.coap.endpoint import (
 from homebot.conventions.coap.link_format import parse_links
 from homebot.errors import UsageError, WireError
 from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
-from homebot.gateways.coap.session import with_own_forms
-from homebot.wot import CONTEXT, read_thing
 
 
 def test_an_address_that_answered_is_an_endpoint() -> None:
@@ -84,19 +82,3 @@ def test_a_gateway_that_could_find_nothing_says_so() -> None:
     key = {"devices": ["coaps://h"], "credentials": [{"uri": "coaps://h/*", "identity": "me", "key": "secret"}]}
     with pytest.raises(UsageError, match="DTLSSocket"):
         CoapGateway.check(CoapGatewaySettings.model_validate(key))
-
-
-def test_a_description_that_was_found_speaks_for_its_own_endpoint_alone() -> None:
-    """Else whoever answers a question could make homebot switch the devices of others."""
-    forms = [{"href": "/on"}, {"href": "coap://other/on"}, {"href": "coap://H:5683/x"}, {"href": "coap://h:5700/x"}]
-    description = {
-        "@context": CONTEXT,
-        "title": "Lamp",
-        "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
-        "security": "nosec_sc",
-        "properties": {"on": {"type": "boolean", "forms": forms}},
-        "forms": [{"href": "coap://other/all", "op": "readallproperties"}],
-    }
-    thing = with_own_forms(read_thing(description, "coap://h/td"), "coap://h")
-    assert [one.href for one in thing.affordances[0].forms] == ["coap://h/on", "coap://H:5683/x"]
-    assert thing.forms == ()
