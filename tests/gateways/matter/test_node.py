@@ -6,8 +6,7 @@ from collections.abc import Mapping
 
 import pytest
 
-from homebot.conventions.matter.ability import MatterAbility
-from homebot.conventions.matter.endpoint import MatterEndpoint
+from homebot.conventions.matter.endpoint import MatterAbility, MatterEndpoint
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError, WrongCodeError
 from homebot.gateways.announced.value_check import can_report

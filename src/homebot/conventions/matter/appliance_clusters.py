@@ -11,8 +11,7 @@ from functools import partial
 from typing import Final, NamedTuple
 
 from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.matter.ability import MatterAbility
-from homebot.conventions.matter.endpoint import ClusterInvocation, MatterEndpoint, MatterOrder
+from homebot.conventions.matter.endpoint import ClusterInvocation, MatterAbility, MatterEndpoint, MatterOrder
 from homebot.conventions.payload import clean_text
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue

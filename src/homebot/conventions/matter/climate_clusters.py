@@ -10,8 +10,7 @@ from functools import partial
 from typing import Final
 
 from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.matter.ability import MatterAbility
-from homebot.conventions.matter.endpoint import AttributeWrite, MatterEndpoint, MatterOrder
+from homebot.conventions.matter.endpoint import AttributeWrite, MatterAbility, MatterEndpoint, MatterOrder
 from homebot.conventions.matter.light_clusters import ON_OFF
 from homebot.conventions.matter.thermostat_presets import preset_abilities
 from homebot.devices.part import Capability

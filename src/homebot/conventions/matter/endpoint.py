@@ -1,4 +1,4 @@
-"""An endpoint of a Matter node: its attributes, and the orders for it. Pure.
+"""An endpoint of a Matter node: its attributes, the orders for it, and its abilities. Pure.
 
 Source: Matter 1.4 Core Specification, 7.8 (endpoints), 7.13 (global attributes), 9.5 (Descriptor cluster).
 """
@@ -6,13 +6,24 @@ Source: Matter 1.4 Core Specification, 7.8 (endpoints), 7.13 (global attributes)
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
 from homebot.conventions.payload import text_of
+from homebot.devices.part import Capability
+from homebot.devices.value import PlainValue
 
-__all__ = ["DESCRIPTOR", "TAG_LIST", "AttributeWrite", "ClusterInvocation", "MatterEndpoint", "MatterOrder"]
+__all__ = [
+    "DESCRIPTOR",
+    "TAG_LIST",
+    "AttributeWrite",
+    "ClusterInvocation",
+    "MatterAbility",
+    "MatterEndpoint",
+    "MatterOrder",
+    "WriteValue",
+]
 
 DESCRIPTOR: Final = 29
 _DEVICE_TYPE_LIST, _PARTS_LIST, TAG_LIST = 0, 3, 4
@@ -155,6 +166,31 @@ class AttributeWrite:
 
 MatterOrder: TypeAlias = ClusterInvocation | AttributeWrite
 """One order for an endpoint."""
+
+WriteValue: TypeAlias = Callable[[MatterEndpoint, PlainValue, float, str], tuple[MatterOrder, ...]]
+"""Takes an endpoint, a value, the transition in seconds and a code; returns the orders that set the value."""
+
+
+@dataclass(frozen=True, slots=True)
+class MatterAbility:
+    """One capability of an endpoint.
+
+    Attributes:
+        cluster: The cluster that it belongs to.
+        capability: The capability.
+        read: Returns its value from the known attributes; None where it is never reported.
+        write: Returns the orders that set it; None where it cannot be set.
+        also_read: A further cluster that it is read from; None where there is none.
+        beside: The part of the endpoint that has it, such as ``battery``; empty for what the endpoint is for.
+    """
+
+    cluster: int
+    capability: Capability
+    read: Callable[[MatterEndpoint], PlainValue] | None = None
+    write: WriteValue | None = None
+    also_read: int | None = None
+    beside: str = ""
+
 
 _NOTHING: Final[Mapping[int, object]] = {}
 _TIMED_MS: Final = 1_000

@@ -10,8 +10,7 @@ from typing import Final
 
 from homebot.conventions.command_values import require_color, require_number, require_transition
 from homebot.conventions.light_color import MIRED, from_hue_saturation, nearest_mired_bounds, to_hue_saturation
-from homebot.conventions.matter.ability import MatterAbility
-from homebot.conventions.matter.endpoint import ClusterInvocation, MatterEndpoint, MatterOrder
+from homebot.conventions.matter.endpoint import ClusterInvocation, MatterAbility, MatterEndpoint, MatterOrder
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError

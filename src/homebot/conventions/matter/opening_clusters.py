@@ -12,8 +12,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.matter.ability import MatterAbility
-from homebot.conventions.matter.endpoint import ClusterInvocation, MatterEndpoint, MatterOrder
+from homebot.conventions.matter.endpoint import ClusterInvocation, MatterAbility, MatterEndpoint, MatterOrder
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import WrongCodeError

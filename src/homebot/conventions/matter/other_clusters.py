@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from homebot.conventions.matter.ability import MatterAbility
-from homebot.conventions.matter.endpoint import ClusterInvocation, MatterEndpoint, MatterOrder
+from homebot.conventions.matter.endpoint import ClusterInvocation, MatterAbility, MatterEndpoint, MatterOrder
 from homebot.conventions.payload import as_fields
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue

@@ -8,11 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Final
 
-from homebot.conventions.matter.ability import MatterAbility
 from homebot.conventions.matter.appliance_clusters import appliance_abilities, is_oven_cabinet
 from homebot.conventions.matter.climate_clusters import climate_abilities
 from homebot.conventions.matter.closure_clusters import closure_abilities
-from homebot.conventions.matter.endpoint import MatterEndpoint
+from homebot.conventions.matter.endpoint import MatterAbility, MatterEndpoint
 from homebot.conventions.matter.endpoint_name import name_of
 from homebot.conventions.matter.light_clusters import light_abilities
 from homebot.conventions.matter.opening_clusters import opening_abilities

@@ -9,8 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Final, TypeAlias
 
-from homebot.conventions.matter.ability import MatterAbility
-from homebot.conventions.matter.endpoint import MatterEndpoint, number_of
+from homebot.conventions.matter.endpoint import MatterAbility, MatterEndpoint, number_of
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 

@@ -9,8 +9,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from homebot.conventions.command_values import require_option
-from homebot.conventions.matter.ability import MatterAbility
-from homebot.conventions.matter.endpoint import ClusterInvocation, MatterEndpoint, MatterOrder
+from homebot.conventions.matter.endpoint import ClusterInvocation, MatterAbility, MatterEndpoint, MatterOrder
 from homebot.conventions.payload import text_of
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
