@@ -5,7 +5,6 @@ Source: Matter 1.4 Core Specification, 7.8 (endpoints), 7.13 (global attributes)
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
@@ -13,6 +12,7 @@ from typing import Final, TypeAlias
 from homebot.conventions.payload import text_of
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
+from homebot.numbers import finite_number
 
 __all__ = [
     "DESCRIPTOR",
@@ -28,6 +28,10 @@ __all__ = [
 DESCRIPTOR: Final = 29
 _DEVICE_TYPE_LIST, _PARTS_LIST, TAG_LIST = 0, 3, 4
 _FEATURE_MAP, _ACCEPTED_COMMANDS = 0xFFFC, 0xFFF9
+
+_NOTHING: Final[Mapping[int, object]] = {}
+
+_TIMED_MS: Final = 1_000
 
 
 class MatterEndpoint:
@@ -56,7 +60,7 @@ class MatterEndpoint:
 
     def number(self, cluster: int, attribute: int) -> float | None:
         """Return a value that is a number, else None."""
-        return number_of(self.value(cluster, attribute))
+        return finite_number(self.value(cluster, attribute))
 
     def whole(self, cluster: int, attribute: int) -> int | None:
         """Return a value that is a whole number, such as one of an enumeration, else None."""
@@ -190,15 +194,3 @@ class MatterAbility:
     write: WriteValue | None = None
     also_read: int | None = None
     beside: str = ""
-
-
-_NOTHING: Final[Mapping[int, object]] = {}
-_TIMED_MS: Final = 1_000
-_HUGE: Final = 1e15
-
-
-def number_of(value: object) -> float | None:
-    """Return *value* as a number; None where it is not one."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return None
-    return float(value) if -_HUGE < value < _HUGE and math.isfinite(value) else None

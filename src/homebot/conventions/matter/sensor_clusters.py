@@ -9,9 +9,10 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Final, TypeAlias
 
-from homebot.conventions.matter.endpoint import MatterAbility, MatterEndpoint, number_of
+from homebot.conventions.matter.endpoint import MatterAbility, MatterEndpoint
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
+from homebot.numbers import finite_number
 
 __all__ = ["BATTERY", "sensor_abilities"]
 
@@ -207,7 +208,7 @@ def _read_energy(attribute: int, endpoint: MatterEndpoint) -> PlainValue:
     measured = endpoint.value(ENERGY, attribute)
     if not isinstance(measured, dict):
         return None
-    milliwatt_hours = number_of(measured.get("0", measured.get("energy")))
+    milliwatt_hours = finite_number(measured.get("0", measured.get("energy")))
     return None if milliwatt_hours is None else round(milliwatt_hours / 1e6, 6)
 
 
