@@ -113,6 +113,23 @@ async def test_a_damaged_file_is_told_and_what_is_known_goes_into_a_new_one(
         assert len(directory.index) == 1
 
 
+async def test_a_file_that_is_removed_while_it_is_used_is_written_anew_with_all_that_is_known(
+    path: Path, announce: Announce, part: MakePart
+) -> None:
+    """What is written into a file that no folder has any more is gone with the run."""
+    async with directory_with(path) as directory:
+        directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp"))
+    with capture_logs() as lines:
+        async with directory_with(path) as directory:
+            for file in path.parent.glob(f"{path.name}*"):
+                file.unlink()
+            directory.index.observe(announce("p", part(id="p"), ids=("id:plug",), name="Plug"))
+    (line,) = [one for one in lines if one["event"] == "discovery.index_file_removed"]
+    assert line["message"].endswith("a new one is written; stop homebot before you move it")
+    async with directory_with(path) as directory:
+        assert sorted(one.id for one in directory.index.devices()) == ["lamp", "plug"]
+
+
 async def test_records_that_make_no_sense_cost_themselves_alone(path: Path, announce: Announce, part: MakePart) -> None:
     async with directory_with(path) as directory:
         directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp"))

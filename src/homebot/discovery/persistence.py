@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["IndexPersistence"]
 
 DAMAGED = "discovery.index_file_damaged"
+REMOVED = "discovery.index_file_removed"
 NOT_WRITTEN = "discovery.index_file_not_written"
 WRITTEN_AGAIN = "discovery.index_file_written_again"
 NOT_USED = "discovery.index_file_not_used"
@@ -194,7 +195,9 @@ class IndexPersistence:
         return True
 
     async def _save(self, file: IndexFile) -> None:
-        while self._index.unsaved or any(owner.is_unsaved for owner in self._owner.values()):
+        if self._is_unsaved and self.state == "ok" and await to_thread.run_sync(file.is_lost):
+            await self._begin_anew(file)
+        while self._is_unsaved:
             batch = tuple(islice(self._index.unsaved, _BATCH))
             for device_id in batch:
                 del self._index.unsaved[device_id]
@@ -211,6 +214,22 @@ class IndexPersistence:
                         self._owner[name].is_unsaved = True
             if not is_written:
                 return
+
+    @property
+    def _is_unsaved(self) -> bool:
+        return bool(self._index.unsaved) or any(owner.is_unsaved for owner in self._owner.values())
+
+    async def _begin_anew(self, file: IndexFile) -> None:
+        """Begin a new file, with all that is known now, in place of one that somebody removed."""
+        self._node.log.warning(
+            REMOVED,
+            message=f"the index file {self.file} was removed or replaced while homebot ran; a new one is written; "
+            "stop homebot before you move it",
+            file=self.file,
+        )
+        self._index.save_all()
+        self._save_owner()
+        await self._open(file)
 
     async def _write(self, file: IndexFile, batch: tuple[str, ...], owner: Iterable[str]) -> bool:
         records = await self._records(batch)
