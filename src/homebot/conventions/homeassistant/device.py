@@ -8,11 +8,13 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import NamedTuple, get_args
+from types import MappingProxyType
+from typing import NamedTuple, TypeAlias, get_args
 
 from homebot.conventions.description import Availability, AvailabilityMode
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.topics import StateMessage, ValueSource
+from homebot.conventions.homeassistant.topics import StateMessage, ValueSource, state_topic
+from homebot.conventions.jinja import Template
 from homebot.conventions.payload import clean_text, shown
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
@@ -31,7 +33,8 @@ class DeviceInfo(NamedTuple):
         identifiers: See :func:`homebot.devices.identity.identifiers`; empty where the config names none.
         name: What people call it; empty where the config does not say.
         area: The room that was announced for it.
-        facts: Such as ``manufacturer``, ``model``, ``sw_version``, ``via_device``; ``origin`` is who announced it.
+        facts: Such as ``manufacturer``, ``model``, ``sw_version``, ``via_device``; ``origin`` is who announced it. All
+            devices that are alike in them share the mapping.
     """
 
     identifiers: tuple[str, ...]
@@ -51,22 +54,20 @@ def read_device(device: Mapping[str, object], origin: Mapping[str, object]) -> D
         WireError: The device is there but has neither identifier nor connection, or too many, or one is no text.
     """
     child = device.get("child_device")
-    facts = _facts(device, _DEVICE_FACTS)
+    told, by = _told(device, _DEVICE_FACTS), _told(origin, _ORIGIN_FACTS) if origin else ()
     if isinstance(child, dict):
         parent = _declared(device)
+        via = (("via_device", parent[0]),) if parent else ()
+        told = (*told, *_told(child, _DEVICE_FACTS), *via)
         device = {"suggested_area": device.get("suggested_area"), **child}
-        facts = {**facts, **_facts(child, _DEVICE_FACTS), **({"via_device": parent[0]} if parent else {})}
     declared = _declared(device)
     if device and not declared:
         raise WireError("a device has neither identifiers nor connections")
-    if origin:
-        is_plain = len(origin) <= _FEW and _ONLY_TEXTS.issuperset(map(type, origin.values()))
-        facts.update(_known_origin(tuple(origin.items())) if is_plain else _facts(origin, _ORIGIN_FACTS))
     return DeviceInfo(
         identifiers(declared),
         _as_text(device.get("name"), _MAX_NAME),
         _as_text(device["suggested_area"], _MAX_NAME) if "suggested_area" in device else "",
-        facts,
+        _facts(told, by),
     )
 
 
@@ -110,22 +111,30 @@ _LOGIN = re.compile(r"(?<=://)[^/?#]*@")
 
 _PLAIN_CONNECTIONS = frozenset({"mac", "bluetooth", "zigbee"})
 _PAIR = 2
-_FEW = 8
-"""Fields of an origin that is remembered; it has three."""
+
+_Told: TypeAlias = tuple[tuple[str, str], ...]
+"""Fields with their texts, at most 255 long."""
 
 
-def _facts(fields: Mapping[str, object], names: Mapping[str, str]) -> dict[str, str]:
-    found: dict[str, str] = {}
+def _told(fields: Mapping[str, object], names: Mapping[str, str]) -> _Told:
+    """Return those of *fields* that are facts, in their order."""
+    told: list[tuple[str, str]] = []
     for key, value in fields.items():
-        if key in names and (text := _as_text(value, _MAX_FACT)):
-            found[names[key]] = _LOGIN.sub("", text) if key in _ADDRESSES else text
-    return found
+        if key in names:
+            text = value if type(value) is str and len(value) <= _MAX_FACT else _as_text(value, _MAX_FACT)
+            told.append((key, _LOGIN.sub("", text) if key in _ADDRESSES else text))
+    return tuple(told)
 
 
-@lru_cache(maxsize=64)
-def _known_origin(fields: tuple[tuple[str, str], ...]) -> Mapping[str, str]:
-    """Return the facts of one who announces, as all devices of a bridge have them; not to be changed."""
-    return _facts(dict(fields), _ORIGIN_FACTS)
+@lru_cache(maxsize=256)
+def _facts(device: _Told, origin: _Told) -> Mapping[str, str]:
+    """Return the facts of all devices of one model behind one bridge, of which a house has many."""
+    found: dict[str, str] = {}
+    for told, names in ((device, _DEVICE_FACTS), (origin, _ORIGIN_FACTS)):
+        for key, value in told:
+            if text := _as_text(value, _MAX_FACT):
+                found[names[key]] = text
+    return MappingProxyType(found)
 
 
 def _as_text(value: object, limit: int) -> str:
@@ -170,28 +179,46 @@ def _connection(pair: object) -> str:
 MAX_SOURCES = 16
 """Most topics that one device's availability may hang on."""
 
+_LONG = 1024
+"""Characters of a topic beyond which an entry is looked at as a whole."""
+
+
+class _Answers(NamedTuple):
+    """The two payloads by which all devices of a bridge say whether they can be reached.
+
+    Attributes:
+        template: Finds the text in the message; None where all of it is the text.
+        encoding: Of the payload; see :attr:`DiscoveryConfig.encoding`.
+        available: The text of a device that can be reached.
+        unavailable: The text of one that cannot.
+    """
+
+    template: Template | None
+    encoding: str
+    available: str
+    unavailable: str
+
+    def read(self, payload: bytes) -> bool | None:
+        text = ValueSource("", self.template, self.encoding).text(StateMessage(payload))
+        if text == self.available:
+            return True
+        return False if text == self.unavailable else None
+
 
 class _PayloadAvailability(NamedTuple):
     """One topic with two payloads; see :class:`AvailabilitySource`.
 
     Attributes:
         topic: The topic.
-        source: Where it is found in the message.
-        available: The text of a device that can be reached.
-        unavailable: The text of one that cannot.
+        answers: What is said there.
     """
 
     topic: str
-    source: ValueSource
-    available: str
-    unavailable: str
+    answers: _Answers
 
     def read(self, payload: bytes) -> bool | None:
         """Return whether the device can be reached, or None when *payload* means neither."""
-        text = self.source.text(StateMessage(payload))
-        if text == self.available:
-            return True
-        return False if text == self.unavailable else None
+        return self.answers.read(payload)
 
 
 def read_availability(config: DiscoveryConfig) -> Availability | None:
@@ -203,7 +230,9 @@ def read_availability(config: DiscoveryConfig) -> Availability | None:
     listed = config.values.get("availability")
     if listed is None:
         topic = config.state_topic("availability_topic") if config.values.get("availability_topic") is not None else ""
-        return Availability((_source(config, topic, "availability_template"),)) if topic else None
+        return (
+            Availability((_PayloadAvailability(topic, _answers(config, "availability_template")),)) if topic else None
+        )
     if config.has("availability_topic"):
         raise WireError("availability and availability_topic exclude each other")
     entries = listed if isinstance(listed, list) else [listed]
@@ -216,30 +245,33 @@ def read_availability(config: DiscoveryConfig) -> Availability | None:
 def _entry(config: DiscoveryConfig, entry: object) -> _PayloadAvailability:
     if not isinstance(entry, dict):
         raise WireError(f"availability has {shown(entry)}, not an object")
-    if _ONLY_TEXTS.issuperset(map(type, entry.values())):
-        return _known_entry(tuple(entry.items()), config.encoding)
-    return _new_entry(entry, config.encoding)
-
-
-def _new_entry(entry: Mapping[str, object], encoding: str) -> _PayloadAvailability:
-    config = DiscoveryConfig("availability", "", {**entry, "encoding": encoding} if "encoding" in entry else entry)
-    config.encoding = encoding
-    topic = config.state_topic("topic")
+    topic = entry.get("topic")
+    if topic and _ONLY_TEXTS.issuperset(map(type, entry.values())) and len(topic) <= _LONG:
+        fields = tuple([field for field in entry.items() if field[0] != "topic"])
+        return _PayloadAvailability(state_topic(topic), _known_answers(fields, config.encoding))
+    own = _entry_config(entry, config.encoding)
+    topic = own.state_topic("topic")
     if not topic:
         raise WireError("availability has an entry without topic")
-    return _source(config, topic, "value_template")
+    return _PayloadAvailability(topic, _answers(own, "value_template"))
+
+
+def _entry_config(entry: Mapping[str, object], encoding: str) -> DiscoveryConfig:
+    config = DiscoveryConfig("availability", "", {**entry, "encoding": encoding} if "encoding" in entry else entry)
+    config.encoding = encoding
+    return config
 
 
 @lru_cache(maxsize=128)
-def _known_entry(fields: tuple[tuple[str, str], ...], encoding: str) -> _PayloadAvailability:
-    """Return the entry that all devices of a bridge share, as all parts of a device share the device's."""
-    return _new_entry(dict(fields), encoding)
+def _known_answers(fields: tuple[tuple[str, str], ...], encoding: str) -> _Answers:
+    """Return the answers of all devices whose entries are alike but for the topic."""
+    return _answers(_entry_config(dict(fields), encoding), "value_template")
 
 
-def _source(config: DiscoveryConfig, topic: str, template_key: str) -> _PayloadAvailability:
-    return _PayloadAvailability(
-        topic,
-        ValueSource(topic, config.template(template_key), config.encoding),
+def _answers(config: DiscoveryConfig, template_key: str) -> _Answers:
+    return _Answers(
+        config.template(template_key),
+        config.encoding,
         config.text("payload_available", "online"),
         config.text("payload_not_available", "offline"),
     )

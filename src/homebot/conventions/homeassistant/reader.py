@@ -97,6 +97,7 @@ def _described(
     else:
         ((part, config),) = parts.values()
         described, whole = (part,), read_availability(config)
+    facts = _facts(parts)
     return DeviceAnnounced(
         key=where.key,
         convention="homeassistant",
@@ -105,7 +106,7 @@ def _described(
         parts=described,
         topic=topic,
         area=device.area,
-        facts={**device.facts, **_facts(parts)},
+        facts={**device.facts, **facts} if facts else device.facts,
         availability=whole,
     )
 
