@@ -43,7 +43,8 @@ NewStates: TypeAlias = tuple[Entry, MergedParts, tuple[Reading, ...], str, Time,
 stream of their change, when they were told, and whether the device told them itself."""
 
 
-_change_of = StateChange.of_checked  # looked up once: that costs as much as a call
+# Looked up once, as `of_checked` says.
+_change_of, _device_change_of = StateChange.of_checked, DeviceChange.of_checked
 
 stream_of = "\0".join
 """Returns the stream of a change of a device: its id, and part and capability of each value in it."""
@@ -186,7 +187,7 @@ class ChangeQueue:
 
     def _change(self, kind: ChangeKind, device: Device, why: str, other: str = "") -> DeviceChange:
         self.sequence += 1
-        return DeviceChange.of_checked(kind=kind, device=device, sequence=self.sequence, why=why, other=other)
+        return _device_change_of(kind=kind, device=device, sequence=self.sequence, why=why, other=other)
 
 
 class ChangeLog:

@@ -20,6 +20,8 @@ from homebot.places import NO_AREAS, HousePlan, OwnerFact
 
 __all__ = ["MAX_FACTS", "DeviceDescription", "describe_device", "with_stated_facts"]
 
+_fact_of = Fact.of_checked  # looked up once, as `of_checked` says
+
 MAX_FACTS = 200
 """Facts of one device that are published; those of the preferred announcements first."""
 
@@ -118,7 +120,7 @@ def _stated_fact(fact: OwnerFact) -> Fact:
     if fact.name == "taught_area":
         name, convention = "area", TAG
         gateway, _, key = fact.source.partition("/")
-    return Fact.of_checked(
+    return _fact_of(
         name=name,
         value=fact.value,
         gateway=gateway,
@@ -164,7 +166,7 @@ def _metadata(sources: Sequence[SourceRecord]) -> tuple[KeyValue, ...]:
 def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
     """Return each value once for each gateway and convention, by the first announcement that has it."""
     if len(sources) == 1:
-        return tuple(_facts_of(sources[0]))[:MAX_FACTS]
+        return _facts_of(sources[0])[:MAX_FACTS]
     found: dict[tuple[str, str, str, str], Fact] = {}
     for source in sources:
         for fact in _facts_of(source):
@@ -174,21 +176,16 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
     return tuple(found.values())[:MAX_FACTS]
 
 
-def _facts_of(source: SourceRecord) -> list[Fact]:
-    sighting, first_said = source.sighting, source.facts
+def _facts_of(source: SourceRecord) -> tuple[Fact, ...]:
+    sighting, first_said, first_seen = source.sighting, source.facts, source.first_seen
     gateway, key, convention = sighting.gateway, sighting.key, sighting.convention
     said = {("name", sighting.name): None, ("area", sighting.area): None}
     for one in sighting.metadata:
         said[one.key, one.value] = None
-    return [
-        Fact.of_checked(
-            name=name,
-            value=value,
-            gateway=gateway,
-            convention=convention,
-            key=key,
-            said_at=first_said[name][1] if name in first_said and first_said[name][0] == value else source.first_seen,
-        )
-        for name, value in said
-        if value
-    ]
+    facts: list[Fact] = []
+    for name, value in said:
+        if not value:
+            continue
+        at = first_said[name][1] if name in first_said and first_said[name][0] == value else first_seen
+        facts.append(_fact_of(name=name, value=value, gateway=gateway, convention=convention, key=key, said_at=at))
+    return tuple(facts)

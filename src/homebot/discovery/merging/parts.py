@@ -26,6 +26,9 @@ __all__ = [
 ]
 
 
+# Looked up once, as `of_checked` says.
+_part_of, _route_of = DevicePart.of_checked, Route.of_checked
+
 MAX_PARTS = 1000
 """Parts of one device; further ones are left out."""
 
@@ -229,9 +232,9 @@ def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) 
         elif conflict := topics.conflict(source, part):
             conflicts.append(conflict)
         else:
-            route = Route.of_checked(gateway=gateway, key=key, part=part.id, convention=convention, takes=EVERYTHING)
+            route = _route_of(gateway=gateway, key=key, part=part.id, convention=convention, takes=EVERYTHING)
             routes = (route,)
-        merged.append(DevicePart.of_checked(id=ids[number], part=part, routes=routes))
+        merged.append(_part_of(id=ids[number], part=part, routes=routes))
     if left_out := len(source.sighting.parts) - len(parts):
         conflicts.append(_left_out(left_out))
     return MergedParts(tuple(merged), tuple(conflicts), places, has_own_ids=has_own_ids)
@@ -302,12 +305,10 @@ def _named(merged: Sequence[_Merged], known: PartIds) -> tuple[DevicePart, ...]:
 def _device_part(part_id: str, one: _Merged) -> DevicePart:
     part = _decided([way[2] for way in sorted(one.ways, key=lambda way: way[1])]) if len(one.ways) > 1 else one.part
     routes = tuple(
-        Route.of_checked(
-            gateway=gateway, key=key, part=name, convention=origin[-1], takes=_settable_by(described, part)
-        )
+        _route_of(gateway=gateway, key=key, part=name, convention=origin[-1], takes=_settable_by(described, part))
         for (gateway, key, name), origin, described in one.ways
     )
-    return DevicePart.of_checked(id=part_id, part=part, routes=routes)
+    return _part_of(id=part_id, part=part, routes=routes)
 
 
 def _origin(source: SourceRecord) -> _Origin:
