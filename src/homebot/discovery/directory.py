@@ -61,8 +61,9 @@ FOREIGN = "discovery.foreign_sighting"
 BURST = 50
 """Lines of each kind of change in ten seconds; a flood of devices is counted rather than logged."""
 
-_FEW = 10
-"""Changes published, and devices made findable, between two looks at the time."""
+_FEW = 25
+"""Changes published, and devices made findable, between two turns of all others: some 1 ms of work, as many as the MQTT
+gateway announces in one of its own."""
 
 _STATES_PER_CHANGE = 10
 """States that are published in the time of one change, about."""
