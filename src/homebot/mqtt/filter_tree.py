@@ -126,32 +126,40 @@ class FilterIndex(Generic[Key]):
     """
 
     def __init__(self) -> None:
-        self._exact: dict[str, dict[Key, None]] = {}
+        self._exact: dict[str, Key] = {}  # most topics have one item: that alone
+        self._shared: dict[str, dict[Key, None]] = {}  # those of the topics that have more
         self._wild: FilterTree[Key, None] = FilterTree()
 
     def add(self, topic_filter: str, item: Key) -> None:
         """Have *item* found by every topic that *topic_filter* matches; twice is once."""
         if "+" in topic_filter or "#" in topic_filter:
             self._wild.add(topic_filter.split("/"), item, None)
-        else:
-            self._exact.setdefault(topic_filter, {})[item] = None
+        elif topic_filter in self._shared:
+            self._shared[topic_filter][item] = None
+        elif (known := self._exact.setdefault(topic_filter, item)) != item:
+            self._shared[topic_filter] = {known: None, item: None}
+            del self._exact[topic_filter]
 
     def remove(self, topic_filter: str, item: Key) -> None:
         """Take back what was added; what was not is passed over."""
         if has_wildcard(topic_filter):
             self._wild.remove(topic_filter.split("/"), item)
-        elif items := self._exact.get(topic_filter):
+        elif items := self._shared.get(topic_filter):
             items.pop(item, None)
-            if not items:
-                del self._exact[topic_filter]
+            if len(items) == 1:
+                (self._exact[topic_filter],) = self._shared.pop(topic_filter)
+        elif topic_filter in self._exact and self._exact[topic_filter] == item:
+            del self._exact[topic_filter]
 
     def has_match(self, topic: str) -> bool:
         """Return whether *topic* finds any item."""
-        return topic in self._exact or (self._wild.nodes > 0 and bool(self._wild.matching(topic.split("/"))[0]))
+        if topic in self._exact or topic in self._shared:
+            return True
+        return self._wild.nodes > 0 and bool(self._wild.matching(topic.split("/"))[0])
 
     def match(self, topic: str) -> tuple[Key, ...]:
         """Return the items of every filter that matches *topic*, each once."""
-        exact = self._exact.get(topic, ())
+        exact = (self._exact[topic],) if topic in self._exact else self._shared.get(topic, ())
         wild = self._wild.matching(topic.split("/"))[0] if self._wild.nodes else ()
         if not wild:
             return tuple(exact)
