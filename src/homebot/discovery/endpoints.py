@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from operator import attrgetter
 from typing import TypeAlias
 
 from homebot.devices import DevicePart, Endpoint, Freshness, Route
@@ -13,6 +14,8 @@ from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.messages import Time
 
 __all__ = ["Addresses", "addresses", "endpoint_reach", "endpoints", "last_seen", "sorted_routes"]
+
+_KEY = attrgetter("key")
 
 Addresses: TypeAlias = tuple[SourceKey, str, str]
 """The announcement that counts at one gateway, where the device publishes there, and where it takes texts."""
@@ -27,12 +30,12 @@ def addresses(sources: Sequence[SourceRecord], main: DevicePart | None) -> tuple
     """
     found: dict[str, Addresses] = {}
     if main is not None:
-        sightings = {source.key: source.sighting for source in sources}
+        known = dict(zip(map(_KEY, sources), sources, strict=True))
         accepts = accepts_text(main.part)
         for route in main.routes:
             if route.gateway in found:
                 continue
-            sighting = sightings[route.gateway, route.key]
+            sighting = known[route.gateway, route.key].sighting
             if sighting.is_plain_text:
                 address, command_address = sighting.address, sighting.command_address
             else:

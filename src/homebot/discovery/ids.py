@@ -88,47 +88,51 @@ class Tombstone(NamedTuple):
 
 @final
 class Tombstones:
-    """Remembers devices that went, so that one that returns is recognised, and a ghost is not taken for one."""
+    """Remembers devices that went, so that one that returns is recognised, and a ghost is not taken for one.
+
+    Attributes:
+        by_id: Those that are remembered, oldest first; most houses have none.
+    """
 
     def __init__(self, at_most: int = MAX_TOMBSTONES) -> None:
         self._at_most = at_most
-        self._tombstones: OrderedDict[str, Tombstone] = OrderedDict()
+        self.by_id: OrderedDict[str, Tombstone] = OrderedDict()
         self._by_key: dict[SourceKey, str] = {}
         self._by_hardware: dict[str, str] = {}
 
     def __len__(self) -> int:
-        return len(self._tombstones)
+        return len(self.by_id)
 
     def __contains__(self, device_id: object) -> bool:
-        return device_id in self._tombstones
+        return device_id in self.by_id
 
     def __iter__(self) -> Iterator[Tombstone]:
-        return iter(tuple(self._tombstones.values()))
+        return iter(tuple(self.by_id.values()))
 
     def put(self, tombstone: Tombstone) -> Tombstone | None:
         """Remember *tombstone*; return the one that is forgotten for it, if any."""
         self.take(tombstone.id)
-        self._tombstones[tombstone.id] = tombstone
+        self.by_id[tombstone.id] = tombstone
         self._by_key.update(dict.fromkeys(tombstone.keys, tombstone.id))
         self._by_hardware.update(dict.fromkeys(tombstone.hardware, tombstone.id))
-        return self.take(next(iter(self._tombstones))) if len(self._tombstones) > self._at_most else None
+        return self.take(next(iter(self.by_id))) if len(self.by_id) > self._at_most else None
 
     def find(self, key: SourceKey, identifiers: Iterable[str]) -> Tombstone | None:
         """Return the device that *key* announced, or that has one of the hardware addresses among *identifiers*."""
         if key in self._by_key:
-            return self._tombstones[self._by_key[key]]
+            return self.by_id[self._by_key[key]]
         for identifier in identifiers:
             if identifier in self._by_hardware:
-                return self._tombstones[self._by_hardware[identifier]]
+                return self.by_id[self._by_hardware[identifier]]
         return None
 
     def get(self, device_id: str) -> Tombstone | None:
         """Return what is remembered of the device."""
-        return self._tombstones.get(device_id)
+        return self.by_id.get(device_id)
 
     def take(self, device_id: str) -> Tombstone | None:
         """Forget the device and return what was remembered of it."""
-        tombstone = self._tombstones.pop(device_id, None)
+        tombstone = self.by_id.pop(device_id, None)
         if tombstone is not None:
             for key in tombstone.keys:
                 if self._by_key.get(key) == device_id:

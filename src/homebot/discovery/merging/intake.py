@@ -48,7 +48,7 @@ class SightingIntake:
     def add(self, key: SourceKey, sighting: Sighting) -> None:
         """Take in an announcement that is not known yet; it may be rejected, which is counted."""
         table, merger, now = self._table, self._merger, self._liveness.now
-        tombstone = table.tombstones.find(key, ())
+        tombstone = table.tombstones.find(key, ()) if table.tombstones.by_id else None
         if tombstone is not None and tombstone.retained_only and not sighting.confirmed:
             table.counters.retained_only += 1
             self._pending.remember_forgotten(key, sighting)

@@ -59,14 +59,14 @@ class DeviceMerger:
             why: The reason to give.
         """
         table = self._table
-        tombstone = self._tombstone(sources)
+        tombstone = self._tombstone(sources) if table.tombstones.by_id else None
         if tombstone is not None:
             table.tombstones.take(tombstone.id)
         is_back = tombstone is not None and tombstone.id not in table.entries
         if tombstone is not None and is_back:
             device_id = tombstone.id
         else:
-            device_id = new_id(next(iter(sources.values())).sighting, table.entries, table.tombstones)
+            device_id = new_id(next(iter(sources.values())).sighting, table.entries, table.tombstones.by_id)
         entry = Entry(device_id, _first_seen(sources), "unconfirmed", sources, known_ids=NO_IDS, owner=table.owner)
         if tombstone is not None and is_back:
             entry.trusted = frozenset(tombstone.trusted)

@@ -71,8 +71,8 @@ class StateTopics:
 
     def is_covered(self, topic_filter: str) -> bool:
         """Return whether all it matches comes by another filter; subscribing then brings the retained message alone."""
-        is_own = topic_filter in self._announcements or has_wildcard(topic_filter)
-        return not is_own and self._covering.has_match(topic_filter)
+        is_other = topic_filter not in self._announcements and self._covering.has_match(topic_filter)
+        return is_other and not has_wildcard(topic_filter)
 
     def take_wanted(self, at_most: int) -> tuple[str, ...]:
         """Return filters to subscribe to, in the order of their coming; they count as subscribed to from now on.

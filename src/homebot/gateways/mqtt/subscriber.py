@@ -112,11 +112,11 @@ class Subscriber:
 
     async def _subscribe_to(self, connection: MqttConnection, filters: tuple[str, ...]) -> None:
         try:
-            await connection.subscribe(*[MqttSubscription(one, no_local=True) for one in filters], every_link=True)
+            await connection.subscribe(*map(partial(MqttSubscription, no_local=True), filters), every_link=True)
         except RefusedError as exc:
             self._counters.topics_refused += sum(one in connection.refused for one in filters)
             self._quarantine.log_limited(NOT_HEARD, f"some devices are not received: {exc}", source=filters[0])
-        if covered := [one for one in filters if self._topics.is_covered(one)]:
+        if covered := tuple(filter(self._topics.is_covered, filters)):
             await connection.unsubscribe(*covered)
 
     async def _send_state_requests(self, connection: MqttConnection) -> None:
