@@ -9,8 +9,7 @@ from typing import Final, final
 from homebot.control.command import IssuedCommand
 from homebot.control.echoes import FAST, NO_ECHOES, ExpectedEchoes
 from homebot.control.held_values import STOPPED, departs
-from homebot.control.level_watch import LevelWatch
-from homebot.control.motion_watch import MotionWatch
+from homebot.control.motion_watch import LevelWatch, MotionWatch
 from homebot.control.response_times import ResponseTimes
 from homebot.control.tolerance import fits, is_intermediate, is_same
 from homebot.control.value_text import value_text
