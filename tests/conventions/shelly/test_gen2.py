@@ -75,7 +75,7 @@ def test_one_that_comes_online_is_asked_who_it_is(say: Say) -> None:
         f"{ID}/rpc", b'{"id":1,"src":"homebot/shellyplus2pm-a8032abe54dc","method":"Shelly.GetDeviceInfo"}'
     )
     asked = [json.loads(one.payload)["method"] for one in question.publications]
-    assert asked == ["Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetStatus"]
+    assert asked == ["Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetStatus", "Shelly.GetComponents"]
 
 
 def test_its_answers_describe_it(say: Say) -> None:

@@ -39,7 +39,8 @@ async def test_it_is_asked_described_heard_and_switched(
         await house.listen(f"{ID}/rpc")
         await house.say(f"{ID}/online", "true", retain=True)
         asked = [method for method, _ in await calls(house)]
-        assert asked == ["Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetStatus", "Shelly.GetStatus"]
+        questions = ["Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetStatus", "Shelly.GetComponents"]
+        assert asked == [*questions, "Shelly.GetStatus"]
 
         key = f"shelly:{ID}"
         sighting = house.sighted()[-1]

@@ -1,9 +1,9 @@
 """Shelly's second generation and later: who is there, and what they answer when asked. Pure.
 
 These devices do not announce themselves. One that reports that it is online, or anything else, is asked who it is, how
-it is set up and how it is; the last answer makes it known. One that sleeps most of the time reports its whole status
-when it wakes, which does as well. One that does not answer is known by the components that it reports,
-where its topics begin with its own id.
+it is set up, how it is, and what was added to it, such as Bluetooth sensors and virtual components; the third answer
+makes it known. One that sleeps most of the time reports its whole status when it wakes, which does as well. One that
+does not answer is known by the components that it reports, where its topics begin with its own id.
 
 Source: Shelly Gen2+ API, General (RPC Protocol, Notifications) and MQTT.
 """
@@ -11,9 +11,9 @@ Source: Shelly Gen2+ API, General (RPC Protocol, Notifications) and MQTT.
 from __future__ import annotations
 
 from homebot.conventions.bounded_dict import BoundedDict
-from homebot.conventions.description import AnnouncementEvent, DeviceRequest, DeviceWithdrawn
+from homebot.conventions.description import AnnouncementEvent, DeviceRequest, DeviceWithdrawn, Publication
 from homebot.conventions.payload import parse_object, shown, text_of, to_json
-from homebot.conventions.shelly.gen2_component import Fields, call
+from homebot.conventions.shelly.gen2_component import COMPONENTS, Fields, call, components_from
 from homebot.conventions.shelly.gen2_device import (
     Gen2Device,
     is_config_change,
@@ -21,6 +21,7 @@ from homebot.conventions.shelly.gen2_device import (
     kind_of,
     looks,
     mac_in,
+    page_name,
 )
 from homebot.errors import WireError
 
@@ -145,9 +146,21 @@ class Gen2:
             raise WireError(f"a response has the invalid src {shown(source)}")
         device = self._device(prefix or source)
         kind = kind_of(result)
-        if device is None or not kind or not self._keep(device, kind, result, len(payload)):
+        if device is None or not kind:
+            return ()
+        if kind == "components":
+            if following := self._take_page(device, result, len(payload)):
+                return (DeviceRequest(device.prefix, (self._call_components(device, following),)),)
+        elif not self._keep(device, kind, result, len(payload)):
             return ()
         return self._described(device, f"{device.prefix}/rpc", text_of(source))
+
+    def _take_page(self, device: Gen2Device, page: Fields, size: int) -> int:
+        """Take a page of components; return where the next one begins, 0 where there is none or no room."""
+        start = device.page_start(page)
+        if start is None or not self._has_room(device, page_name(start), size):
+            return 0
+        return device.keep_page(page, start, size)
 
     def _device(self, prefix: str) -> Gen2Device | None:
         device = self._devices.get(prefix)
@@ -164,7 +177,12 @@ class Gen2:
 
     def _request(self, device: Gen2Device) -> DeviceRequest:
         source = f"{self._client}/{device.prefix}"
-        return DeviceRequest(device.prefix, tuple(call(device.prefix, source, method) for method in _REQUESTED_METHODS))
+        calls = [call(device.prefix, source, method) for method in _REQUESTED_METHODS]
+        device.pages_asked = 0
+        return DeviceRequest(device.prefix, (*calls, self._call_components(device, 0)))
+
+    def _call_components(self, device: Gen2Device, offset: int) -> Publication:
+        return call(device.prefix, f"{self._client}/{device.prefix}", COMPONENTS, components_from(offset))
 
     def _keep(self, device: Gen2Device, kind: str, result: Fields, size: int) -> bool:
         if not self._has_room(device, kind, size):

@@ -1,7 +1,8 @@
 """One component of a Shelly of the second generation: its topics, its calls, and a part made of it. Pure.
 
 What a component reports comes on three topics: all of it on ``<prefix>/status/<component>`` and in the answer to
-``Shelly.GetStatus``, and what changed on ``<prefix>/events/rpc``.
+``Shelly.GetStatus``, or to ``Shelly.GetComponents`` where people or gateways added it, and what changed on
+``<prefix>/events/rpc``.
 
 Source: Shelly Gen2+ API, General, RPC Protocol, RPC Channels (MQTT), Notifications.
 """
@@ -19,7 +20,17 @@ from homebot.conventions.payload import NO_READINGS, Readings, as_fields, compac
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 
-__all__ = ["Fields", "Gen2Topics", "ShellyComponent", "StatusDecoder", "call", "flag", "measured"]
+__all__ = [
+    "COMPONENTS",
+    "Fields",
+    "Gen2Topics",
+    "ShellyComponent",
+    "StatusDecoder",
+    "call",
+    "components_from",
+    "flag",
+    "measured",
+]
 
 
 def call(prefix: str, source: str, method: str, params: Mapping[str, object] | None = None) -> Publication:
@@ -28,6 +39,15 @@ def call(prefix: str, source: str, method: str, params: Mapping[str, object] | N
     if params is not None:
         frame["params"] = params
     return Publication(f"{prefix}/rpc", compact_json(frame).encode())
+
+
+COMPONENTS = "Shelly.GetComponents"
+"""The method whose answer, in pages, has the components that are not part of the other answers."""
+
+
+def components_from(offset: int) -> Mapping[str, object]:
+    """Return the parameters of :data:`COMPONENTS` for the page that begins at *offset*."""
+    return {"dynamic_only": True, "include": ["status", "config"], "offset": offset}
 
 
 Fields: TypeAlias = Mapping[str, object]
@@ -103,9 +123,9 @@ class ShellyComponent:
         """Have *part* read the component, or the one called *key*, with *decode*."""
         key = key or self.key
         prefix = self.topics.prefix
-        part.read_from(f"{prefix}/events/rpc", lambda frame: _read(frame, "params", key, decode))
+        part.read_from(f"{prefix}/events/rpc", lambda frame: _read(as_fields(frame.get("params")), key, decode))
         part.read_from(f"{prefix}/status/{key}", decode)
-        part.read_from(self.topics.answers, lambda frame: _read(frame, "result", key, decode))
+        part.read_from(self.topics.answers, lambda frame: _read_answer(as_fields(frame.get("result")), key, decode))
 
     def add_measure(self, part: JsonPart, field: str, capability: str, factor: float = 1.0, key: str = "") -> None:
         """Have *part* report the number *field* of the component, or of the one called *key*, as *capability*."""
@@ -148,9 +168,17 @@ def flag(field: str, capability: str) -> StatusDecoder:
     return decode
 
 
-def _read(frame: Fields, member: str, key: str, decode: StatusDecoder) -> Readings:
-    status = as_fields(frame.get(member)).get(key)
+def _read(components: Fields, key: str, decode: StatusDecoder) -> Readings:
+    status = components.get(key)
     return decode(status) if isinstance(status, dict) else NO_READINGS
+
+
+def _read_answer(result: Fields, key: str, decode: StatusDecoder) -> Readings:
+    listed = result.get("components")
+    if not isinstance(listed, list):
+        return _read(result, key, decode)
+    found = next((one for one in map(as_fields, listed) if one.get("key") == key), _NO_FIELDS)
+    return _read({key: found.get("status")}, key, decode)
 
 
 _MOST_EVENTS = 32

@@ -10,7 +10,14 @@ from homebot.conventions.description import Availability, DescribedPart, DeviceA
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import as_fields, clean_text, text_of
 from homebot.conventions.shelly.gen2_bluetooth import build_bluetooth_device, build_bluetooth_sensor
-from homebot.conventions.shelly.gen2_component import Fields, Gen2Topics, ShellyComponent, call
+from homebot.conventions.shelly.gen2_component import (
+    COMPONENTS,
+    Fields,
+    Gen2Topics,
+    ShellyComponent,
+    call,
+    components_from,
+)
 from homebot.conventions.shelly.gen2_controls import (
     LIGHTS,
     build_cover,
@@ -40,6 +47,7 @@ __all__ = [
     "kind_of",
     "looks",
     "mac_in",
+    "page_name",
     "sleeps",
 ]
 
@@ -47,6 +55,7 @@ __all__ = [
 _OWN_ID = re.compile(r"shelly[a-z0-9]{0,40}-([0-9a-f]{12})", re.IGNORECASE)
 _LONGEST_PREFIX = 200
 _MOST_EVENTS = 32
+_MOST_PAGES = 100
 _CHANGES = frozenset({"component_added", "component_removed", "config_changed"})
 
 
@@ -59,11 +68,18 @@ def kind_of(result: Fields) -> str:
     """Return the question that *result* answers; empty for another, such as a command."""
     if "mac" in result and "id" in result:
         return "info"
+    if isinstance(result.get("components"), list):
+        return "components"
     system = as_fields(result.get("sys"))
     if "device" in system:
         return "config"
     is_status = "mac" in system or "uptime" in system or any(":" in key for key in result)
     return "status" if is_status else ""
+
+
+def page_name(offset: int) -> str:
+    """Return how a page of the answer to ``Shelly.GetComponents`` is called among the sizes of answers."""
+    return f"components from {offset}"
 
 
 def mac_in(prefix: str) -> str:
@@ -95,10 +111,13 @@ MAX_COMPONENTS = 300
 """Components of one device that are looked at; a gateway with all the sensors it takes has about 150."""
 
 
-def _build_parts(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[DescribedPart, ...]:
+def _build_parts(
+    topics: Gen2Topics, status: Fields, config: Fields, pages: tuple[int, ...]
+) -> tuple[DescribedPart, ...]:
     """Return the parts of the device at *topics*; first what it is there for.
 
-    The *status* and the *config*, both by component, are its answers to ``Shelly.GetStatus`` and ``Shelly.GetConfig``.
+    The *status* and the *config*, both by component, are its answers to ``Shelly.GetStatus`` and ``Shelly.GetConfig``,
+    with what is on the *pages* of the answer to ``Shelly.GetComponents``, by the numbers where these begin.
     """
     parts: list[JsonPart] = []
     components = _components(topics, status, config)
@@ -109,7 +128,10 @@ def _build_parts(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[De
         for build in _BUILDERS[component.kind]:
             parts.extend(build(component))
     for part in parts[:1]:
-        part.add_state_request(call(topics.prefix, topics.answers.removesuffix("/rpc"), "Shelly.GetStatus"))
+        source = topics.answers.removesuffix("/rpc")
+        part.add_state_request(call(topics.prefix, source, "Shelly.GetStatus"))
+        for offset in pages:
+            part.add_state_request(call(topics.prefix, source, COMPONENTS, components_from(offset)))
     return tuple(part.build() for part in parts)
 
 
@@ -177,6 +199,8 @@ class Gen2Device:
         info: The answer to ``Shelly.GetDeviceInfo``.
         config: That to ``Shelly.GetConfig``.
         status: That to ``Shelly.GetStatus``, or what it reported when it woke; before, what it reported of components.
+        added: Components that people and gateways added to it, by the answer to ``Shelly.GetComponents``.
+        pages_asked: Further pages of that answer that were asked for and did not end it.
         sizes: Bytes of each answer that is kept.
         signs_of_life: Signs of life before it was described.
         described: Its description as it was given last; None before.
@@ -186,9 +210,14 @@ class Gen2Device:
     info: Fields = field(default_factory=dict)
     config: Fields = field(default_factory=dict)
     status: Fields = field(default_factory=dict)
+    added: Mapping[str, Fields] = field(default_factory=dict)
+    pages_asked: int = 0
     sizes: dict[str, int] = field(default_factory=dict)
     signs_of_life: int = 0
     described: DeviceAnnounced | None = None
+    _staged: dict[str, Fields] = field(default_factory=dict)
+    _pages: tuple[int, ...] = ()
+    _staged_pages: tuple[int, ...] = ()
 
     def keep(self, kind: str, answer: Fields, size: int) -> None:
         """Take an answer of *size* bytes in the place of the last of its *kind*: info, config or status."""
@@ -200,6 +229,40 @@ class Gen2Device:
                 self.config = answer
             case _:
                 self.status = answer
+
+    def page_start(self, page: Fields) -> int | None:
+        """Return where a *page* of the answer to ``Shelly.GetComponents`` begins.
+
+        None for a page that neither is the first nor goes on where the one before ended: it answers a later question.
+        """
+        offset = to_number(page.get("offset")) or 0
+        return int(offset) if offset in {0, len(self._staged)} else None
+
+    def keep_page(self, page: Fields, start: int, size: int) -> int:
+        """Take a *page* of *size* bytes; its components count once the last is there, in the place of those before.
+
+        Returns:
+            Where the next page begins; 0 where there is none.
+        """
+        if not start:
+            self._staged, self._staged_pages = {}, ()
+        self.sizes[page_name(start)] = size
+        listed = page.get("components")
+        for one in map(as_fields, listed if isinstance(listed, list) else []):
+            if isinstance(key := one.get("key"), str) and len(self._staged) < MAX_COMPONENTS:
+                self._staged[key] = one
+        end = len(self._staged)
+        self._staged_pages += (start,) if end > start else ()
+        if start < end < min(to_number(page.get("total")) or 0, MAX_COMPONENTS):
+            self.pages_asked += 1
+            return end if self.pages_asked < _MOST_PAGES else 0
+        self.pages_asked = 0
+        self.added, self._pages = self._staged, self._staged_pages
+        self._staged, self._staged_pages = {}, ()
+        return 0
+
+    def _with_added(self, kind: str, answer: Fields) -> Fields:
+        return {**{key: as_fields(one.get(kind)) for key, one in self.added.items()}, **answer}
 
     @property
     def has_status(self) -> bool:
@@ -251,7 +314,9 @@ class Gen2Device:
             whole_device=True,
             identifiers=identifiers((self.mac, device_id if device_id.casefold().startswith("shelly") else "")),
             name=self._name(),
-            parts=_build_parts(topics, self.status, self.config),
+            parts=_build_parts(
+                topics, self._with_added("status", self.status), self._with_added("config", self.config), self._pages
+            ),
             topic=topic if self.described is None else self.described.topic,
             facts=self._facts(),
             availability=None

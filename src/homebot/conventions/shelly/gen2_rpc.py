@@ -15,7 +15,7 @@ from typing import Literal
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.conventions.payload import Readings, as_fields, compact_json, parse_object
 from homebot.conventions.shelly.gen2_component import Fields
-from homebot.conventions.shelly.gen2_device import MAX_COMPONENTS, Gen2Device, is_config_change, looks, sleeps
+from homebot.conventions.shelly.gen2_device import Gen2Device, is_config_change, looks, sleeps
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.numbers import to_number
@@ -33,9 +33,6 @@ ANSWERS: Mapping[AnswerKind, str] = {
     "status": "Shelly.GetStatus",
 }
 """The methods whose answers describe a device, in the order in which they are called."""
-
-COMPONENTS = "Shelly.GetComponents"
-"""The method whose answer, in pages, has the components that are not part of the other answers."""
 
 _DAILY = 24 * 3600.0
 _MOST_SILENT = 7 * _DAILY
@@ -67,53 +64,26 @@ class Gen2RpcDevice:
         self._parts: dict[str, DescribedPart] = {}
         self._notifications = f"{device_id}/events/rpc"
         self._answers = f"{CLIENT}/{device_id}/rpc"
-        self._staged: dict[str, Fields] = {}
-        self._dynamic: Mapping[str, Fields] = {}
-        self._config: Fields = {}
-        self._status: Fields = {}
 
     def keep(self, kind: AnswerKind, answer: Fields, size: int) -> None:
         """Take an answer of *size* bytes in the place of the last of its *kind*."""
-        match kind:
-            case "config":
-                self._config = answer
-            case "status":
-                self._status = answer
-            case _:
-                self._device.keep(kind, answer, size)
-        self._merge()
+        self._device.keep(kind, answer, size)
 
     def keep_components(self, page: Fields) -> int:
-        """Take a page of the answer to :data:`COMPONENTS`: what people and gateways added to the device.
+        """Take a page of the answer to ``Shelly.GetComponents``: what people and gateways added to the device.
 
         They count once the last page is there, in the place of those before.
 
         Returns:
             The number of components on all pages so far; 0 where that was the last page.
         """
-        if not to_number(page.get("offset")):
-            self._staged = {}
-        listed = page.get("components")
-        components = [one for one in listed if isinstance(one, dict)] if isinstance(listed, list) else []
-        for one in components[: MAX_COMPONENTS - len(self._staged)]:
-            if isinstance(key := one.get("key"), str):
-                self._staged[key] = one
-        total = to_number(page.get("total")) or 0
-        if components and len(self._staged) < min(total, MAX_COMPONENTS):
-            return len(self._staged)
-        self._dynamic, self._staged = self._staged, {}
-        self._merge()
-        return 0
+        start = self._device.page_start(page)
+        return 0 if start is None else self._device.keep_page(page, start, 0)
 
     def components_status(self) -> bytes:
         """Return what :meth:`keep_components` took, as an answer to ``Shelly.GetStatus``."""
-        status = {key: one.get("status") for key, one in self._dynamic.items()}
+        status = {key: one.get("status") for key, one in self._device.added.items()}
         return compact_json({"result": status}).encode(errors="replace")
-
-    def _merge(self) -> None:
-        for kind, answer in (("config", self._config), ("status", self._status)):
-            added = {key: as_fields(one.get(kind)) for key, one in self._dynamic.items()}
-            self._device.keep(kind, {**added, **answer}, 0)
 
     def describe(self) -> DeviceAnnounced | None:
         """Return its description by its answers; None where that is the same as before. The first may lack parts."""

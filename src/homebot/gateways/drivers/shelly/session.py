@@ -11,9 +11,9 @@ import anyio
 from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.payload import Readings, as_fields, clean_text, compact_json, text_of
 from homebot.conventions.shelly.gen2 import MAX_ANSWER_BYTES
-from homebot.conventions.shelly.gen2_component import Fields
+from homebot.conventions.shelly.gen2_component import COMPONENTS, Fields, components_from
 from homebot.conventions.shelly.gen2_device import is_prefix
-from homebot.conventions.shelly.gen2_rpc import ANSWERS, COMPONENTS, AnswerKind, Gen2RpcDevice, is_news_of_setup
+from homebot.conventions.shelly.gen2_rpc import ANSWERS, AnswerKind, Gen2RpcDevice, is_news_of_setup
 from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers
@@ -136,9 +136,8 @@ class ShellySession:
         """Ask for the components that were added to the device; older firmware has none."""
         self._offset = 0
         for _ in range(_PAGES):
-            params = {"dynamic_only": True, "include": ["status", "config"], "offset": self._offset}
             try:
-                await rpc.call(COMPONENTS, params, partial(self._take_components, device))
+                await rpc.call(COMPONENTS, components_from(self._offset), partial(self._take_components, device))
             except RefusedError:
                 return
             if self._offset == 0:

@@ -1,0 +1,94 @@
+"""Components that people and gateways added to a device, which it tells page by page when it is asked for them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+import pytest
+
+from homebot.conventions.description import AnnouncementEvent, DescribedPart, DeviceAnnounced, DeviceRequest
+
+ID = "shellyblugwg3-a8032abe54dc"
+ANSWERS = f"homebot/{ID}/rpc"
+Say = Callable[..., tuple[AnnouncementEvent, ...]]
+Find = Callable[[tuple[AnnouncementEvent, ...], str], DescribedPart]
+
+
+def sensor(number: int, value: float) -> dict[str, object]:
+    config = {"id": number, "name": f"Shelf {number}", "obj_id": 69, "addr": "7c:c6:b6:00:00:01"}
+    return {"key": f"bthomesensor:{number}", "status": {"id": number, "value": value}, "config": config}
+
+
+def page(offset: int, total: int, *components: object) -> dict[str, object]:
+    result = {"components": list(components), "cfg_rev": 3, "offset": offset, "total": total}
+    return {"id": 1, "src": ID, "dst": f"homebot/{ID}", "result": result}
+
+
+def asked(request: AnnouncementEvent) -> list[tuple[str, object]]:
+    assert isinstance(request, DeviceRequest)
+    frames = [json.loads(one.payload) for one in request.publications]
+    return [(frame["method"], frame.get("params")) for frame in frames]
+
+
+@pytest.fixture
+def gateway(say: Say) -> Say:
+    """A gateway that was asked and answered all but the last question."""
+    for result in (
+        {"id": ID, "mac": "A8032ABE54DC", "gen": 3, "app": "BluGwG3"},
+        {"sys": {"device": {"name": "Gateway"}}},
+        {"sys": {"mac": "A8032ABE54DC"}, "wifi": {}},
+    ):
+        say(ANSWERS, {"id": 1, "src": ID, "result": result})
+    return say
+
+
+def test_what_was_added_is_a_part_with_the_name_that_it_was_given(gateway: Say, part: Find) -> None:
+    found = part(gateway(ANSWERS, page(0, 1, sensor(200, 21.5))), "bthomesensor:200")
+    assert (found.part.service_type, found.part.name) == ("temperature_sensor", "Shelf 200")
+
+
+def test_the_pages_are_asked_for_one_after_the_other_and_count_together(gateway: Say) -> None:
+    (more,) = gateway(ANSWERS, page(0, 3, sensor(200, 21.5), sensor(201, 4.0)))
+    params = {"dynamic_only": True, "include": ["status", "config"], "offset": 2}
+    assert asked(more) == [("Shelly.GetComponents", params)]
+    (device,) = gateway(ANSWERS, page(2, 3, sensor(202, -18.0)))
+    assert isinstance(device, DeviceAnnounced)
+    assert [one.part.id for one in device.parts] == [f"bthomesensor:{number}" for number in (200, 201, 202)]
+    methods = [json.loads(one.payload) for one in device.parts[0].state_requests]
+    assert [(one["method"], one.get("params", {}).get("offset")) for one in methods] == [
+        ("Shelly.GetStatus", None),
+        ("Shelly.GetComponents", 0),
+        ("Shelly.GetComponents", 2),
+    ]
+
+
+def test_the_same_pages_tell_how_it_is(gateway: Say, part: Find) -> None:
+    found = part(gateway(ANSWERS, page(0, 1, sensor(200, 21.5))), "bthomesensor:200")
+    message = json.dumps(page(0, 1, sensor(200, 22.0))).encode()
+    assert found.codec.read(ANSWERS, message, retained=False) == {"temperature": 22.0}
+    other = json.dumps(page(0, 1, sensor(201, 22.0))).encode()
+    assert found.codec.read(ANSWERS, other, retained=False) == {}
+    assert gateway(ANSWERS, page(0, 1, sensor(200, 22.0))) == ()
+
+
+def test_what_was_removed_is_gone_with_the_next_list(gateway: Say) -> None:
+    gateway(ANSWERS, page(0, 2, sensor(200, 1.0), sensor(201, 2.0)))
+    (device,) = gateway(ANSWERS, page(0, 1, sensor(201, 2.0)))
+    assert isinstance(device, DeviceAnnounced)
+    assert [one.part.id for one in device.parts] == ["bthomesensor:201"]
+
+
+@pytest.mark.parametrize("offset", [0, 1, 7, "x", None, -1])
+def test_a_device_that_never_ends_its_list_is_not_asked_for_ever(gateway: Say, offset: object) -> None:
+    frame = page(0, 9, sensor(200, 1.0))
+    result = {"components": [sensor(200, 1.0)], "total": 9, "offset": offset}
+    gateway(ANSWERS, frame)
+    heard = [gateway(ANSWERS, {**frame, "result": result}) for _ in range(200)]
+    assert len([one for one in heard if one]) <= 100
+    assert heard[-1] == ()
+
+
+def test_older_firmware_has_no_such_list(gateway: Say) -> None:
+    error = {"id": 1, "src": ID, "error": {"code": 404, "message": "No handler for Shelly.GetComponents"}}
+    assert gateway(ANSWERS, error) == ()
