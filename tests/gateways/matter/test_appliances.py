@@ -159,6 +159,18 @@ def test_what_cooks_always_asks(attributes: dict[str, object], *, asks: bool) ->
     assert is_declared(DevicePart(id="1", part=part, routes=())) is asks
 
 
+@pytest.mark.parametrize(("tag", "service_type"), [(0, "window_covering"), (5, "closure")])
+def test_a_closure_that_covers_a_window_is_a_blind_with_its_panels(tag: int, service_type: str) -> None:
+    """Gates and garage doors always ask, and blinds do not."""
+    tags = [{"0": None, "1": 0x44, "2": tag}, {"0": None, "1": 0x46, "2": 3}]
+    panel = {path.replace("1/", "2/", 1): value for path, value in PANEL.items()}
+    device = only_device({**CLOSURE, **panel, "1/29/3": [2], "1/29/4": tags})
+    assert [one.service_type for one in device.device.parts] == [service_type, service_type]
+    assert [one.capability.name for _, one in (*device.abilities["1"], *device.abilities["2"])] == [
+        *("movement", "position")
+    ]
+
+
 def test_an_oven_tells_whether_it_runs() -> None:
     assert readings(only_device({**CABINET, "1/72/4": 1})) == {"number": -18.0, "running": True, "problem": False}
 

@@ -15,7 +15,7 @@ from homebot.conventions.matter.endpoint import ClusterInvocation, MatterAbility
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 
-__all__ = ["closure_abilities"]
+__all__ = ["closure_abilities", "is_covering"]
 
 CLOSURE, DIMENSION = 260, 261
 
@@ -26,6 +26,9 @@ _CLOSED: Final = 0
 _MOVE_TO: Final = {"closed": 0, "open": 1}
 _STOP: Final = 0
 _MOVES: Final = ("open", "closed", "opening", "closing", "stopped")
+
+_COVERING: Final = (0x44, 0)
+"""The tag of closures that cover a window."""
 
 _PANEL_STATE: Final = 0
 _PANEL_TAGS: Final = 0x45
@@ -44,6 +47,11 @@ def closure_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
     if endpoint.has(DIMENSION, _PANEL_STATE) and endpoint.features(DIMENSION) & _POSITIONS:
         name = "tilt" if (_PANEL_TAGS, _TILT) in endpoint.tags else "position"
         yield MatterAbility(DIMENSION, Capability(name=name, settable=True), _read_position, _write_position)
+
+
+def is_covering(endpoint: MatterEndpoint) -> bool:
+    """Return whether its tags say that it is a blind, shutter or awning rather than a door, gate or window."""
+    return _COVERING in endpoint.tags
 
 
 def _read_movement(endpoint: MatterEndpoint) -> PlainValue:

@@ -54,12 +54,18 @@ _FINDERS: Final = (
 )
 
 
-def parts_of(endpoint: MatterEndpoint) -> Iterator[tuple[Part, tuple[MatterAbility, ...]]]:
-    """Yield the parts that an endpoint is: what it is for, and beside that its battery and plain measurements."""
+def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tuple[Part, tuple[MatterAbility, ...]]]:
+    """Yield the parts that an endpoint is: what it is for, and beside that its battery and plain measurements.
+
+    Args:
+        endpoint: The endpoint.
+        covers: Whether a closure is a blind, or a panel of one.
+    """
     abilities = tuple(find_abilities(endpoint))
     main = tuple(one for one in abilities if not one.beside)
     if any(one.read is not None or one.capability.name == "press" for one in main):
         service_type, is_guessed = _service_type(endpoint, main)
+        service_type = "window_covering" if covers and service_type == "closure" else service_type
         capabilities = tuple(one.capability for one in main)
         yield (
             Part(

@@ -16,6 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, Self
 
+from homebot.conventions.matter.closure_clusters import is_covering
 from homebot.conventions.matter.endpoint import MatterAbility, MatterEndpoint, WriteValue
 from homebot.conventions.matter.parts import parts_of
 from homebot.conventions.payload import shown
@@ -146,10 +147,13 @@ class MatterNode:
 
     def _device(self, key: str, root: MatterEndpoint, members: Iterable[MatterEndpoint], bridge: str) -> NodeDevice:
         cluster = BRIDGED if bridge else BASIC
+        coverings = {
+            number for one in self.endpoints.values() if is_covering(one) for number in (one.id, *one.children)
+        }
         parts: list[Part] = []
         abilities: dict[str, tuple[tuple[MatterEndpoint, MatterAbility], ...]] = {}
         for endpoint in members:
-            for part, found in parts_of(endpoint):
+            for part, found in parts_of(endpoint, covers=endpoint.id in coverings):
                 if len(parts) < MAX_PARTS:
                     parts.append(part)
                     abilities[part.id] = tuple((endpoint, one) for one in found)
