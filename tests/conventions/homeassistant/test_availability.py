@@ -74,3 +74,19 @@ def test_words_that_python_finds_equal_are_told_apart() -> None:
         told = availability({"availability": {"topic": "same", "payload_available": word}})
         assert told is not None
         assert told.sources[0].read(said) is True
+
+
+def test_devices_of_a_bridge_share_what_they_answer() -> None:
+    """Entries that are alike but for the topic: a house has one for each device."""
+    template = "{{ value_json.state }}"
+    entries = [{"topic": f"z/{name}/availability", "value_template": template} for name in ("a", "b")]
+    one, other = (read_availability(DiscoveryConfig("light", "", {"availability": [entry]})) for entry in entries)
+
+    assert one is not None
+    assert other is not None
+    assert [source.topic for found in (one, other) for source in found.sources] == [
+        "z/a/availability",
+        "z/b/availability",
+    ]
+    assert [found.sources[0].read(b'{"state": "online"}') for found in (one, other)] == [True, True]
+    assert one != other

@@ -49,6 +49,22 @@ def test_one_identifier_need_not_be_in_a_list(identifiers: object) -> None:
     assert len(read_device({"identifiers": identifiers}, {}).identifiers) == 1
 
 
+def test_facts_that_python_finds_equal_are_told_apart() -> None:
+    """Devices of one model share their facts, and a version ``1`` is not one that is ``true``."""
+    told = [read_device({"identifiers": "a", "hw_version": version}, {}).facts for version in (1, True, 1.0, "1")]
+
+    assert told == [{"hw_version": "1"}, {"hw_version": "True"}, {"hw_version": "1.0"}, {"hw_version": "1"}]
+    assert told[0] is told[3]
+
+
+def test_facts_stand_in_the_order_of_their_device() -> None:
+    """Another order is another device's, although the facts are equal."""
+    one, other = ({"identifiers": "a", "model": "m", "sw_version": "1"}, {"sw_version": "1", "model": "m", "ids": 0})
+
+    assert list(read_device(one, {"name": "b"}).facts) == ["model", "sw_version", "origin"]
+    assert list(read_device({**other, "identifiers": "b"}, {"name": "b"}).facts) == ["sw_version", "model", "origin"]
+
+
 def test_a_child_device_is_itself_and_not_its_parent() -> None:
     device = read_device(
         {
