@@ -198,7 +198,10 @@ def test_a_button_that_keeps_a_device_in_order_does_not(category: Category, tag:
 
 
 @pytest.mark.parametrize("capability", ["option", "state"])
-@pytest.mark.parametrize(("name", "asks"), [("Gate trigger", True), ("Main valve", True), ("Keypad lock", False)])
+@pytest.mark.parametrize(
+    ("name", "asks"),
+    [("Gate trigger", True), ("Main valve", True), ("Wasserventil", True), ("Keypad lock", False)],
+)
 def test_a_setting_asks_by_its_name_but_no_lock_of_its_keys(name: str, capability: str, *, asks: bool) -> None:
     one = device("yard", part("x_setting", capability, name=name, category="config"))
     assert always_asks(one, one.parts[0]) is asks

@@ -39,12 +39,10 @@ _ARMED = frozenset({"Armed", "armed"})
 _OVENS = frozenset({"cooker", "cooktop", "hob", "kiln", "oven", "stove"})
 _HEATERS = frozenset({"boiler", "geyser", "sauna"})
 _HOT_WATER = (("hot", "water"), ("immersion", "heater"), ("sauna", "heater"), ("water", "heater"))
-_LOCKS = frozenset({"lock", "locks"})
-_ENDINGS = (
-    frozenset({"deadbolt", "doorlock", "fireplace", "garagedoor", "gate", "gates", "valve", "valves"})
-    | _HEATERS
-    | _LOCKS
+_ENDINGS_OF_SETTINGS = _HEATERS | frozenset(
+    {"deadbolt", "doorlock", "fireplace", "garagedoor", "gate", "gates", "valve", "valves"}
 )
+_ENDINGS = _ENDINGS_OF_SETTINGS | frozenset({"lock", "locks"})
 _SCALDING = 100.0
 """Degrees Celsius that no room and no radiator has to have, but saunas, grills and kilns."""
 
@@ -185,7 +183,7 @@ def _is_named_button(device: Device, part: DevicePart) -> bool:
             return _is_named(_ENDINGS, *_names(device, part))
         if one.name in _CHOSEN:
             names = (told.name,) if told.name else _names(device, part)
-            return _is_named(_ENDINGS - _LOCKS if told.category else _ENDINGS, *names)
+            return _is_named(_ENDINGS_OF_SETTINGS if told.category else _ENDINGS, *names)
     return False
 
 
@@ -215,7 +213,7 @@ def _is_called(words: tuple[str, ...], endings: frozenset[str]) -> bool:
         return True
     if _opens(words, whole) or whole[-2:] in _HOT_WATER:
         return True
-    if endings is _ENDINGS and _is_called_abroad(words):
+    if endings is not _HEATERS and _is_called_abroad(words):
         return True
     return any(one and one[-1] in endings and one[-2:] != ("child", "lock") for one in (whole, called))
 
