@@ -60,9 +60,8 @@ class RawClient:
     def say(self, *packets: Packet) -> None:
         self.socket.write(b"".join(encode(packet, ProtocolVersion.V5) for packet in packets))
 
-    def data_received(self, data: bytes) -> bool:
+    def data_received(self, data: bytes) -> None:
         self.packets += self._reader.feed(data)
-        return False
 
     def drained(self) -> None:
         pass

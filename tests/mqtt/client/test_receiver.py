@@ -47,14 +47,6 @@ def test_what_cannot_be_acknowledged_is_only_counted(frame: Frame) -> None:
     assert receiver.counters.dropped_malformed == 1
 
 
-@pytest.mark.parametrize(("qos", "follows"), [(0, False), (1, True), (2, True)])
-async def test_an_acknowledgement_follows_a_message_of_qos_1_or_2(qos: int, follows: bool) -> None:  # noqa: FBT001
-    receiver = make()
-    receiver.publish(Frame(0x30, b"\x00\x01tx"))
-    receiver.publish(Frame(0x30 | qos << 1, b"\x00\x01t\x00\x07x"))
-    assert receiver.deliver() is follows
-
-
 async def test_a_full_inbox_is_told() -> None:
     receiver = make(inbox_messages=2)
     with capture_logs() as lines:

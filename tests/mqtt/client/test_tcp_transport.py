@@ -30,7 +30,7 @@ from homebot.mqtt.options import MqttOptions
 class NoUser:
     """Expects nothing to come."""
 
-    def data_received(self, data: bytes) -> bool:
+    def data_received(self, data: bytes) -> None:
         pytest.fail(f"{data!r} came")
 
     def drained(self) -> None:
@@ -155,13 +155,10 @@ class CountingSocket(socket.socket):
 
 
 class Reader(NoUser):
-    """Takes whatever comes, and acknowledges it soon if *acknowledges*."""
+    """Takes whatever comes."""
 
-    def __init__(self, *, acknowledges: bool = False) -> None:
-        self.acknowledges = acknowledges
-
-    def data_received(self, data: bytes) -> bool:  # noqa: ARG002 - the port's own
-        return self.acknowledges
+    def data_received(self, data: bytes) -> None:
+        pass
 
 
 @pytest.mark.skipif(not hasattr(socket, "TCP_QUICKACK"), reason="only Linux has TCP_QUICKACK")
@@ -181,16 +178,6 @@ async def test_a_burst_is_acknowledged_by_tcp_at_its_begin_and_once_in_a_millise
         loop.call_later(0.002, due.set_result, None)
         await due
         assert (counts[0], counts[-1], sock.acknowledged) == (1, 1, 2)
-
-
-@pytest.mark.skipif(not hasattr(socket, "TCP_QUICKACK"), reason="only Linux has TCP_QUICKACK")
-async def test_tcp_sends_no_acknowledgement_of_its_own_where_one_of_mqtt_follows() -> None:
-    with CountingSocket() as sock:
-        transport = TcpTransport(Reader(acknowledges=True))
-        transport.socket = sock
-        transport.get_buffer(-1)
-        transport.buffer_updated(10)
-        assert sock.acknowledged == 0
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "::1", "localhost"])

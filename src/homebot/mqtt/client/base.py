@@ -265,15 +265,15 @@ class ClientLink(ABC):
             self.transport.abort()
         self._lose(reason)
 
-    def data_received(self, data: bytes) -> bool:
-        """Handle bytes from the broker; return whether acknowledgements of messages among them will follow."""
+    def data_received(self, data: bytes) -> None:
+        """Handle bytes from the broker."""
         self._heard_at = self._loop.time()
         answers = b""
-        has_messages = is_acknowledged = False
+        has_messages = False
         try:
             for frame in self._packets.feed(data):
                 if self._lost is not None:
-                    return False
+                    return
                 kind = frame.first >> 4
                 if kind == _PUBLISH and self._is_granted:
                     answers += self._receiver.publish(frame)
@@ -293,8 +293,7 @@ class ClientLink(ABC):
                 self._put(answers)
         finally:
             if has_messages:
-                is_acknowledged = self._receiver.deliver()
-        return is_acknowledged
+                self._receiver.deliver()
 
     def drained(self) -> None:
         """Go on: the broker has taken everything that was written."""

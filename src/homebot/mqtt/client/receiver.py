@@ -85,21 +85,16 @@ class Receiver:
         self._read.append(message)
         return answer
 
-    def deliver(self) -> bool:
-        """Let the messages that were read be taken; once for all packets that came together.
-
-        Returns:
-            Whether any of them is to be acknowledged when it has been taken.
-        """
+    def deliver(self) -> None:
+        """Let the messages that were read be taken; once for all packets that came together."""
         if not self._read:
-            return False
+            return
         read, self._read = self._read, []
-        droppable = self._inbox.put(*read)
+        self._inbox.put(*read)
         self.counters.received += len(read)
         if self._inbox.dropped != self.counters.dropped_overflow:
             self.counters.dropped_overflow = self._inbox.dropped
             self._say("the inbox is full; the oldest messages of QoS 0 are dropped")
-        return droppable < len(read)
 
     def release(self, packet: Frame) -> bytes:
         """Take in one PUBREL; returns the answer."""
@@ -150,8 +145,8 @@ class Inbox:
         self._wake: asyncio.Future[None] | None = None
         self.dropped = 0
 
-    def put(self, *messages: MqttMessage) -> int:
-        """Add messages, and make room for them if need be; return how many of them are of QoS 0."""
+    def put(self, *messages: MqttMessage) -> None:
+        """Add messages, and make room for them if need be."""
         self._messages.extend(messages)
         count = size = 0
         for topic, payload, qos, _, _, _ in messages:
@@ -164,7 +159,6 @@ class Inbox:
             self._drop_oldest()
         if self._wake is not None:
             self._wake_up(self._wake)
-        return count
 
     async def take(self) -> list[MqttMessage]:
         """Return everything that is there, oldest first.

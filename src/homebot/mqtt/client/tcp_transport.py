@@ -130,8 +130,8 @@ class TcpTransport(asyncio.BufferedProtocol):
         data = bytes(self._buffer[:nbytes])
         if self._ahead.size or len(data) > _PORTION:
             self._read_ahead(data)
-        elif self._user.data_received(data):
-            return  # TCP's acknowledgement goes with those of MQTT, or with an answer
+        else:
+            self._user.data_received(data)
         self._acknowledge()
 
     def pause_writing(self) -> None:

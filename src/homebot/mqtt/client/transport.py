@@ -16,8 +16,8 @@ SEND_BUFFER: Final = 256 * 1024
 class TransportUser(Protocol):
     """The client's half of what a transport carries to."""
 
-    def data_received(self, data: bytes) -> bool:
-        """Handle bytes from the broker; return whether acknowledgements of messages among them will follow."""
+    def data_received(self, data: bytes) -> None:
+        """Handle bytes from the broker."""
         ...
 
     def drained(self) -> None:
