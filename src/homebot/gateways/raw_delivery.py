@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Protocol
 
 import anyio
 
@@ -209,8 +209,12 @@ def begin_of(since: Time, clock: Clock) -> float:
     return clock.monotonic() - (clock.now() - since.to_seconds()) - _ROUNDED
 
 
-LateText: TypeAlias = Callable[[], RawMessage]
-"""Makes a text of at most 4 KiB; most are never asked for."""
+class LateText(Protocol):
+    """A maker of a text of at most 4 KiB; most are never asked for."""
+
+    def __call__(self) -> RawMessage:
+        """Return the text as a message."""
+        ...
 
 
 @dataclass(slots=True, eq=False)

@@ -46,6 +46,7 @@ class AnnouncedPart(PartTexts):
         described: The part.
         address: Where it is listened to: its text address, or the address on which it says text by itself.
         known: The last value of each capability with its reading; None where it reported none.
+        names: The capabilities of its last short state, one object for all its states that have the same.
         is_plain: Whether all that it ever reported were numbers and flags, and no events.
     """
 
@@ -53,6 +54,7 @@ class AnnouncedPart(PartTexts):
     described: DescribedPart
     address: str
     known: dict[str, tuple[PlainValue, Reading]] | None = field(default=None, init=False)
+    names: tuple[str, ...] = field(default=(), init=False)
     is_plain: bool = field(default=True, init=False)
 
     def reports(self, capability: str) -> bool:

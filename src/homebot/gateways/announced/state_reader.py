@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from typing import NamedTuple
 
 import anyio.lowlevel
 
@@ -25,6 +26,9 @@ from homebot.gateways.raw_delivery import RawDelivery
 from homebot.messages import Time
 
 __all__ = ["StateReader"]
+
+_new = tuple.__new__
+"""Makes a named tuple in half the time that its own call takes."""
 
 _reading_of, _value_of = Reading.of_checked, Value.of  # looked up once, as `of_checked` says
 
@@ -260,9 +264,13 @@ class StateReader:
 
     def _keep_late(self, part: AnnouncedPart, values: Mapping[str, PlainValue], retained: bool) -> None:  # noqa: FBT001 - it runs for each message
         """Keep *values*, of which the text is made when somebody asks for it."""
-        stored, reporter = part.stored, self._reporter
-        make = partial(_late_text, stored.gateway, stored.key, part.address, values, reporter.stamp, retained)
-        part.keep_late(make, reporter.now)
+        stored, reporter, names = part.stored, self._reporter, tuple(values)
+        if names == part.names:
+            names = part.names
+        else:
+            part.names = names
+        late = stored.gateway, stored.key, part.address, names, tuple(values.values()), reporter.stamp, retained
+        part.keep_late(_new(_LateText, late), reporter.now)
 
     def _as_text(
         self, announced_part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool
@@ -333,19 +341,24 @@ def _is_brief(values: Mapping[str, PlainValue]) -> bool:
 _BRIEF = frozenset({bool, float, tuple, type(None)})
 
 
-def _late_text(
-    gateway: str,
-    key: str,
-    address: str,
-    values: Mapping[str, PlainValue],
-    stamp: Time,
-    retained: bool,  # noqa: FBT001 - bound once, above
-) -> RawMessage:
-    return RawMessage.of_checked(
-        gateway=gateway,
-        key=key,
-        address=address,
-        payload=(encode_state(values) or "").encode(),
-        retained=retained,
-        received_at=stamp,
-    )
+class _LateText(NamedTuple):
+    """A state whose text is made late. Ten are kept of each part, so it is as small as can be: without a dict."""
+
+    gateway: str
+    key: str
+    address: str
+    names: tuple[str, ...]
+    values: tuple[PlainValue, ...]
+    received_at: Time
+    retained: bool
+
+    def __call__(self) -> RawMessage:
+        """Return the text as a message."""
+        return RawMessage.of_checked(
+            gateway=self.gateway,
+            key=self.key,
+            address=self.address,
+            payload=(encode_state(dict(zip(self.names, self.values, strict=True))) or "").encode(),
+            retained=self.retained,
+            received_at=self.received_at,
+        )
