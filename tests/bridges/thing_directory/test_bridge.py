@@ -74,6 +74,20 @@ async def test_values_are_read_and_set_at_the_addresses_of_the_description(serve
                 await anyio.sleep(0.02)
 
 
+async def test_a_client_that_waits_until_it_may_send_the_body_is_told_so(served_house: OpenHouse) -> None:
+    """As .NET Framework does for each PUT, and curl for large ones."""
+    async with served_house() as house:
+        lamp, _ = await lamp_of(house)
+        href = lamp["properties"]["level"]["forms"][0]["href"]
+        head = f"PUT {href} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 2\r\nExpect: 100-continue\r\n\r\n"
+        async with await anyio.connect_tcp("127.0.0.1", house.bridge.port) as stream:
+            with anyio.fail_after(PATIENCE):
+                await stream.send(head.encode())
+                assert await stream.receive() == b"HTTP/1.1 100 Continue\r\n\r\n"
+                await stream.send(b"70")
+                assert (await stream.receive()).startswith(b"HTTP/1.1 204 ")
+
+
 @pytest.mark.parametrize(
     ("name", "body", "status"),
     [

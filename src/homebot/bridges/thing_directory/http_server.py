@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 import anyio
-from aiohttp import web
+from aiohttp import HttpVersion11, web
 from aiohttp.http_exceptions import HttpProcessingError
 
 from homebot.bridges.admission import AccessSettings
@@ -35,6 +35,7 @@ _LINE = 8190
 _CLOSING = 0.5
 _BUSY = b"HTTP/1.1 503 Service Unavailable\r\nRetry-After: 5\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
 """What a client gets that is one too many."""
+_CONTINUE = b"HTTP/1.1 100 Continue\r\n\r\n"
 _OTHER_VERSION = b"HTTP/1.1 505 HTTP Version Not Supported\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
 """What a client gets that speaks HTTP/0.9 or HTTP/2, which the library would answer in the version that it claims."""
 
@@ -87,6 +88,7 @@ class HttpExchange:
         """Return the body; None where it is longer than *limit* bytes, or does not come in time."""
         if (self._request.content_length or 0) > limit:
             return None
+        self._ask_for_body()
         body = bytearray()
         with anyio.move_on_after(BODY_WITHIN) as scope:
             while len(body) <= limit and not self._request.content.at_eof():
@@ -116,6 +118,16 @@ class HttpExchange:
         if self._stream is not None:
             async with self._in_time():
                 await self._stream.write(piece)
+
+    def _ask_for_body(self) -> None:
+        """Ask a client for the body that waits for that; the library does so in its own framework alone."""
+        expected = self._request.headers.get("Expect", "").lower()
+        if (
+            expected == "100-continue"
+            and self._request.version == HttpVersion11
+            and self._request.transport is not None
+        ):
+            self._request.transport.write(_CONTINUE)
 
     @property
     def response(self) -> web.StreamResponse:
