@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     )
     from homebot.wot.scale import canonical, on_the_wire
     from homebot.wot.thing import Affordance, DataSchema, Form, SecurityScheme, Thing, facts_of, identifiers_of
+    from homebot.wot.writes import writes_of
 
 __all__ = [
     "CONTEXT",
@@ -54,6 +55,7 @@ __all__ = [
     "read_thing",
     "thing_id",
     "to_thing",
+    "writes_of",
 ]
 
 if not TYPE_CHECKING:  # else a name that does not exist would pass for one
@@ -71,5 +73,6 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
             ),
             "homebot.wot.scale": "canonical on_the_wire",
             "homebot.wot.thing": "Affordance DataSchema Form SecurityScheme Thing facts_of identifiers_of",
+            "homebot.wot.writes": "writes_of",
         },
     )

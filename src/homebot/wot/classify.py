@@ -52,6 +52,11 @@ class ClassifiedPart:
     part: Part
     affordances: tuple[ClassifiedAffordance, ...]
 
+    @property
+    def written(self) -> dict[str, tuple[ClassifiedAffordance, Form]]:
+        """Those that can be set by capability, each with the form for that."""
+        return {one.capability.name: (one, one.written) for one in self.affordances if one.written is not None}
+
 
 @dataclass(slots=True)
 class _One:

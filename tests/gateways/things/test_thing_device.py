@@ -204,8 +204,14 @@ async def test_a_command_is_spelt_and_what_is_polled_is_read_again_at_once() -> 
         await rig.thing.perform(command("push", True, "blink"))
         await anyio.sleep(1)
         tasks.cancel_scope.cancel()
-    assert rig.port.written == [(BRIGHTNESS, b"254"), (BLINK, b"")]
+    assert rig.port.written == [(BRIGHTNESS, b"254"), (ON, b"true"), (BLINK, b"")]
     assert rig.host.values["", "level"] == 100.0
+
+
+async def test_a_brightness_of_zero_turns_a_lamp_off_that_has_a_switch() -> None:
+    rig = Rig()
+    await rig.thing.perform(command("level", 0.0))
+    assert rig.port.written == [(ON, b"false")]
 
 
 @pytest.mark.parametrize(

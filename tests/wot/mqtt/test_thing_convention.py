@@ -189,6 +189,28 @@ def test_plain_text_is_told_as_it_is() -> None:
     assert part.codec.read("t", b"off", retained=True) == {"on_off": False}
 
 
+@pytest.mark.parametrize(
+    ("capability", "value", "written"),
+    [
+        ("level", 40.0, (("dim/set", b"40"), ("on/set", b"true"))),
+        ("level", 0.0, (("on/set", b"false"),)),
+        ("color", (240.0, 100.0), (("hue/set", b'"#0000ff"'), ("on/set", b"true"))),
+        ("on_off", False, (("on/set", b"false"),)),
+    ],
+)
+def test_a_lamp_with_a_switch_of_its_own_is_also_switched_on(
+    capability: str, value: PlainValue, written: tuple[tuple[str, bytes], ...]
+) -> None:
+    """Its brightness is another property, and changes while the lamp is off and stays so."""
+    lamp = {
+        "on": prop("on") | {"@type": "OnOffProperty"},
+        "dim": prop("dim", "number") | {"@type": "BrightnessProperty"},
+        "hue": prop("hue", "string") | {"@type": "ColorProperty"},
+    }
+    (part,) = take(thing(lamp)).parts
+    assert part.codec.write(capability, value) == tuple(Publication(topic, payload, 1) for topic, payload in written)
+
+
 def test_actions_are_pushed_and_kept_events_are_none() -> None:
     heard = take(
         thing(

@@ -32,6 +32,7 @@ from homebot.wot import (
     facts_of,
     identifiers_of,
     parts_of,
+    writes_of,
 )
 
 __all__ = ["ThingDevice", "describe_thing"]
@@ -130,13 +131,15 @@ class ThingDevice:
             RefusedError: It refuses.
             UnableError: It cannot do that as it is described.
         """
-        one = self._find(command.part, command.capability)
-        value = command.value.plain()
-        if one is None or one.written is None:
+        written = next((one.written for one in self._parts if one.part.id == command.part), {})
+        if command.capability not in written:
             raise UnableError(f"{command.capability[:40]} of {command.part[:40]!r} cannot be set")
-        await self._port.write(one.written, self._payload(one, one.written, value))
-        if any(one is each for source in self._asked for _, each in source.affordances):
-            self._asks_now.set()
+        values = writes_of(command.capability, command.value.plain(), written)
+        requests = [(*written[name], self._payload(*written[name], value)) for name, value in values]
+        for one, form, payload in requests:
+            await self._port.write(form, payload)
+            if any(one is each for source in self._asked for _, each in source.affordances):
+                self._asks_now.set()
 
     def _payload(self, one: ClassifiedAffordance, form: Form, value: PlainValue) -> bytes:
         if one.affordance.kind == "action":
@@ -147,10 +150,6 @@ class ThingDevice:
         if format_ is None:
             raise UnableError(f"the content type {form.content_type[:60]!r} is not understood")
         return format_.encode(encode_document(one.capability, one.affordance, value))
-
-    def _find(self, part: str, capability: str) -> ClassifiedAffordance | None:
-        found = (one for each in self._parts if each.part.id == part for one in each.affordances)
-        return next((one for one in found if one.capability.name == capability), None)
 
     def _sources(self) -> tuple[_ThingSource, ...]:
         """Sort what is read into what is observed, which it returns, and what is asked for."""

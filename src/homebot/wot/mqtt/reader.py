@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 
 from homebot.conventions.command_values import Writer
@@ -34,6 +34,7 @@ from homebot.wot import (
     identifiers_of,
     parts_of,
     read_thing,
+    writes_of,
 )
 
 __all__ = ["MqttBinding", "ThingReader"]
@@ -160,16 +161,18 @@ def _thing_codec(part: ClassifiedPart) -> TableCodec[bytes]:
     """Return the codec of one part of a thing, by the first form of each of its affordances."""
     readers: dict[str, tuple[Reader[bytes], ...]] = {}
     event_readers: dict[str, tuple[Reader[bytes], ...]] = {}
-    writers: dict[str, Writer] = {}
     for one in part.affordances:
-        observed, written = one.observed, one.written
+        observed = one.observed
         if observed is not None and (format_ := basic_formats(observed.content_type)) is not None:
             readers.setdefault(observed.filter, ())
             table = event_readers if one.affordance.kind == "event" else readers
             reader = partial(_read, one.capability, one.affordance, format_)
             table[observed.filter] = (*table.get(observed.filter, ()), reader)
-        if written is not None and (format_ := basic_formats(written.content_type)) is not None:
-            writers.setdefault(one.capability.name, partial(_write, one.capability, one.affordance, written, format_))
+    spelt: dict[str, Callable[[PlainValue], Publication]] = {}
+    for name, (one, written) in part.written.items():
+        if (format_ := basic_formats(written.content_type)) is not None:
+            spelt[name] = partial(_spell, one.capability, one.affordance, written, format_)
+    writers: dict[str, Writer] = {name: partial(_write, spelt, name) for name in spelt}
     return TableCodec(raw_bytes, readers, event_readers, writers)
 
 
@@ -183,17 +186,18 @@ def _read(capability: Capability, affordance: Affordance, format_: PayloadFormat
 
 
 def _write(
-    capability: Capability,
-    affordance: Affordance,
-    form: Form,
-    format_: PayloadFormat,
-    value: PlainValue,
-    _transition: float,
+    spelt: Mapping[str, Callable[[PlainValue], Publication]], capability: str, value: PlainValue, _transition: float
 ) -> Publications:
     """Write a value; a Thing Description has no transitions."""
+    return tuple(spelt[name](one) for name, one in writes_of(capability, value, spelt))
+
+
+def _spell(
+    capability: Capability, affordance: Affordance, form: Form, format_: PayloadFormat, value: PlainValue
+) -> Publication:
     if affordance.kind == "action":
         if value is not True:
             raise RefusedError(f"{capability.name} {shown(value)}", "it takes only true")
-        return (Publication(form.topic, b"", form.qos, form.retain),)
+        return Publication(form.topic, b"", form.qos, form.retain)
     payload = format_.encode(encode_document(capability, affordance, value))
-    return (Publication(form.topic, payload, form.qos, form.retain),)
+    return Publication(form.topic, payload, form.qos, form.retain)
