@@ -21,6 +21,7 @@ import anyio
 import anyio.lowlevel
 from aiocoap.numbers.codes import Code
 
+from homebot.connect_errors import connect_problem
 from homebot.errors import LinkError, RefusedError, UsageError, WireError
 from homebot.gateways.coap.settings import CoapCredentials
 
@@ -312,7 +313,9 @@ def _translated(uri: str) -> Iterator[None]:
     except (aiocoap.error.NotObservable, aiocoap.error.ObservationCancelled) as exc:
         raise RefusedError(f"observing {uri}", "it cannot be observed") from exc
     except (aiocoap.error.NetworkError, aiocoap.error.LibraryShutdown, OSError) as exc:
-        raise LinkError(f"{uri} cannot be reached: {exc}") from exc
+        cause = exc if isinstance(exc, OSError) else exc.__cause__  # which the library's text does not tell
+        reason = connect_problem(cause) if isinstance(cause, OSError) else str(exc)
+        raise LinkError(f"{uri} cannot be reached: {reason}") from exc
     except aiocoap.error.Error as exc:
         raise WireError(f"{uri}: {exc!r}"[:300]) from exc
 
