@@ -54,6 +54,14 @@ def test_a_number_may_be_an_identifier() -> None:
     )
 
 
+def test_a_whole_number_may_be_written_with_a_point() -> None:
+    """As Godot writes numbers that it read from JSON; without its id, the answer of a call would find nobody."""
+    call = parse_frame('{"op": "call_service", "id": 7.0, "service": "/s"}')
+    assert (call.id, type(call.id)) == (7, int)
+    subscription = parse_frame('{"op": "subscribe", "topic": "/t", "queue_length": 1.0, "fragment_size": 500.0}')
+    assert subscription == SubscribeOperation(op="subscribe", topic="/t", queue_length=1, fragment_size=500)
+
+
 @pytest.mark.parametrize(
     ("text", "problem"),
     [

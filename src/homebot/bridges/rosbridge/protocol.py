@@ -247,7 +247,7 @@ class Fragment(Operation, ops=("fragment",)):
 
 
 def parse_frame(text: str) -> Operation:
-    """Return the operation that the frame *text* asks for; a field that is null counts as left out.
+    """Return the operation that the frame *text* asks for; a field that is null counts as left out, and 1.0 is 1.
 
     Raises:
         FrameError: It is not a JSON object, nested more than 100 deep, not valid Unicode, of an unknown operation, or a
@@ -256,7 +256,7 @@ def parse_frame(text: str) -> Operation:
     value = _load(text)
     if not isinstance(value, dict):
         raise FrameError(f"is not a JSON object: {text[:60]!r}")
-    fields = {name: item for name, item in value.items() if item is not None}
+    fields = {name: _as_whole(item) for name, item in value.items() if item is not None}
     op = fields.get("op")
     if not isinstance(op, str):
         raise FrameError(
@@ -316,6 +316,11 @@ def status_frame(level: Level, text: str, identifier: Identifier = None) -> Json
     """Return the frame of a remark to the client."""
     frame: JsonObject = {"op": "status", "level": level, "msg": text}
     return frame if identifier is None else frame | {"id": identifier}
+
+
+def _as_whole(item: Any) -> Any:
+    """Return a number without a fraction as a whole one: some languages, such as Godot's, know one kind of number."""
+    return int(item) if isinstance(item, float) and item.is_integer() else item
 
 
 def _load(text: str) -> object:
