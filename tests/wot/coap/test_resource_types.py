@@ -56,6 +56,20 @@ def test_known_resources_are_capabilities(links: str, expected: dict[str, list[t
     assert kinds(parts_of(thing(links), COAP_BINDING)) == expected
 
 
+def test_each_lamp_has_its_own_brightness_and_no_relay_is_its_switch() -> None:
+    """The relay has the lower number, and was what `turn off` switched."""
+    links = "</3306/0/5850>,</3311/0/5851>,</3311/1/5850>,</3311/1/5851>,</3312/0>"
+    assert [
+        (one.part.id, one.part.service_type, [each.affordance.forms[0].href for each in one.affordances])
+        for one in parts_of(thing(links), COAP_BINDING)
+    ] == [
+        ("3306/0", "switch", ["coap://h/3306/0/5850"]),
+        ("", "light", ["coap://h/3311/0/5851"]),
+        ("3311/1", "light", ["coap://h/3311/1/5850", "coap://h/3311/1/5851"]),
+        ("3312/0", "switch", ["coap://h/3312/0/5850"]),
+    ]
+
+
 def test_values_are_read_and_written_as_the_resource_has_them() -> None:
     (light,) = parts_of(thing('</a>;rt="oic.r.switch.binary",</b>;rt="oic.r.light.dimming"'), COAP_BINDING)
     on, level = light.affordances

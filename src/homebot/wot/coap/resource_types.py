@@ -10,7 +10,7 @@ CoRE interfaces draft (``core.s``, ``core.a``) for ``if``.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from urllib.parse import unquote
@@ -109,6 +109,9 @@ _IPSO: Mapping[tuple[int, int], _Known] = MappingProxyType(
 
 _IPSO_INSTANCE = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}")
 _IPSO_PATH = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}/(5\d{3})/?")
+_LIGHT = "3311"
+_OF_INSTANCE: Mapping[str, str] = MappingProxyType({"on": "on_off", "brightness": "level"})
+"""The capabilities that belong to one instance of an IPSO object, by the names of properties."""
 
 _THING_TYPES: Mapping[str, str] = MappingProxyType(
     {
@@ -140,8 +143,9 @@ def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: s
     listed = sorted((*given, *implied), key=lambda one: one.target)
     kinds = [word for one in listed for word in one.words("rt")]
     types = tuple(dict.fromkeys(_THING_TYPES[word] for word in kinds if word in _THING_TYPES))
-    found = [made for one in listed if (made := _affordance(one, resolve[one.target])) is not None]
-    has_light = any(word.startswith("oic.r.light.") for word in kinds) or any("/3311/" in one.target for one in listed)
+    lamps = [instance for one in listed if (instance := _instance(one, _LIGHT))]
+    found = [made for one in listed if (made := _affordance(one, resolve[one.target], lamps)) is not None]
+    has_light = bool(lamps) or any(word.startswith("oic.r.light.") for word in kinds)
     return Thing(
         id="",
         title=name,
@@ -165,7 +169,26 @@ def _implied(link: WebLink, listed: Iterable[WebLink], href: str) -> Iterator[tu
         yield WebLink(f"{target}/{number}"), f"{href.rstrip('/')}/{number}"
 
 
-def _affordance(link: WebLink, href: str) -> Affordance | None:
+def _instance(link: WebLink, number: str = "") -> str:
+    """Return the path of the instance of an IPSO object that has the resource; of the object *number*, where given."""
+    match = _IPSO_PATH.fullmatch(link.target)
+    is_it = match is not None and number in {"", match[1]}
+    return link.target.strip("/").rpartition("/")[0] if is_it else ""
+
+
+def _placed(link: WebLink, known: _Known, lamps: Sequence[str]) -> Mapping[str, str]:
+    """Return the part of a resource beside *lamps*: each lamp is one, and no relay is the switch of a lamp."""
+    instance, capability = _instance(link), _OF_INSTANCE.get(known.name, "")
+    if not instance or not capability or not lamps:
+        return {}
+    if instance == lamps[0]:
+        return {"capability": capability, "serviceType": "light", "part": "", "advertised": "Light"}
+    kind = "light" if instance in lamps else "switch"
+    name = clean_text(link.get("title"), 60)
+    return {"capability": capability, "serviceType": kind, "part": instance, "name": name, "guessed": "true"}
+
+
+def _affordance(link: WebLink, href: str, lamps: Sequence[str]) -> Affordance | None:
     if link.target.startswith(_NEVER) or not href:
         return None
     interfaces = frozenset(link.words("if"))
@@ -194,6 +217,7 @@ def _affordance(link: WebLink, href: str) -> Affordance | None:
         read_only=not is_settable,
         write_only=False,
         forms=_forms(link, href, content_type, known),
+        extension=_placed(link, known, lamps),
     )
 
 
