@@ -52,6 +52,29 @@ def test_each_value_of_an_object_that_is_only_read_is_a_part() -> None:
     assert found.observed.href == "http://h/air"
 
 
+FLAG, PERCENT = {"type": "boolean"}, {"type": "integer", "minimum": 0, "maximum": 100}
+
+
+@pytest.mark.parametrize(
+    ("properties", "types", "switch"),
+    [
+        ({"ecoMode": FLAG, "on": FLAG, "brightness": PERCENT}, ("Light",), "on"),
+        ({"ecoMode": FLAG, "on": FLAG, "brightness": PERCENT}, (), "on"),
+        ({"childLock": FLAG, "power": FLAG}, ("SmartPlug",), "power"),
+        ({"identify": FLAG, "main": {**FLAG, "@type": "OnOffProperty"}}, ("OnOffSwitch",), "main"),
+        ({"on": FLAG, "main": {**FLAG, "@type": "OnOffProperty"}}, ("Light",), "main"),
+        ({"on": {**FLAG, "readOnly": True}, "power": FLAG}, ("Light",), "power"),
+        ({"lamp1": FLAG, "lamp2": FLAG}, ("Light",), "lamp1"),
+    ],
+)
+def test_the_switch_of_a_thing_is_what_is_known_best_as_one(
+    properties: dict[str, Any], types: tuple[str, ...], switch: str
+) -> None:
+    """And not the first value that is yes or no: to turn a lamp on locked it for children."""
+    main = next(one for one in parts(properties, types) if not one.part.id)
+    assert [one.affordance.name for one in main.affordances if one.capability.name == "on_off"] == [switch]
+
+
 def test_members_that_may_be_missing_are_no_parts() -> None:
     (found,) = parts({"air": {**AIR, "required": ["co2"]}})
     assert found.part.id == "air/co2"

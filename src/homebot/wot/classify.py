@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from homebot.conventions.units import conversion_of
@@ -60,13 +60,18 @@ class ClassifiedPart:
 
 @dataclass(slots=True)
 class _One:
-    """An affordance and what it was found to be."""
+    """An affordance and what it was found to be.
+
+    Attributes:
+        doubt: By what its capability is known: 0 its description, 1 its name, 2 its kind of value alone.
+    """
 
     affordance: Affordance
     observed: tuple[Form, ...]
     written: tuple[Form, ...]
     capability: str = ""
     guessed: bool = False
+    doubt: int = 0
     service_type: str = ""
     part_id: str = ""
 
@@ -89,8 +94,8 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
     """Return the parts of *thing*, as far as they can be used by one protocol.
 
     What homebot itself wrote into the description counts first, then the semantic types, then names; an affordance of
-    which nothing is known has a capability of general meaning. Of two with the same meaning the second is a part of its
-    own.
+    which nothing is known has a capability of general meaning. Of two with the same meaning the one of which less is
+    known, or else the second, is a part of its own.
 
     Args:
         thing: The thing.
@@ -103,9 +108,10 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
     main_is_guess = not main
     if main_is_guess:
         main = _guess([one for one in found if not one.service_type], thing.title)
+    owned = _owned(found, main)
     groups: dict[str, list[_One]] = {}
     for one in found:
-        groups.setdefault(_group(one, main, groups), []).append(one)
+        groups.setdefault(_group(one, owned, groups), []).append(one)
     return tuple(_part(thing, name, members, main, main_is_guess=main_is_guess) for name, members in groups.items())
 
 
@@ -141,11 +147,14 @@ def _find_meaning(one: _One, main: str) -> None:
         if capability and _suits(capability, affordance.schema):
             one.capability = capability
             return
-    one.guessed = True
+    one.guessed, one.doubt = True, 1
     name = _TOKEN_BREAK.sub("_", one.name.rpartition("/")[2]).strip("_").lower()
     one.capability = _in_context(NAMES.get(name, name), main)
+    if name == "power" and one.is_settable and affordance.schema.type == "boolean":
+        one.capability = "on_off"  # and no watts
     if one.capability in CAPABILITIES and _suits(one.capability, affordance.schema):
         return
+    one.doubt = 2
     if measured := _measured(one):
         one.capability = measured
         return
@@ -205,13 +214,20 @@ _NO_LAMPS = frozenset(
 """Words of a title by which a level is not that of light."""
 
 
-def _group(one: _One, main: str, groups: dict[str, list[_One]]) -> str:
+def _owned(found: Iterable[_One], main: str) -> dict[str, _One]:
+    """Return what belongs to the main part, by capability: of a switch and a child lock, the switch."""
+    owned: dict[str, _One] = {}
+    for one in sorted(found, key=lambda each: (not each.service_type, each.doubt, not each.is_settable)):
+        if one.part_id == "" if one.service_type else one.capability in OWNED.get(main, ()):
+            owned.setdefault(one.capability, one)
+    return owned
+
+
+def _group(one: _One, owned: Mapping[str, _One], groups: dict[str, list[_One]]) -> str:
     """Return the id of the part that *one* belongs to."""
     if one.service_type:
         return one.part_id
-    if one.capability in OWNED.get(main, ()) and all(
-        other.capability != one.capability for other in groups.get("", [])
-    ):
+    if owned.get(one.capability) is one:
         return ""
     number, name = 1, one.name
     while name in groups:
