@@ -61,6 +61,7 @@ FLAG, PERCENT = {"type": "boolean"}, {"type": "integer", "minimum": 0, "maximum"
         ({"ecoMode": FLAG, "on": FLAG, "brightness": PERCENT}, ("Light",), "on"),
         ({"ecoMode": FLAG, "on": FLAG, "brightness": PERCENT}, (), "on"),
         ({"childLock": FLAG, "power": FLAG}, ("SmartPlug",), "power"),
+        ({"led": FLAG, "state": {"type": "string", "enum": ["ON", "OFF"]}}, ("Light",), "state"),
         ({"identify": FLAG, "main": {**FLAG, "@type": "OnOffProperty"}}, ("OnOffSwitch",), "main"),
         ({"on": FLAG, "main": {**FLAG, "@type": "OnOffProperty"}}, ("Light",), "main"),
         ({"on": {**FLAG, "readOnly": True}, "power": FLAG}, ("Light",), "power"),

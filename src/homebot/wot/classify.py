@@ -150,8 +150,8 @@ def _find_meaning(one: _One, main: str) -> None:
     one.guessed, one.doubt = True, 1
     name = _TOKEN_BREAK.sub("_", one.name.rpartition("/")[2]).strip("_").lower()
     one.capability = _in_context(NAMES.get(name, name), main)
-    if name == "power" and one.is_settable and affordance.schema.type == "boolean":
-        one.capability = "on_off"  # and no watts
+    if name in {"power", "state"} and one.is_settable and _is_switch(affordance.schema):
+        one.capability = "on_off"  # and no watts, nor what is only read
     if one.capability in CAPABILITIES and _suits(one.capability, affordance.schema):
         return
     one.doubt = 2
@@ -164,6 +164,11 @@ def _find_meaning(one: _One, main: str) -> None:
         "text": ("option" if affordance.schema.enum else "text") if one.is_settable else "value",
     }
     one.capability = general.get(_KINDS.get(affordance.schema.type, ""), "raw")
+
+
+def _is_switch(schema: DataSchema) -> bool:
+    words = {text.casefold() for text in schema.enum if isinstance(text, str)}
+    return schema.type == "boolean" or words == {"on", "off"}
 
 
 def _measured(one: _One) -> str:
