@@ -70,6 +70,17 @@ def test_each_lamp_has_its_own_brightness_and_no_relay_is_its_switch() -> None:
     ]
 
 
+def test_the_switch_of_a_lamp_is_the_one_beside_its_brightness() -> None:
+    links = (
+        '</fan/power>;rt="oic.r.switch.binary",</lamp/dim>;rt="oic.r.light.dimming",'
+        '</lamp/power>;rt="oic.r.switch.binary"'
+    )
+    assert [
+        (one.part.service_type, [each.affordance.forms[0].href for each in one.affordances])
+        for one in parts_of(thing(links), COAP_BINDING)
+    ] == [("light", ["coap://h/lamp/dim", "coap://h/lamp/power"]), ("switch", ["coap://h/fan/power"])]
+
+
 def test_values_are_read_and_written_as_the_resource_has_them() -> None:
     (light,) = parts_of(thing('</a>;rt="oic.r.switch.binary",</b>;rt="oic.r.light.dimming"'), COAP_BINDING)
     on, level = light.affordances

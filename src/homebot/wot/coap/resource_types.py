@@ -109,7 +109,7 @@ _IPSO: Mapping[tuple[int, int], _Known] = MappingProxyType(
 
 _IPSO_INSTANCE = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}")
 _IPSO_PATH = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}/(5\d{3})/?")
-_LIGHT = "3311"
+_LIGHT, _OCF_LIGHT = "3311", "oic.r.light."
 _OF_INSTANCE: Mapping[str, str] = MappingProxyType({"on": "on_off", "brightness": "level"})
 """The capabilities that belong to one instance of an IPSO object, by the names of properties."""
 
@@ -140,12 +140,14 @@ def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: s
     given = tuple(links)
     implied = {link: href for one in given for link, href in _implied(one, given, resolve[one.target])}
     resolve = {**resolve, **{link.target: href for link, href in implied.items()}}
-    listed = sorted((*given, *implied), key=lambda one: one.target)
+    lit = {_folder(one) for one in given if any(word.startswith(_OCF_LIGHT) for word in one.words("rt"))}
+    # what is beside a brightness comes first: of several switches, that one is the lamp's
+    listed = sorted((*given, *implied), key=lambda one: (_folder(one) not in lit, one.target))
     kinds = [word for one in listed for word in one.words("rt")]
     types = tuple(dict.fromkeys(_THING_TYPES[word] for word in kinds if word in _THING_TYPES))
     lamps = [instance for one in listed if (instance := _instance(one, _LIGHT))]
     found = [made for one in listed if (made := _affordance(one, resolve[one.target], lamps)) is not None]
-    has_light = bool(lamps) or any(word.startswith("oic.r.light.") for word in kinds)
+    has_light = bool(lamps) or any(word.startswith(_OCF_LIGHT) for word in kinds)
     return Thing(
         id="",
         title=name,
@@ -169,11 +171,15 @@ def _implied(link: WebLink, listed: Iterable[WebLink], href: str) -> Iterator[tu
         yield WebLink(f"{target}/{number}"), f"{href.rstrip('/')}/{number}"
 
 
+def _folder(link: WebLink) -> str:
+    return link.target.strip("/").rpartition("/")[0]
+
+
 def _instance(link: WebLink, number: str = "") -> str:
     """Return the path of the instance of an IPSO object that has the resource; of the object *number*, where given."""
     match = _IPSO_PATH.fullmatch(link.target)
     is_it = match is not None and number in {"", match[1]}
-    return link.target.strip("/").rpartition("/")[0] if is_it else ""
+    return _folder(link) if is_it else ""
 
 
 def _placed(link: WebLink, known: _Known, lamps: Sequence[str]) -> Mapping[str, str]:
