@@ -148,6 +148,21 @@ async def test_the_first_report_after_a_start_is_no_hand(open_home: OpenHome) ->
         assert isinstance(await (await home.handle(Light, "lamp")).turn_off(), Confirmed)
 
 
+@pytest.mark.parametrize(("told_for", "is_hand"), [(590.0, False), (700.0, True)])
+async def test_the_first_level_of_a_lamp_that_was_told_to_be_on_for_long_is_a_hand(
+    open_home: OpenHome, told_for: float, *, is_hand: bool
+) -> None:
+    """A text such as ``0.5`` of a lamp that said nothing but ``on`` before; soon after a start all is told."""
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        await leave(home)
+        await home.report("lamp", "on_off", True)
+        await anyio.sleep(told_for)
+        await home.report("lamp", "level", 50.0)
+        outcome = await (await home.handle(Light, "lamp")).turn_off()
+        assert isinstance(outcome, Refused if is_hand else Confirmed)
+
+
 async def test_what_a_command_did_is_no_hand(open_home: OpenHome) -> None:
     async with open_home(presence_guard=True) as home:
         put_hall(home)

@@ -19,6 +19,9 @@ NAME: Final = "presence_guard"
 
 _NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
 
+_TELLS_ALL: Final = 600.0
+"""Seconds in which a device that began to report has told all that it reports by itself."""
+
 
 def judge_presence(settings: PresenceGuardSettings, command: IssuedCommand, facts: Facts) -> Verdict:
     """Refuse a command of an app where somebody is, or where that is unknown, if it is one of *settings*."""
@@ -68,10 +71,15 @@ def hand_at(command: IssuedCommand, facts: Facts, within: float) -> FactUsed | N
     The switch tells sooner than the motion sensor. A newer command may have hidden it.
     """
     settable = [one.name for one in command.part.part.capabilities if one.settable]
-    for state in command.device.states:
-        if state.part != command.part.id or not state.live or state.is_first or state.capability not in settable:
+    states = [
+        (one, one.since.to_seconds())
+        for one in command.device.states
+        if one.part == command.part.id and one.live and one.capability in settable
+    ]
+    for state, since in states:
+        if state.is_first and all(since - other <= _TELLS_ALL for _, other in states):
             continue  # of the first value after a start it is not known since when it is so
-        since, value = state.since.to_seconds(), state.value.plain()
+        value = state.value.plain()
         age = facts.age(since)
         if age < within and not facts.hands.explain(
             command.place, settable, state.capability, value, facts.monotonic - age
