@@ -361,3 +361,54 @@ async def test_relays_without_names_are_told_apart_by_their_ids(open_home: OpenH
         put_relays(home, "relays", {"r1": "", "r2": ""})
         answer = await command(home, "relays", "on")
         assert [one.name for one in answer.results] == ["Relays #r1", "Relays #r2"]
+
+
+def put_button(home: Home, key: str, name: str) -> None:
+    button = simple_part("x_setting", settable=("push",)).model_copy(update={"id": "b", "name": name})
+    home.gateway.devices.put(GatewayDevice(key, key.title(), (button,)), "the test says so")
+    home.behaviours[key] = ignore
+
+
+@pytest.mark.parametrize(
+    ("target", "word", "parts"),
+    [
+        ("garage door", "press", ["box#b"]),
+        ("garage door", "open", ["main#", "side#"]),
+        ("garage door", "on", ["main#", "side#"]),  # neither can
+        ("Light", "press", ["panel#b"]),
+        ("Light", "off", ["fan#lamp", "lamp#"]),  # a name that says what it is means no other lamp less
+    ],
+)
+async def test_a_part_whose_name_is_a_type_is_meant_where_nothing_of_the_type_takes_the_command(
+    open_home: OpenHome, target: str, word: str, parts: list[str]
+) -> None:
+    async with open_home() as home:
+        put_button(home, "box", "Garage door")
+        put_button(home, "panel", "Light")
+        for key in ("main", "side"):
+            home.put(key, "closure", "position")
+            home.behaviours[key] = ignore
+        light = simple_part("light", settable=("on_off",)).model_copy(update={"id": "lamp", "name": "Light"})
+        home.gateway.devices.put(GatewayDevice("fan", "Fan", (light,)), "the test says so")
+        home.put("lamp", "light", "on_off")
+        answer = await command(home, target, word)
+        assert [f"{one.device}#{one.part}" for one in answer.results] == parts
+
+
+async def test_a_device_whose_name_is_a_type_is_meant_alone(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("it", "x_setting", "push", name="Pump")
+        home.put("real", "pump", "on_off")
+        assert (await command(home, "pump", "press")).success
+        assert not (await command(home, "pump", "on")).success
+        assert sent(home) == [("it", "push", True)]
+
+
+async def test_of_several_parts_whose_name_is_a_type_none_is_chosen(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        for key in ("one", "two"):
+            put_button(home, key, "Garage door")
+        home.put("main", "closure", "position")
+        answer = await command(home, "Garage door", "press")
+        assert (answer.success, answer.results) == (False, ())
+        assert answer.message == "2 devices have a part called Garage door; give the id of one: one#b, two#b"

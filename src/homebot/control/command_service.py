@@ -66,7 +66,7 @@ class CommandService:
     async def serve(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
         """Carry out *request*; never raises."""
         try:
-            targets = await self._targets(request.target.strip())
+            targets = await self._targets(request, request.target.strip())
         except (_NoTargetError, ServiceError, UsageError) as exc:
             return CommandDevicesResponse(success=False, message=str(exc))
         commanded: list[CommandedPart] = []
@@ -120,7 +120,7 @@ class CommandService:
             found = (device,)
         return next((one.reachable.why for one in found if one.id == device.id and one.reachable.state == "no"), "")
 
-    async def _targets(self, target: str) -> list[_Target]:
+    async def _targets(self, request: CommandDevicesRequest, target: str) -> list[_Target]:
         """Return the parts that are meant, those of each device together.
 
         Raises:
@@ -141,10 +141,18 @@ class CommandService:
             raise _NoTargetError(f"{len(called)} devices are called {target}; give the id of one: {ids}")
         if called:
             return [(called[0], _main_parts(called[0]))]
-        return await self._fitting(target)
+        found = await self._fitting(target)
+        if any(_takes(request, one) for one in found):
+            return found
+        # what a type means cannot do it, and a part that has the word for a name may: a button called Garage door
+        return await self._named_part(target, request) or found
 
-    async def _named_part(self, text: str) -> list[_Target]:
+    async def _named_part(self, text: str, taking: CommandDevicesRequest | None = None) -> list[_Target]:
         """Return the parts of a device that are called *text*, such as one of four relays.
+
+        Args:
+            text: Their name.
+            taking: What they must take; None for anything.
 
         Raises:
             _NoTargetError: Several devices have such parts.
@@ -153,7 +161,7 @@ class CommandService:
         words, name = words_of(text), fold(text)
         devices = await self._devices(And(tuple(map(HasText, words)))) if words else ()
         named = [(one, tuple(part for part in _controls(one.parts) if fold(part.part.name) == name)) for one in devices]
-        found = [(device, parts) for device, parts in named if parts]
+        found = [one for one in named if one[1] and (taking is None or _takes(taking, one))]
         if len(found) > 1:
             ids = ", ".join(f"{device.id}#{parts[0].id}" for device, parts in found[:10])
             raise _NoTargetError(f"{len(found)} devices have a part called {text}; give the id of one: {ids}")
@@ -214,6 +222,10 @@ def _spoken(
         able -= _FUNCTIONS
     able = able - _SETTINGS or able
     return [one for one in found if not able or one[0].part.service_type in able]
+
+
+def _takes(request: CommandDevicesRequest, target: _Target) -> bool:
+    return any(not isinstance(spoken, RefusedError) for _, spoken in _spoken(request, *target))
 
 
 def _name(device: Device, part: DevicePart) -> str:
