@@ -218,6 +218,37 @@ async def test_a_broker_that_says_nothing_to_5_is_asked_with_3_1_1_the_next_time
     assert said == [f"mqtt://127.0.0.1:{port} says nothing to MQTT 5, and speaks 3.1.1"]
 
 
+@pytest.mark.parametrize("refusal", [bytes.fromhex("20 02 00 01"), b""])
+async def test_a_slow_broker_that_speaks_only_5_is_asked_with_5_at_once_again(
+    make: MakeClient, pass_time: Callable[[float], None], refusal: bytes
+) -> None:
+    """After a refusal the next try is later than after a lost link, and it was only slow."""
+
+    async def silent(peer: Peer) -> None:
+        await peer.expect(Connect)
+        pass_time(20)
+        await peer.closed()
+
+    async def only_5(peer: Peer) -> None:
+        assert (await peer.expect(Connect)).version is ProtocolVersion.V311
+        if refusal:
+            await peer.send_raw(refusal)
+
+    async def new(peer: Peer) -> None:
+        assert (await peer.login()).version is ProtocolVersion.V5
+        await peer.expect(Disconnect)
+
+    with capture_logs() as lines:
+        async with broker(silent, only_5, new) as port:
+            client = make(port, timeout=20)
+            with pytest.raises(LinkError, match="no answer to CONNECT"):
+                async with client.connected():
+                    pass
+            async with client.connected() as session:
+                assert session.protocol == "5"
+    assert [line for line in lines if line["event"] == "mqtt.fell_back"] == []
+
+
 async def test_a_cancelled_connect_leaves_nothing_behind(make: MakeClient) -> None:
     """The library keeps its lock, a task and the socket, and cannot be used again."""
     asked = anyio.Event()

@@ -30,7 +30,7 @@ class VersionChoice:
     """The version for the next link: of "auto" 5, and 3.1.1 once a broker that never spoke 5 wanted it so.
 
     A broker that says nothing to 5 is asked with 3.1.1 the next time, and then with 5 again: it is too old to tell what
-    it reads, or it was only slow.
+    it reads, or it was only slow. One that does not take 3.1.1 is asked with 5 at once.
 
     Args:
         options: What is allowed.
@@ -71,7 +71,12 @@ class VersionChoice:
 
     async def _open_after_silence(self, open_as: Callable[[MqttVersion], Awaitable[T]]) -> T:
         self._is_silent = False
-        opened = await open_as("3.1.1")
+        try:
+            opened = await open_as("3.1.1")
+        except (RefusedError, ClosedEarlyError) as error:
+            if isinstance(error, RefusedError) and not _is_about_version(error):
+                raise
+            return await self.open(open_as)  # so it was only slow
         self._tell("says nothing to MQTT 5, and speaks 3.1.1", "")
         return opened
 
@@ -86,8 +91,12 @@ class VersionChoice:
         if not self._may_fall_back():
             return False
         if isinstance(error, RefusedError):
-            return error.code == ReasonCode.UNSUPPORTED_PROTOCOL_VERSION
+            return _is_about_version(error)
         return not self._has_answered  # a broker that has spoken 5 before closed for another reason
+
+
+def _is_about_version(error: RefusedError) -> bool:
+    return error.code == ReasonCode.UNSUPPORTED_PROTOCOL_VERSION
 
 
 def early_end(reason: LinkError | RefusedError, options: MqttOptions) -> LinkError | RefusedError:
