@@ -22,7 +22,7 @@ if TYPE_CHECKING:
         encode_document,
         media_type,
     )
-    from homebot.wot.scale import canonical, on_the_wire
+    from homebot.wot.scale import canonical, in_told_unit, on_the_wire
     from homebot.wot.thing import Affordance, DataSchema, Form, SecurityScheme, Thing, facts_of, identifiers_of
     from homebot.wot.writes import writes_of
 
@@ -48,6 +48,7 @@ __all__ = [
     "encode_document",
     "facts_of",
     "identifiers_of",
+    "in_told_unit",
     "media_type",
     "on_the_wire",
     "parts_of",
@@ -71,7 +72,7 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
                 "TEXT_CONTENT_TYPE PayloadFormat PayloadFormats basic_formats"
                 " decode_document encode_document media_type"
             ),
-            "homebot.wot.scale": "canonical on_the_wire",
+            "homebot.wot.scale": "canonical in_told_unit on_the_wire",
             "homebot.wot.thing": "Affordance DataSchema Form SecurityScheme Thing facts_of identifiers_of",
             "homebot.wot.writes": "writes_of",
         },

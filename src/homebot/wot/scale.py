@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from homebot.conventions.light_color import MIRED, nearest_mired_bounds
 from homebot.conventions.units import Conversion, celsius_bounds, conversion_of, to_celsius, to_fahrenheit
@@ -10,7 +11,7 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.wot.thing import Affordance, DataSchema
 from homebot.wot.vocabulary import UNITS
 
-__all__ = ["bounds_of", "canonical", "on_the_wire", "unit_of"]
+__all__ = ["bounds_of", "canonical", "in_told_unit", "on_the_wire", "unit_of"]
 
 
 def unit_of(schema: DataSchema) -> str:
@@ -41,6 +42,20 @@ def canonical(capability: str, affordance: Affordance, number: float) -> float |
     if _is_fahrenheit(capability, affordance):
         return to_celsius(number)
     return _conversion(capability, affordance).value(number)
+
+
+def in_told_unit(capability: str, affordance: Affordance, document: object) -> Affordance | None:
+    """Return *affordance* in the unit that *document* names beside the value; None where that is no unit of it.
+
+    It is the affordance itself where none is named.
+    """
+    schema = affordance.schema
+    unit = document.get(schema.unit_member) if schema.unit_member and isinstance(document, dict) else None
+    if unit is None:
+        return affordance
+    if not isinstance(unit, str) or _known_conversion(capability, unit) is None:
+        return None
+    return replace(affordance, schema=replace(schema, unit=unit))
 
 
 def bounds_of(capability: str, affordance: Affordance) -> tuple[float, ...]:
@@ -106,5 +121,9 @@ def _is_fahrenheit(capability: str, affordance: Affordance) -> bool:
 
 def _conversion(capability: str, affordance: Affordance) -> Conversion:
     unit = unit_of(affordance.schema)
+    return (_known_conversion(capability, unit) if unit else None) or Conversion()
+
+
+def _known_conversion(capability: str, unit: str) -> Conversion | None:
     measured = "temperature" if CAPABILITIES[capability].unit == "°C" else capability
-    return (conversion_of(measured, unit[:_LONGEST_UNIT]) if unit else None) or Conversion()
+    return conversion_of(measured, unit[:_LONGEST_UNIT])

@@ -99,6 +99,8 @@ class DataSchema:
             one. The other fields are those of the member.
         words: Texts that come in place of a number, such as ``unmeasurable``; the number is unknown then.
         members: Of an object with several members, those that hold one value each and are always there, by name.
+        unit_member: The name of the member beside :attr:`member` that names the unit of a value, where it is not
+            :attr:`unit`.
     """
 
     type: DataType = ""
@@ -109,6 +111,7 @@ class DataSchema:
     member: str = ""
     words: tuple[str, ...] = ()
     members: tuple[tuple[str, DataSchema], ...] = ()
+    unit_member: str = ""
 
 
 @dataclass(frozen=True, slots=True)

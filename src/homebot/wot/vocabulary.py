@@ -171,6 +171,7 @@ UNITS: Mapping[str, str] = {
     "degree_fahrenheit": "°F",
     "degreefahrenheit": "°F",
     "deg_f": "°F",
+    "f": "°F",
     "kelvin": "K",
     "mired": "mired",
     "watt": "W",

@@ -11,13 +11,15 @@ import pytest
 import structlog
 
 from homebot.clock import Clock, LoopClock
+from homebot.conventions.coap.link_format import parse_links
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import LinkError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.things.port import ThingPayload
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
-from homebot.wot import CONTEXT, Form, RequestBinding, read_thing
+from homebot.wot import CONTEXT, Form, RequestBinding, Thing, read_thing
+from homebot.wot.coap.resource_types import thing_of_links
 
 pytestmark = pytest.mark.virtual_time
 
@@ -127,11 +129,11 @@ class RecordingHost:
 
 
 class Rig:
-    def __init__(self, description: dict[str, Any] | None = None, **port: Any) -> None:
+    def __init__(self, description: dict[str, Any] | Thing | None = None, **port: Any) -> None:
         self.host = RecordingHost()
         values = {ON: b"false", BRIGHTNESS: b"127", HOT: b'"very"'} | port.pop("values", {})
         self.port = MadeUpPort(values, **port)
-        thing = read_thing(description or lamp())
+        thing = description if isinstance(description, Thing) else read_thing(description or lamp())
         self.thing = ThingDevice(thing, describe_thing(thing, "k", self.port.binding), self.port, self.host, 30.0)
 
     async def run_for(self, seconds: float) -> None:
@@ -332,3 +334,51 @@ async def test_one_bad_push_does_not_end_the_observation() -> None:
     assert rig.host.values["", "on_off"] is True
     assert len(rig.host.rejected) == 2
     assert ON not in rig.port.reads
+
+
+def ocf_thermostat(unit: str, measured: str, wanted: str) -> Rig:
+    """Return a thermostat of OCF, whose values name their unit; an empty *unit* is not named."""
+    named = f', "units": "{unit}"' if unit else ""
+    links = parse_links(
+        b'</m>;rt="oic.r.temperature";if="oic.if.s";ct=50,</w>;rt="oic.r.temperature";if="oic.if.a";ct=50'
+    )
+    thing = thing_of_links(links, {one.target: f"web://h{one.target}" for one in links}, "Heating")
+    values = {"web://h/m": measured, "web://h/w": wanted}
+    return Rig(thing, values={name: f'{{"temperature": {one}{named}}}'.encode() for name, one in values.items()})
+
+
+@pytest.mark.parametrize(
+    ("unit", "measured", "wanted", "written"),
+    [
+        ("F", "68", "69.8", b'{"temperature": 71.6}'),
+        ("K", "293.15", "294.15", b'{"temperature": 295.15}'),
+        ("C", "20", "21", b'{"temperature": 22}'),
+        ("", "20", "21", b'{"temperature": 22}'),
+    ],
+)
+async def test_a_value_that_names_its_unit_is_converted_and_set_in_it(
+    unit: str, measured: str, wanted: str, written: bytes
+) -> None:
+    rig = ocf_thermostat(unit, measured, wanted)
+    await rig.run_for(1)
+    assert rig.host.values == {
+        ("temperature", "temperature"): pytest.approx(20.0),
+        ("", "heating_setpoint"): pytest.approx(21.0),
+    }
+    await rig.thing.perform(command("heating_setpoint", 22.0))
+    assert rig.port.written == [("web://h/w", written)]
+
+
+async def test_a_unit_that_no_value_has_named_yet_is_asked_for_before_anything_is_set() -> None:
+    rig = ocf_thermostat("F", "68", "69.8")
+    await rig.thing.perform(command("heating_setpoint", 22.0))
+    await rig.thing.perform(command("heating_setpoint", 20.0))
+    assert rig.port.reads == ["web://h/w"]
+    assert [payload for _, payload in rig.port.written] == [b'{"temperature": 71.6}', b'{"temperature": 68}']
+
+
+async def test_a_value_in_a_unit_that_nobody_knows_is_none() -> None:
+    rig = ocf_thermostat("R", "527", "530")
+    await rig.run_for(1)
+    assert rig.host.values == {}
+    assert len(rig.host.rejected) == 2

@@ -22,6 +22,7 @@ from homebot.gateways.drivers.base import DriverHost
 from homebot.gateways.things.port import ThingPayload, ThingPort
 from homebot.isolation import run_as, ungrouped
 from homebot.wot import (
+    Affordance,
     Binding,
     ClassifiedAffordance,
     ClassifiedPart,
@@ -31,6 +32,7 @@ from homebot.wot import (
     encode_document,
     facts_of,
     identifiers_of,
+    in_told_unit,
     parts_of,
     writes_of,
 )
@@ -103,6 +105,7 @@ class ThingDevice:
         self._poll_every = poll_every
         self._parts: tuple[ClassifiedPart, ...] = parts_of(thing, port.binding)
         self._asked: list[_ThingSource] = []
+        self._in_units: dict[tuple[str, str], Affordance] = {}  # by part and capability: in the unit that came last
         self._asks_now = anyio.Event()
         self._is_reached = False
         self._refusal: RefusedError | None = None
@@ -135,13 +138,21 @@ class ThingDevice:
         if command.capability not in written:
             raise UnableError(f"{command.capability[:40]} of {command.part[:40]!r} cannot be set")
         values = writes_of(command.capability, command.value.plain(), written)
-        requests = [(*written[name], self._payload(*written[name], value)) for name, value in values]
+        for name, _ in values:
+            await self._learn_unit(command.part, written[name][0])
+        requests = [(*written[name], self._payload(command.part, *written[name], value)) for name, value in values]
         for one, form, payload in requests:
             await self._port.write(form, payload)
             if any(one is each for source in self._asked for _, each in source.affordances):
                 self._asks_now.set()
 
-    def _payload(self, one: ClassifiedAffordance, form: Form, value: PlainValue) -> bytes:
+    async def _learn_unit(self, part: str, one: ClassifiedAffordance) -> None:
+        """Ask for the unit of what is set, where only the thing's own values name it and none came yet."""
+        if one.affordance.schema.unit_member and (part, one.capability.name) not in self._in_units:
+            forms = self._port.binding.read_forms(one.affordance)
+            await self._ask_all(_grouped([(form, part, one) for form in forms[:1]]))
+
+    def _payload(self, part: str, one: ClassifiedAffordance, form: Form, value: PlainValue) -> bytes:
         if one.affordance.kind == "action":
             if value is not True:
                 raise RefusedError(f"{one.capability.name} {shown(value)}", "it takes only true")
@@ -149,7 +160,8 @@ class ThingDevice:
         format_ = self._port.binding.formats(form.content_type)
         if format_ is None:
             raise UnableError(f"the content type {form.content_type[:60]!r} is not understood")
-        return format_.encode(encode_document(one.capability, one.affordance, value))
+        affordance = self._in_units.get((part, one.capability.name), one.affordance)
+        return format_.encode(encode_document(one.capability, affordance, value))
 
     def _sources(self) -> tuple[_ThingSource, ...]:
         """Sort what is read into what is observed, which it returns, and what is asked for."""
@@ -256,7 +268,10 @@ class ThingDevice:
             if source.has_all and isinstance(document, dict) and one.affordance.name not in document:
                 continue
             mine = document[one.affordance.name] if source.has_all and isinstance(document, dict) else document
-            value = decode_document(one.capability, one.affordance, mine)
+            affordance = in_told_unit(one.capability.name, one.affordance, mine)
+            if one.affordance.schema.unit_member and affordance is not None:
+                self._in_units[part, one.capability.name] = affordance
+            value = None if affordance is None else decode_document(one.capability, affordance, mine)
             if value is None:
                 self._host.reject(payload.data, f"{one.affordance.name[:60]!a} cannot be {shown(mine)}")
             else:

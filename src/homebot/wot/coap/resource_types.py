@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from urllib.parse import unquote
 
@@ -39,6 +39,7 @@ class _Known:
         settable: Whether there are actuators of this kind.
         semantic: The semantic type, where the name does not say it.
         enum: The two spellings of no and yes, for a boolean that is spelt as text.
+        unit_member: The member of the object that names another unit.
     """
 
     name: str
@@ -49,6 +50,7 @@ class _Known:
     settable: bool = False
     semantic: str = ""
     enum: tuple[str, ...] = ()
+    unit_member: str = ""
 
 
 _OCF: Mapping[str, _Known] = MappingProxyType(
@@ -61,7 +63,7 @@ _OCF: Mapping[str, _Known] = MappingProxyType(
         "oic.r.lock.status": _Known(
             "lock", "string", member="lockState", settable=True, semantic="LockedProperty", enum=("Unlocked", "Locked")
         ),
-        "oic.r.temperature": _Known("temperature", "number", "celsius", member="temperature"),
+        "oic.r.temperature": _Known("temperature", "number", "celsius", member="temperature", unit_member="units"),
         "oic.r.humidity": _Known("humidity", "number", "%", member="humidity"),
         "oic.r.sensor.illuminance": _Known("illuminance", "number", "lux", member="illuminance"),
         "oic.r.sensor.atmosphericpressure": _Known("pressure", "number", "hPa", member="atmosphericPressure"),
@@ -74,7 +76,7 @@ _OCF: Mapping[str, _Known] = MappingProxyType(
     }
 )
 
-_TARGET_TEMPERATURE = _Known("target_temperature", "number", "celsius", member="temperature", settable=True)
+_TARGET_TEMPERATURE = replace(_OCF["oic.r.temperature"], name="target_temperature", settable=True)
 """A temperature of OCF that can be set: what a thermostat measures has the same type."""
 
 _ONE_OR_ZERO = ("0", "1")
@@ -219,7 +221,7 @@ def _affordance(link: WebLink, href: str, lamps: Sequence[str]) -> Affordance | 
         kind="property",
         title=clean_text(link.get("title"), 60),
         types=(known.semantic,) if known.semantic else (),
-        schema=DataSchema(known.type, known.unit, low, high, known.enum, known.member),
+        schema=DataSchema(known.type, known.unit, low, high, known.enum, known.member, unit_member=known.unit_member),
         read_only=not is_settable,
         write_only=False,
         forms=_forms(link, href, content_type, known),
