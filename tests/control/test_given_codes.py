@@ -15,6 +15,7 @@ from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJour
 from homebot.devices.lease_messages import HoldPart, HoldRequest
 from homebot.devices.names import HOLD_PART, JOURNAL_ENTRIES, READ_JOURNAL
 from homebot.devices.value import PlainValue, Value
+from homebot.errors import LinkError
 from homebot.recording.lines import RecordedCommand
 from homebot.recording.recorded_commands import CommandNews
 
@@ -80,6 +81,34 @@ async def test_a_code_is_not_held(open_home: OpenHome) -> None:
         (denied,) = await entries(home)
         assert (denied.kind, CODE in str(denied)) == ("denied", False)
         assert home.commands == []
+
+
+@pytest.mark.parametrize("text", [CODE, f"text={CODE}", f"user {CODE}"])
+@pytest.mark.parametrize("capability", ["text", "number"])
+async def test_a_text_for_what_takes_a_code_is_noted_without_it(
+    open_home: OpenHome, capability: str, text: str
+) -> None:
+    """Whether or not it can be read, and whatever its address."""
+    async with open_home() as home:
+        home.put("keypad", "x_setting", capability, name="Pin Code", is_silent=True)
+        device = (await home.handle(Handle, "pin code")).device
+        await home.devices.tell(device, text)
+        found = await entries(home)
+        assert [one.kind for one in found] == ["requested", "published"]
+        assert ([one.value.plain() for one in found[0].settings], found[1].text) == ([CODE_GIVEN], CODE_GIVEN)
+
+
+@pytest.mark.parametrize(("name", "text"), [("Pin Code", CODE), ("Alarm", f'{{"code": "{CODE}"}}')])
+async def test_a_code_that_is_not_sent_is_noted_nowhere(open_home: OpenHome, name: str, text: str) -> None:
+    async with open_home() as home:
+        home.put("keypad", "x_setting", "text", name=name, is_silent=True)
+        device = (await home.handle(Handle, name.lower())).device
+        home.gateway.set_unavailable("no link")
+        with pytest.raises(LinkError, match=CODE):
+            await home.devices.tell(device, text)
+        found = await entries(home)
+        assert [one.kind for one in found] == ["requested", "outcome"]
+        assert (CODE in str(found), "its gateway memory is unavailable: no link" in str(found[1])) == (False, True)
 
 
 async def test_a_raw_text_with_a_code_is_noted_without_it(open_home: OpenHome) -> None:

@@ -9,7 +9,7 @@ from homebot.control.client_commands import POLICY, client_refusal
 from homebot.control.command import IssuedCommand
 from homebot.control.executor import CommandExecutor
 from homebot.control.journal import CommandJournal
-from homebot.control.journal.given_codes import MAY_BE_CODE, public_text, without_codes
+from homebot.control.journal.given_codes import CODE_GIVEN, MAY_BE_CODE, public_text, takes_code
 from homebot.control.judge import Judge
 from homebot.control.rehearsal import rehearsed_result
 from homebot.devices import Device, DevicePart
@@ -32,6 +32,7 @@ UNREAD: Final = "raw_text"
 """The capability that stands for a text of which nobody knows what it does; no verb but ``use`` is about it."""
 
 _LONGEST_NOTED: Final = 500
+_MAY_BE_CODE: Final = MAY_BE_CODE | {UNREAD}
 _ALWAYS_ASK: Final = "always_ask"
 _UNREADABLE: Final = "it always asks, and this text cannot be read as a command; command it by its handle"
 
@@ -65,16 +66,16 @@ class TextCommands:
         try:
             target = self._sender.target(device, request.payload)
         except RefusedError as exc:
-            return self._failed(request, Refused("gateway", exc.reason))
+            return self._failed(request, Refused("gateway", exc.reason), device)
         except LinkError as exc:
-            return self._failed(request, NoAnswer(0.0, str(exc)))
+            return self._failed(request, NoAnswer(0.0, str(exc)), device)
         return await self._send(request, device, target)
 
     async def _send(self, request: SendTextRequest, device: Device, target: TextTarget) -> SendTextResponse:
         part = part_at(device, target.gateway, target.address) or _unknown_part(device)
         capability, value = _setting(request.payload, part)
-        is_unread = capability == UNREAD
-        shown = _unread(request.payload, target.address) if is_unread else _shown(capability, value, part, device)
+        is_code = capability in _MAY_BE_CODE and takes_code(device, part.part)
+        shown = Setting.of(capability, CODE_GIVEN) if is_code else _shown(capability, value, target.address)
         now = self._clock.now()
         command = IssuedCommand(
             id=self._journal.requested(request.issuer, (device.id, part.id), (shown,), request.trigger, now),
@@ -98,11 +99,11 @@ class TextCommands:
         self._executor.note_text(command)
         try:
             sent = await self._sender.send(
-                device, request.payload, target, request.issuer, request.trigger, command_id=command.id
+                request.payload, target, request.issuer, request.trigger, command_id=command.id
             )
         except LinkError as exc:
             return self._ended(request, part.id, NoAnswer(0.0, str(exc), command_id=command.id))
-        self._journal.published(device.id, sent, self._clock.now())
+        self._journal.published(device.id, sent, self._clock.now(), is_code=is_code)
         return SendTextResponse(success=True, others=target.others, command_id=command.id)
 
     def _refusal(self, command: IssuedCommand) -> Refused | None:
@@ -112,10 +113,12 @@ class TextCommands:
             return Refused(_ALWAYS_ASK, _UNREADABLE, command_id=command.id)
         return self._executor.refusal(command)
 
-    def _failed(self, request: SendTextRequest, outcome: Outcome) -> SendTextResponse:
+    def _failed(self, request: SendTextRequest, outcome: Outcome, device: Device | None = None) -> SendTextResponse:
         """End a text before it is known what it means."""
-        place, shown = (request.device, ""), (_unread(request.payload, ""),)
-        name = self._journal.requested(request.issuer, place, shown, request.trigger, self._clock.now())
+        is_code = device is not None and any(takes_code(device, one.part) for one in device.parts)
+        shown = Setting.of(UNREAD, CODE_GIVEN) if is_code else _shown(UNREAD, request.payload, "")
+        place = (request.device, "")
+        name = self._journal.requested(request.issuer, place, (shown,), request.trigger, self._clock.now())
         return self._ended(request, "", replace(outcome, command_id=name))
 
     def _ended(self, request: SendTextRequest, part: str, outcome: Outcome) -> SendTextResponse:
@@ -133,14 +136,12 @@ def _setting(payload: str, part: DevicePart) -> tuple[str, PlainValue]:
     return UNREAD, payload
 
 
-def _shown(capability: str, value: PlainValue, part: DevicePart, device: Device) -> Setting:
-    """Return a setting of *part* as the journal may have it."""
-    setting = Setting.of(capability, value[:_LONGEST_NOTED] if isinstance(value, str) else value)
-    return without_codes((setting,), device, part)[0] if capability in MAY_BE_CODE else setting
-
-
-def _unread(payload: str, address: str) -> Setting:
-    return Setting.of(UNREAD, public_text(payload, address)[:_LONGEST_NOTED])
+def _shown(capability: str, value: PlainValue, address: str) -> Setting:
+    """Return what is set by a text to *address* as the journal may have it."""
+    if isinstance(value, str):
+        text = public_text(value, address) if capability == UNREAD else value
+        return Setting.of(capability, text[:_LONGEST_NOTED])
+    return Setting.of(capability, value)
 
 
 def _unknown_part(device: Device) -> DevicePart:

@@ -41,16 +41,23 @@ class TextCommander:
         except ServiceError as exc:
             if isinstance(exc, ServiceUnavailableError) and not self._control.service_is_ready():
                 return await self._send_past_control(device, request)
-            raise LinkError(f"{payload!r} was not sent to {device.id}: {exc}") from exc
+            raise _not_sent(request, str(exc)) from exc
         if response.problem == "refused":
             raise RefusedError(f"a command to {device.id}", response.message)
         if not response.success:
-            raise LinkError(response.message)
+            raise _not_sent(request, response.message)
         return response.others
 
     async def _send_past_control(self, device: Device, request: SendTextRequest) -> tuple[str, ...]:
         if self._node.graph.get_node(RUNTIME_NODE) is not None:
             raise LinkError(NO_CONTROL)
-        target = self._sender.target(device, request.payload)
-        await self._sender.send(device, request.payload, target, request.issuer, request.trigger)
+        try:
+            target = self._sender.target(device, request.payload)
+            await self._sender.send(request.payload, target, request.issuer, request.trigger)
+        except LinkError as exc:
+            raise _not_sent(request, str(exc)) from exc
         return target.others
+
+
+def _not_sent(request: SendTextRequest, why: str) -> LinkError:
+    return LinkError(f"{request.payload!r} was not sent to {request.device}: {why}")

@@ -72,11 +72,10 @@ class TextSender:
             raise problem
         if not gateway:
             raise RefusedError(f"a command to {device.id}", "it takes no commands")
-        raise _away(device, payload, gateway, self._gateways[gateway].unavailable)
+        raise _away(gateway, self._gateways[gateway].unavailable)
 
     async def send(
         self,
-        device: Device,
         payload: str,
         target: TextTarget,
         issuer: str,
@@ -94,7 +93,7 @@ class TextSender:
         )
         has_waited = await peer.out.send(command)
         if has_waited and not peer.out.reaches(peer.node):  # it went while its queue was full
-            raise _away(device, payload, target.gateway)
+            raise _away(target.gateway)
         return command
 
 
@@ -149,6 +148,6 @@ def _target(device: Device, endpoint: Endpoint, payload: str) -> TextTarget:
     return TextTarget(endpoint.gateway, address, others_at(device, address, payload))
 
 
-def _away(device: Device, payload: str, gateway: str, unavailable: str = "") -> LinkError:
-    why = f"unavailable: {unavailable}" if unavailable else "not running"
-    return LinkError(f"{payload!r} was not sent to {device.id}: its gateway {gateway} is {why}")
+def _away(gateway: str, unavailable: str = "") -> LinkError:
+    """Return an error that says nothing of the text, which may be a code."""
+    return LinkError(f"its gateway {gateway} is {f'unavailable: {unavailable}' if unavailable else 'not running'}")

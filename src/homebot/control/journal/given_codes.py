@@ -12,7 +12,7 @@ from homebot.devices.command_messages import Setting
 from homebot.devices.part import Part
 from homebot.devices.value import Value
 
-__all__ = ["CODE_GIVEN", "MAY_BE_CODE", "is_for_code", "public_text", "without_codes"]
+__all__ = ["CODE_GIVEN", "MAY_BE_CODE", "is_for_code", "public_text", "takes_code", "without_codes"]
 
 CODE_GIVEN: Final = "a code"
 """Stands for the code, in the place of its value."""
@@ -30,10 +30,16 @@ _MOST_READ: Final = 5_000
 
 def without_codes(settings: tuple[Setting, ...], device: Device, part: DevicePart) -> tuple[Setting, ...]:
     """Return *settings*, which are for *part* of *device*, with :data:`CODE_GIVEN` for each code."""
-    if MAY_BE_CODE.isdisjoint(one.capability for one in settings) or not _takes_code(device, part.part):
+    if MAY_BE_CODE.isdisjoint(one.capability for one in settings) or not takes_code(device, part.part):
         return settings
     given = Value.of(CODE_GIVEN)
     return tuple(one.with_checked(value=given) if one.capability in MAY_BE_CODE else one for one in settings)
+
+
+def takes_code(device: Device, part: Part) -> bool:
+    """Return whether a text or number for *part* is a code, by any of its names."""
+    names = (part.name or device.name, part.id, part.advertised)
+    return any(map(names_secret, names))
 
 
 @lru_cache(maxsize=1024)
@@ -56,9 +62,3 @@ def _without_code(field: re.Match[str]) -> str:
     if key.endswith(_ENDS) or key == "pin" or names_secret(key):
         return f'"{field["key"]}"{field["colon"]}"***"'
     return field[0]
-
-
-def _takes_code(device: Device, part: Part) -> bool:
-    """Return whether a text or number for *part* is a code, by any of its names."""
-    names = (part.name or device.name, part.id, part.advertised)
-    return any(map(names_secret, names))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, final
 import anyio
 
 from homebot.control.journal.explained_changes import ExplainedChanges
-from homebot.control.journal.given_codes import is_for_code, public_text
+from homebot.control.journal.given_codes import CODE_GIVEN, is_for_code, public_text
 from homebot.control.journal.journal_note import JournalNote
 from homebot.devices import FIND_DEVICES, FindDevices, RawCommand
 from homebot.devices.command_messages import CommandResult, Setting
@@ -187,10 +187,15 @@ class CommandJournal:
         kind: EntryKind = "reported" if command_id else "changed"
         self._keep(JournalNote(kind, at, change.device, change.part, command_id, settings=settings))
 
-    def published(self, device: str, command: RawCommand, at: float, *, is_sent: bool = True) -> None:
-        """Note a raw command for a device, and whether it is sent; it came at *at*, in seconds since the Unix epoch."""
+    def published(
+        self, device: str, command: RawCommand, at: float, *, is_sent: bool = True, is_code: bool = False
+    ) -> None:
+        """Note a raw command for a device, whether it is sent, and whether it is known for a code.
+
+        It came at *at*, in seconds since the Unix epoch.
+        """
         name = command.command_id or next(self._ids)
-        text = command.payload
+        text = CODE_GIVEN if is_code else command.payload
         if not text.isalpha() or is_for_code(command.address):  # a word such as "on" is no code
             text = public_text(text, command.address)
         text = text[:_LONGEST]
