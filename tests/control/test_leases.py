@@ -16,6 +16,7 @@ from homebot.control.leases import MOST_HOLDERS, Lease, LeaseHolder, Leases
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Closure, DoorLock, Light, Thermostat
+from homebot.devices.journal_messages import ReadJournalRequest
 from homebot.devices.lease_messages import (
     EndLeases,
     GetLeases,
@@ -367,7 +368,7 @@ async def test_who_holds_or_commands_what_is_not_there_is_told_what_is(
         (("left", "right"), (False, "gone")),
     ],
 )
-async def test_a_part_is_named_only_where_several_take_what_is_held(
+async def test_a_part_is_named_only_where_several_take_what_is_held_or_commanded(
     open_home: OpenHome, relays: tuple[str, ...], answer: tuple[bool, str]
 ) -> None:
     """A child lock, which is a setting, is not what is meant by a plug."""
@@ -383,6 +384,12 @@ async def test_a_part_is_named_only_where_several_take_what_is_held(
         assert (held.held, held.result.outcome) == answer
         assert [one.part for one in home.commands] == ["relay"] * 3 * held.held
         assert ("it has lock, left, right" in held.result.text) is not held.held
+        command = CommandRequest(device="plug", settings=(lit,), issuer="/cook")
+        result = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(command, timeout=600)
+        assert (result.outcome, result.text) == (held.result.outcome, held.result.text)
+        assert [one.part for one in home.commands] == ["relay"] * 6 * held.held
+        journal = await home.control.read_journal(ReadJournalRequest(device="plug"))
+        assert {one.part for one in journal.entries} == {"relay" if held.held else ""}
 
 
 @pytest.mark.parametrize(("word", "by", "ttl"), [("open", "", 10), ("open", "  ", 10), ("open", "robot", 0.5)])

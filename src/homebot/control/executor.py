@@ -22,6 +22,7 @@ from homebot.control.judge import Judge
 from homebot.control.late_answers import LateAnswers
 from homebot.control.learnt_persistence import LearntPersistence
 from homebot.control.leases import Leases
+from homebot.control.meant_part import meant_part
 from homebot.control.missing_part import missing_part
 from homebot.control.pending import PendingCommand
 from homebot.control.pending_commands import PendingCommands
@@ -122,14 +123,24 @@ class CommandExecutor:
 
     async def perform(self, request: CommandRequest) -> CommandResult:
         """Carry a command out, and return what became of it."""
-        place, shown = (request.device, request.part), request.settings
+        asked_at, device, unanswered = self._clock.now(), None, ""
+        try:
+            device = await self.find_device(request.device)
+        except ServiceError as exc:
+            unanswered = str(exc)
+        part = None if device is None else meant_part(device, request.part, request.settings)
+        place, shown = (request.device, request.part if part is None else part.id), request.settings
         for one in request.settings:
             if one.capability in MAY_BE_CODE:
-                shown = await self._shown(request)
+                shown = () if device is None or part is None else without_codes(request.settings, device, part)
                 break
-        name = self._journal.requested(request.issuer, place, shown, request.trigger, self._clock.now())
-        command = await self._command(name, request)
-        result = await self._carry_out(command) if isinstance(command, IssuedCommand) else command
+        name = self._journal.requested(request.issuer, place, shown, request.trigger, asked_at)
+        if unanswered:
+            result = result_of(NoAnswer(0.0, unanswered, command_id=name))
+        elif device is None or part is None:
+            result = missing_part(request.device, request.part, device, name)
+        else:
+            result = await self._carry_out(self._issued(name, request, device, part))
         self._journal.decided(name, request.issuer, place, result)
         return result
 
@@ -173,29 +184,6 @@ class CommandExecutor:
         if self._late.awaited:
             self._late.end(command.place)
 
-    async def _shown(self, request: CommandRequest) -> tuple[Setting, ...]:
-        """Return the settings of *request* as the journal may have them."""
-        try:
-            device = await self.find_device(request.device)
-        except ServiceError:
-            device = None
-        part = None if device is None else device.part(request.part)
-        return () if device is None or part is None else without_codes(request.settings, device, part)
-
-    async def _command(self, name: str, request: CommandRequest) -> IssuedCommand | CommandResult:
-        """Return the command that *request* is; its result where there is no such part, or no right to it."""
-        try:
-            device = await self.find_device(request.device)
-        except ServiceError as exc:
-            return result_of(NoAnswer(0.0, str(exc), command_id=name))
-        part = None if device is None else device.part(request.part)
-        if device is None or part is None:
-            return missing_part(request.device, request.part, device, name)
-        command = self._issued(name, request, device, part)
-        if command.is_wish and (problem := client_refusal(command)):
-            return result_of(Refused(POLICY, problem, command_id=name))
-        return command
-
     def _issued(self, name: str, request: CommandRequest, device: Device, part: DevicePart) -> IssuedCommand:
         return IssuedCommand(
             name,
@@ -213,6 +201,8 @@ class CommandExecutor:
         )
 
     async def _carry_out(self, command: IssuedCommand) -> CommandResult:
+        if command.is_wish and (problem := client_refusal(command)):
+            return result_of(Refused(POLICY, problem, command_id=command.id))
         if len(self._pending.newest) >= MOST_PENDING:
             problem = f"{MOST_PENDING:,} commands wait for their outcome"
             return result_of(Refused("control", problem, command_id=command.id))

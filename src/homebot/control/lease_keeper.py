@@ -20,9 +20,10 @@ from homebot.control.journal import CommandJournal
 from homebot.control.journal.given_codes import without_codes
 from homebot.control.journal.journal import LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, held_text
+from homebot.control.meant_part import meant_part
 from homebot.control.missing_part import missing_part
 from homebot.control.value_text import value_text
-from homebot.devices import Device, DevicePart
+from homebot.devices import DevicePart
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
 from homebot.devices.command_results import outcome_of, result_of
@@ -96,7 +97,7 @@ class LeaseKeeper:
             device = await self._executor.find_device(request.device)
         except ServiceError as exc:
             return LeaseResponse(held=False, result=result_of(NoAnswer(0.0, str(exc))))
-        part = None if device is None else _meant_part(device, request)
+        part = None if device is None else meant_part(device, request.part, (request.setting,))
         if device is None or part is None:
             return LeaseResponse(held=False, result=missing_part(request.device, request.part, device))
         request = request.with_checked(part=part.id, setting=_setting_of(request.setting, part))
@@ -291,19 +292,6 @@ class LeaseKeeper:
     def _log(self, event: str, lease: Lease, text: str) -> None:
         device, part = lease.part
         self._node.log.info(event, message=f"{device}#{part} {text}" if part else f"{device} {text}", device=device)
-
-
-def _meant_part(device: Device, request: HoldRequest) -> DevicePart | None:
-    """Return the part that *request* names; without a name, the only one that takes what is held, settings last."""
-    part = device.part(request.part)
-    if part is not None or request.part:
-        return part
-    capability = request.setting.capability
-    able = [
-        part for part in device.parts if any(one.settable and one.name == capability for one in part.part.capabilities)
-    ]
-    found = [one for one in able if not one.part.category] or able
-    return found[0] if len(found) == 1 else None
 
 
 def _setting_of(wanted: Setting, part: DevicePart) -> Setting:

@@ -60,7 +60,7 @@ class CommandRequest(Message):
 
     Attributes:
         device: The id of the device.
-        part: The id of the part.
+        part: The id of the part; empty for the only one that takes all settings, those that are settings aside.
         settings: What to set, each capability once.
         transition: Seconds that the change takes, where the device supports that.
         code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
@@ -75,7 +75,7 @@ class CommandRequest(Message):
     model_config = ConfigDict(hide_input_in_errors=True)
 
     device: str
-    part: str
+    part: str = ""
     settings: Annotated[tuple[Setting, ...], Field(min_length=1, max_length=MOST_SETTINGS)]
     transition: float = 0.0
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
