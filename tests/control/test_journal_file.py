@@ -275,6 +275,23 @@ async def test_a_flood_while_the_disk_is_away_is_bounded_and_counted(
         assert await read(store) == tuple(entry(number) for number in range(15, 25))
 
 
+async def test_what_comes_while_the_file_is_opened_costs_the_oldest_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("homebot.control.journal.file_store._MOST_WAITING", 10)
+    async with opened(tmp_path / "journal.sqlite") as store:
+        for number in range(10):
+            store.add(note(number))
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(store.read, ReadJournalRequest())
+            for number in range(10, 15):
+                await anyio.lowlevel.checkpoint()
+                store.add(note(number))
+        found = await read(store)
+        assert len(found) >= 10
+        assert found == tuple(entry(number) for number in range(15 - len(found), 15))
+
+
 async def test_what_the_door_refused_and_was_not_noted_yet_is_counted_at_a_stop(tmp_path: Path) -> None:
     path = tmp_path / "journal.sqlite"
     graph = Graph(ManualClock(NOW))

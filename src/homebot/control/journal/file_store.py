@@ -159,13 +159,12 @@ class FileStore:
     async def _write(self) -> None:
         async with self._turn:
             while (self._waiting or self._learnt) and not self._is_unusable:
-                batch = tuple(islice(self._waiting, _BATCH))
                 file = await self._opened()
-                if file is None or not await self._write_batch(file, batch):
+                if file is None or not await self._write_batch(file):
                     return
 
-    async def _write_batch(self, file: JournalFile, batch: tuple[JournalNote, ...]) -> bool:
-        oldest = self._clock.now() - self._longest
+    async def _write_batch(self, file: JournalFile) -> bool:
+        oldest, batch = self._clock.now() - self._longest, tuple(islice(self._waiting, _BATCH))
         before, learnt = self._overrun, tuple(self._learnt.values())
         try:
             self.dropped += await to_thread.run_sync(file.write, batch, learnt, oldest, self._most_bytes)
