@@ -10,6 +10,7 @@ import anyio
 import pytest
 from structlog.testing import capture_logs
 
+from homebot.clock import Clock, ManualClock
 from homebot.devices import (
     DEVICE_CHANGES,
     FIND_DEVICES,
@@ -20,9 +21,10 @@ from homebot.devices import (
     Sighting,
 )
 from homebot.devices.gateway_messages import REACHABLE, Report
+from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.devices.value import Reading, Value
 from homebot.discovery import Directory, DirectorySettings
-from homebot.graph import Graph, Node, Subscription, qos_profile_latched
+from homebot.graph import Client, Graph, Node, Subscription, qos_profile_latched
 from homebot.messages import String, Time
 from homebot.testing import FakeGateway, FakeGatewaySettings
 
@@ -60,8 +62,8 @@ async def directory_on(graph: Graph, **settings: object) -> AsyncIterator[Direct
 
 
 @asynccontextmanager
-async def layer(**settings: object) -> AsyncIterator[Layer]:
-    graph = Graph()
+async def layer(clock: Clock | None = None, **settings: object) -> AsyncIterator[Layer]:
+    graph = Graph(clock)
     async with (
         Node(graph, "fake", namespace="/gateway") as node,
         Node(graph, "watcher") as watcher,
@@ -205,6 +207,30 @@ async def test_a_flood_of_devices_is_all_announced_but_not_all_told() -> None:
             house.gateway.sees("lights/last")
             await anyio.sleep(0.001)
         assert lines[-1]["message"].endswith("(and 450 more like this)")
+
+
+async def test_who_asks_in_a_flood_is_answered_before_it_ends() -> None:
+    """As many devices come in a turn as a gateway hands over in one, and no answer waits for the last of them."""
+    answered = anyio.Event()
+
+    async def ask(find: Client[FindDevicesRequest, FindDevicesResponse]) -> None:
+        await find.call(FindDevicesRequest())
+        answered.set()
+
+    clock = ManualClock()
+    async with layer(clock) as house, anyio.create_task_group() as tasks:
+        find = house.watcher.create_client(FindDevices, FIND_DEVICES)
+        for turn in range(100):
+            if turn == 20:
+                tasks.start_soon(ask, find)
+            for number in range(30):
+                house.gateway.sees(f"lights/{turn}-{number}")
+            clock.advance(0.01)
+            await anyio.lowlevel.checkpoint()
+            if answered.is_set():
+                break
+        assert answered.is_set()
+        tasks.cancel_scope.cancel()
 
 
 async def test_many_devices_that_fall_silent_together_are_all_announced() -> None:

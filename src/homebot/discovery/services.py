@@ -6,6 +6,7 @@ from collections.abc import Awaitable, Callable
 
 import anyio.lowlevel
 
+from homebot.clock import SLICE
 from homebot.devices import (
     FIND_DEVICES,
     GET_CHANGES,
@@ -182,16 +183,29 @@ class DirectoryServices:
         )
 
     async def _catch_up(self) -> None:
-        """Publish the changes that wait, and make them findable, in small steps; few come after the last one."""
+        """Publish the changes that wait, and make them findable, in small steps; few come after the last one.
+
+        It works as long as all others did in their last turn, or a flood would bring more than it gets done.
+        """
         if not self._index.is_behind:
             return
+        monotonic = self._clock.monotonic
+        until = 0.0
         for _ in range(_MOST_TURNS):
-            self._publish_some(_FEW)
-            self._index.sort(_FEW)
+            while self._step() and monotonic() < until:
+                pass
             if not self._index.is_behind:
                 return
+            left = monotonic()
             await anyio.lowlevel.checkpoint()
+            back = monotonic()
+            until = back + min(back - left, SLICE)
         self._publish_all()
+
+    def _step(self) -> bool:
+        self._publish_some(_FEW)
+        self._index.sort(_FEW)
+        return self._index.is_behind
 
     def _publish_all(self) -> None:
         while self._publish_some(_FEW):
