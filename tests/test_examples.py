@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
+import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -41,6 +44,32 @@ def test_the_app_runs_as_a_program_until_ctrl_c() -> None:
         _, rest = process.communicate(timeout=120)
     assert "Traceback" not in rest
     assert process.returncode == 0
+
+
+def test_the_gateway_runs_as_the_list_says_and_changes_nothing_of_the_example(tmp_path: Path) -> None:
+    """Its lamps are files that it writes: they are made, in a folder that git ignores."""
+    row = next(line for line in (EXAMPLES / "README.md").read_text().splitlines() if line.startswith("| `06_gateway/`"))
+    begin, *prepare, run = re.findall(r"`(.*?)`", row)[1].split(" && ")
+    assert begin == "cd examples/06_gateway"
+    assert prepare
+    assert "/examples/06_gateway/lamps/" in (EXAMPLES.parent / ".gitignore").read_text().splitlines()
+    folder = tmp_path / "06_gateway"
+    shutil.copytree(EXAMPLES / "06_gateway", folder, ignore=shutil.ignore_patterns("lamps", "__pycache__"))
+    given = {path: path.read_bytes() for path in folder.iterdir()}
+    for command in prepare:
+        subprocess.run(["sh", "-c", command], cwd=folder, check=True)
+    program, *arguments = shlex.split(run)
+    assert program == "homebot"
+    started = [sys.executable, "-m", "homebot", *arguments]
+    environment = {**unmarked(), "HOMEBOT_DOOR": "127.0.0.1:0"}
+    with subprocess.Popen(started, stderr=subprocess.PIPE, text=True, env=environment, cwd=folder) as process:
+        assert process.stderr is not None
+        assert any("found hall on folder" in line for line in process.stderr)  # reads until that line
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=120)
+    assert process.returncode == 0
+    assert {path: path.read_bytes() for path in given} == given
+    assert {path.name for path in folder.iterdir()} - {path.name for path in given} <= {"lamps", "__pycache__"}
 
 
 def test_every_example_is_in_the_list() -> None:
