@@ -222,6 +222,28 @@ async def test_a_command_that_is_sent_again_is_no_repeated_echo(open_home: OpenH
         assert outcome.evidence is Evidence.REPORTED
 
 
+async def test_an_echo_when_it_is_sent_again_takes_no_slow_answer_back(open_home: OpenHome) -> None:
+    async def behaviour(home: Home, command: Command) -> None:
+        is_again = [one.capability for one in home.commands].count(command.capability) > 1
+        if command.capability == "on_off":
+            home.later(ECHO if is_again else 0.4, "lamp", "on_off", True)
+        elif is_again:
+            home.later(0.5, "lamp", "level", command.value.plain())
+
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level", "color_temperature")
+        lamp = await home.handle(Light)
+        for _ in range(3):
+            await seconds_and_outcome(home, lamp, (ECHO, True), (1.5, False))
+            await anyio.sleep(20)
+        home.commands.clear()
+        home.behaviours["lamp"] = behaviour
+        outcome = await lamp.commands({"on_off": True, "level": 40.0})
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.REPORTED
+        assert [one.capability for one in home.commands] == ["on_off", "level"] * 2
+
+
 def test_the_longest_unused_is_forgotten_also_by_the_store() -> None:
     kept: dict[str, str] = {}
     history = EchoHistory(lambda name, record, _: kept.update({name: record}))

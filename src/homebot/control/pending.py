@@ -210,7 +210,7 @@ class PendingCommand:
         if is_met:
             self.note_again(capability, value, now)
         if is_met and self.echoes is not NO_ECHOES and self._is_echo(capability, now):
-            if capability not in self._answered:
+            if capability not in self._answered and capability not in self._fitting:
                 self._seen.pop(capability, None)  # it was reported before the bridge had the command
             self._wake()
             return is_news
