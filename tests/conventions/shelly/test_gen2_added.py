@@ -63,6 +63,16 @@ def test_the_pages_are_asked_for_one_after_the_other_and_count_together(gateway:
     ]
 
 
+def test_the_question_for_the_next_page_takes_the_place_of_no_other(gateway: Say) -> None:
+    """Who is asked again, as after a new link, may be telling the first page meanwhile."""
+    gateway(ANSWERS, page(0, 1, sensor(200, 21.5)))
+    (again,) = gateway(f"{ID}/online", "true")
+    (more,) = gateway(ANSWERS, page(0, 3, sensor(200, 21.5), sensor(201, 4.0)))
+    assert isinstance(again, DeviceRequest)
+    assert isinstance(more, DeviceRequest)
+    assert again.key != more.key
+
+
 def test_the_same_pages_tell_how_it_is(gateway: Say, part: Find) -> None:
     found = part(gateway(ANSWERS, page(0, 1, sensor(200, 21.5))), "bthomesensor:200")
     message = json.dumps(page(0, 1, sensor(200, 22.0))).encode()

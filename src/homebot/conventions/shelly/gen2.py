@@ -150,7 +150,8 @@ class Gen2:
             return ()
         if kind == "components":
             if following := self._take_page(device, result, len(payload)):
-                return (DeviceRequest(device.prefix, (self._call_components(device, following),)),)
+                key = f"{device.prefix}#{page_name(following)}"  # its own: perhaps all is about to be asked again
+                return (DeviceRequest(key, (self._call_components(device, following),)),)
         elif not self._keep(device, kind, result, len(payload)):
             return ()
         return self._described(device, f"{device.prefix}/rpc", text_of(source))
