@@ -66,6 +66,7 @@ async def test_an_imported_thing_is_sighted_heard_and_told(
         assert (await house.command(KEY, "", "on_off", False)).success
         assert [(one.topic, one.payload) for one in await house.heard()] == [
             ("desk/brightness", b"51"),
+            ("desk/on/set", b"true"),
             ("desk/on/set", b"false"),
         ]
         refused = await house.command(KEY, "", "color", (1.0, 1.0))
