@@ -6,6 +6,8 @@ from typing import Any
 
 import pytest
 
+from homebot.devices.text.commands import decode_command
+from homebot.errors import RefusedError
 from homebot.wot.binding import RequestBinding
 from homebot.wot.classify import ClassifiedPart, parts_of
 from homebot.wot.parse import read_thing
@@ -188,3 +190,18 @@ def test_a_colour_of_three_numbers_is_a_colour() -> None:
     assert [decode_document(color.capability, color.affordance, one) for one in documents] == [
         *(((0.0, 100.0),), None, None, None)
     ]
+
+
+@pytest.mark.parametrize("least", [0, 1])
+def test_a_lamp_with_a_brightness_alone_is_off_at_zero_where_its_range_has_that(least: int) -> None:
+    (lamp,) = parts({"brightness": {"type": "integer", "minimum": least, "maximum": 100}}, ("Light",))
+    with pytest.raises(RefusedError, match="this part takes off, a number from 0 to 1"):
+        decode_command("banana", lamp.part)
+    (level,) = lamp.affordances
+    assert decode_command("off", lamp.part) == ("level", 0.0)
+    if least == 0:
+        assert encode_document(level.capability, level.affordance, 0.0) == 0
+    else:
+        with pytest.raises(RefusedError, match="its brightness is never below 1, and it has no switch"):
+            encode_document(level.capability, level.affordance, 0.0)
+    assert encode_document(level.capability, level.affordance, 100.0) == 100

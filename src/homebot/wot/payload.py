@@ -149,18 +149,25 @@ def _encode(capability: Capability, affordance: Affordance, value: PlainValue) -
             raise RefusedError(what, "it takes true or false")
         return _encode_flag(affordance, value)
     if kind == "number":
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise RefusedError(what, "it takes a number")
-        bounds = capability.bounds or CAPABILITIES[name].bounds
-        if bounds and not bounds[0] <= value <= bounds[-1]:
-            raise RefusedError(what, f"it takes {bounds[0]:g} to {bounds[-1]:g}")
-        number = on_the_wire(name, affordance, value)
-        if not math.isfinite(number):
-            raise RefusedError(what, "it takes a number that its format can express")
-        return int(number) if number.is_integer() else number
+        return _encode_number(what, capability, affordance, value)
     if not isinstance(value, str) or (capability.options and value not in capability.options):
         raise RefusedError(what, f"it takes {', '.join(capability.options[:20])}" if capability.options else "a text")
     return value
+
+
+def _encode_number(what: str, capability: Capability, affordance: Affordance, value: PlainValue) -> object:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise RefusedError(what, "it takes a number")
+    bounds = capability.bounds or CAPABILITIES[capability.name].bounds
+    if bounds and not bounds[0] <= value <= bounds[-1]:
+        raise RefusedError(what, f"it takes {bounds[0]:g} to {bounds[-1]:g}")
+    least = affordance.schema.minimum or 0
+    if capability.name == "level" and value == 0 and least > 0:  # to which 0 % would be rounded up, and the lamp shine
+        raise RefusedError(what, f"its {affordance.name[:60]} is never below {least:g}, and it has no switch")
+    number = on_the_wire(capability.name, affordance, value)
+    if not math.isfinite(number):
+        raise RefusedError(what, "it takes a number that its format can express")
+    return int(number) if number.is_integer() else number
 
 
 def _decode(capability: Capability, affordance: Affordance, value: object) -> PlainValue:

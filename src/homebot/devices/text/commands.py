@@ -134,6 +134,7 @@ def _number_command(number: float, settable: Mapping[str, Capability]) -> tuple[
 
 def _known(settable: Mapping[str, Capability]) -> str:
     words = [text for text, command in _PHRASES.items() if any(name in settable for name, _ in command)]
+    words += ["off"] if "off" not in words and any(name in settable for name in SPEED_WORDS) else []
     words += ["2700 K"] if "color_temperature" in settable else []
     name = next((name for name in _NUMBERS if name in settable), None)
     words += [] if name is None else ["a number from 0 to 1" if name in FRACTION_CAPABILITIES else "a number"]
