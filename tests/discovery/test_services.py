@@ -10,7 +10,7 @@ import anyio
 import anyio.lowlevel
 import pytest
 
-from homebot.clock import LoopClock
+from homebot.clock import LoopClock, ManualClock
 from homebot.devices import (
     DEVICE_STATES,
     FIND_DEVICES,
@@ -28,8 +28,11 @@ from homebot.devices.health import GetHealth
 from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE, MERGE_DEVICES, SPLIT_DEVICE, GatewayNames
 from homebot.devices.part import Part
 from homebot.devices.query import QueryTerm, parse_query, query_terms
-from homebot.devices.services import ForgetDevice, MergeDevices, SplitDevice
+from homebot.devices.services import FindDevicesRequest, FindDevicesResponse, ForgetDevice, MergeDevices, SplitDevice
 from homebot.discovery import Directory, DirectorySettings
+from homebot.discovery.index import DeviceIndex
+from homebot.discovery.persistence import IndexPersistence
+from homebot.discovery.services import DirectoryServices
 from homebot.errors import UsageError
 from homebot.graph import DurabilityPolicy, Graph, Node, Publisher, QoSProfile
 
@@ -161,6 +164,43 @@ async def test_others_get_turns_while_an_answer_waits_for_hundreds_of_new_device
         response = await find.call(FindDevices.Request(query=query_terms(parse_query("lamp"))))
         assert len(response.devices) == count
         assert turns >= count / 20
+        tasks.cancel_scope.cancel()
+
+
+async def test_who_asks_in_a_flood_of_large_devices_is_answered_before_it_ends(
+    announce: Announce, part: MakePart
+) -> None:
+    """Both to announce them and to make them findable takes long; an answer gets as much time as the flood."""
+    clock = ManualClock()
+    graph, index = Graph(clock), DeviceIndex(forget_after=60.0)
+
+    def publish(at_most: int) -> bool:
+        clock.advance(0.006)
+        return len(index.take_changes(at_most)) >= at_most
+
+    async with (
+        Node(graph, "discovery") as node,
+        Node(graph, "asker") as asker,
+        anyio.create_task_group() as tasks,
+    ):
+        DirectoryServices(node, index, IndexPersistence(node, index, None), publish).register()
+        find = asker.create_client(FindDevices, FIND_DEVICES)
+        answers: list[FindDevicesResponse] = []
+
+        async def ask() -> None:
+            answers.append(await find.call(FindDevicesRequest()))
+
+        for turn in range(100):
+            for number in range(15):
+                name = f"{turn}-{number}"
+                index.observe(announce(f"lamp/{name}", part(), ids=(f"id:{name}",), name=name), 0.0)
+            clock.advance(0.03)
+            if turn == 20:
+                tasks.start_soon(ask)
+            await anyio.lowlevel.checkpoint()
+            if answers:
+                break
+        assert answers
         tasks.cancel_scope.cancel()
 
 

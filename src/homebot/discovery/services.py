@@ -6,7 +6,6 @@ from collections.abc import Awaitable, Callable
 
 import anyio.lowlevel
 
-from homebot.clock import SLICE
 from homebot.devices import (
     FIND_DEVICES,
     GET_CHANGES,
@@ -199,7 +198,7 @@ class DirectoryServices:
             left = monotonic()
             await anyio.lowlevel.checkpoint()
             back = monotonic()
-            until = back + min(back - left, SLICE)
+            until = back + (back - left)
         self._publish_all()
 
     def _step(self) -> bool:
