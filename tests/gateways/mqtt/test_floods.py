@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from random import Random
 from typing import ClassVar
 
 import anyio
+import anyio.lowlevel
 import pytest
 
 from homebot.conventions.description import AnnouncementEvent
@@ -177,3 +179,28 @@ async def test_in_any_interleaving_no_device_is_unheard_for_long_and_the_work_is
                     await anyio.sleep(0.05)
         seconds = anyio.current_time() - started + 1
         assert offenders.work <= SHARED_BURST + seconds * (RATE + 4 * (BURST + RATE))
+
+
+async def test_others_get_more_turns_the_longer_announcements_are(make_house: MakeHouse) -> None:
+    """A long one has many parts, and each is work."""
+
+    async def most_in_a_turn(length: int) -> int:
+        async with make_house() as house, anyio.create_task_group() as tasks:
+            most = 0
+
+            async def count() -> None:
+                nonlocal most
+                while True:
+                    await anyio.lowlevel.checkpoint()
+                    most = max(most, len(house.sighted()))
+
+            tasks.start_soon(count)
+            for number in range(60):
+                fields = json.dumps({"name": f"Lamp {number}", "rest": "x" * length})
+                await house.devices.publish(f"hello/{number}", fields.encode(), qos=0)
+            for _ in range(100):
+                await anyio.lowlevel.checkpoint()
+            tasks.cancel_scope.cancel()
+        return most
+
+    assert await most_in_a_turn(5000) < 12 < 20 < await most_in_a_turn(100)

@@ -49,7 +49,7 @@ _TURN = 200
 QoS 0 does not overrun an inbox whose reader keeps up."""
 
 _ANNOUNCED = 7
-"""Messages that an announcement counts for in that, beside one for each kB: those of a whole house come at once, and
+"""Messages that an announcement counts for in that, once more for each kB: those of a whole house come at once, and
 the broker must get rid of them. What follows from some 25, 4 ms, is done together: one subscription, one look."""
 
 _ANSWERS = QoSProfile(depth=1000)
@@ -236,16 +236,14 @@ class MqttGateway(Gateway):
                 if (left := described.take_states(message, route)) is not None:
                     await left
             else:
-                work += (_ANNOUNCED + len(message.payload) // 1024) * len(route.conventions) + len(
-                    route.announced_parts
-                )
+                work += _ANNOUNCED * (1 + len(payload) // 1024) * len(route.conventions) + len(route.announced_parts)
                 await described.handle_message(message, route)
 
     async def _take_long(self, message: MqttMessage, route: TopicReaders | None) -> int:
         """Take a long message, which only comes where devices are announced; return how much work it was."""
         work = 0
         if route is not None and route.conventions:
-            work = (_ANNOUNCED + len(message.payload) // 1024) * len(route.conventions)
+            work = _ANNOUNCED * (1 + len(message.payload) // 1024) * len(route.conventions)
             if len(message.payload) <= MAX_LONG_STATE_BYTES:
                 await self._described.handle_message(message, route, raw=False)
                 return work + len(route.announced_parts)
