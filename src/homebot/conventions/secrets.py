@@ -21,7 +21,7 @@ _WORDS = "|".join(
         rf"(?:access|action|admin|disarm|setup|{_OPENED})[_\W]code(?!r)",
         rf"(?:{_OPENED})[_\W]pin(?![^\W_]|[_\W]mode)",
         r"(?:access|api|auth|refresh)[_\W](?:key|token)(?![^\W_])",
-        r"(?:bind|network|wpa)[_\W]key(?![^\W_])",
+        r"(?:bind|network|wpa)[_\W]?key(?![^\W_])",
         r"wi[_\W]?fi[_\W]qr(?![^\W_])",
         r"(?-i:PIN)(?![^\W_]|\W\d)",
     ]
