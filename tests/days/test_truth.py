@@ -1,4 +1,4 @@
-"""What the judge of random days takes for a hand at a device."""
+"""What the judge of random days takes for a hand at a device, and for somebody who stayed in a closed room."""
 
 from __future__ import annotations
 
@@ -59,3 +59,48 @@ def test_a_hand_is_what_changed_what_the_device_reports(
     for verb, what in [*events, ("told", "off")]:
         truth.add(Event(now, "lamp", verb, what))
     assert truth.commands[-1].is_switched is expected
+
+
+LONG_AWAY = Day.parse("""
+[day]
+start = "06:00"
+length = "3h"
+
+[rooms.hall]
+doors = ["outside"]
+
+[devices.lamp]
+kind = "lamp"
+room = "hall"
+
+[devices.motion]
+kind = "motion"
+room = "hall"
+
+[devices.door]
+kind = "contact"
+room = "hall"
+door = "outside"
+
+[[happenings]]
+at = "06:30"
+what = "restart"
+lasts = "1h"
+""")
+BACK_AT = 7.5 * 3600
+CONTROL = {"presence_guard": {"absent_after": 10.0, "doors": {"hall": ["door"]}}}
+
+
+@pytest.mark.parametrize(("seconds_later", "is_unseen"), [(300.0, True), (400.0, False)])
+def test_a_contact_is_known_again_after_its_next_heartbeat_where_the_broker_was_long_away(
+    seconds_later: float, *, is_unseen: bool
+) -> None:
+    """A random day found a command in the minutes in which nobody could know that the door was closed."""
+    truth = GroundTruth(LONG_AWAY.world(), RandomDay(LONG_AWAY, CONTROL, {}, (), seed=0))
+    truth.begin()
+    truth.add(Event(LONG_AWAY.start + 10, "door", "says", "open"))
+    truth.add(Event(LONG_AWAY.start + 12, "door", "says", "closed"))
+    truth.add(Event(BACK_AT + 100, "motion", "says", "motion"))
+    truth.add(Event(BACK_AT + 200, "motion", "says", "clear"))
+    truth.add(Event(BACK_AT + seconds_later, "lamp", "told", "off"))
+    assert truth.commands[-1].is_unseen is is_unseen

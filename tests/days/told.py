@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -71,6 +72,20 @@ class Told:
         newest = self.word, self.at, self.has_detected
         word, at, has_detected = self._before if self._said_at == now else newest
         return now - at if word == "clear" and has_detected else 0.0
+
+    def is_heard_again(self, now: float, away: Sequence[tuple[float, float]]) -> bool:
+        """Return whether it surely has told how it is since a broker was back.
+
+        Where the broker was away until about the time after which silence counts, what it has kept of the sensor is as
+        good as nothing; the sensor says it again with its next heartbeat.
+
+        Args:
+            now: The time.
+            away: When the broker went, and for how long.
+        """
+        return not any(
+            lasted + HEARTBEAT >= _STALE and at <= now <= at + lasted + RECONNECTED + HEARTBEAT for at, lasted in away
+        )
 
     def moved_since(self, closed: float, absent_after: float) -> bool:
         """Return whether it showed that somebody moved after all doors were closed at *closed*, and stayed.

@@ -165,7 +165,9 @@ class GroundTruth(WorldLog):
 
     def _says_closed(self, name: str, now: float) -> bool:
         told = self._told[name]
-        return told.word == "closed" and now < told.trusted_until(self._world.devices[name], self._began)
+        away = [(event.at, event.lasts) for event in self._day.day.happenings if event.what == "restart"]
+        is_trusted = now < told.trusted_until(self._world.devices[name], self._began)
+        return told.word == "closed" and is_trusted and told.is_heard_again(now, away)
 
     def _in_touch_since(self, name: str, now: float) -> float:
         """Return since when nothing that a sensor said was lost on its way; later than *now* while that may be so."""
