@@ -1,4 +1,4 @@
-"""The answering end of a service.
+"""The answering end of a service; a client calls its handler (:mod:`homebot.graph.client`).
 
 A handler runs in a task of the node that serves (:mod:`homebot.graph.handler_tasks`): it is not cancelled with its
 caller, and goes on when the caller's time limit has passed. Its late answer is dropped and counted. Without
