@@ -91,7 +91,7 @@ async def test_the_first_run_tells_of_no_last_one(path: Path, announce: Announce
     with capture_logs() as lines:
         async with directory_with(path):
             pass
-    assert "1 devices are known from the last run" in [line.get("message") for line in lines]
+    assert "devices known from the last run: 1" in [line.get("message") for line in lines]
 
 
 async def test_without_persistence_no_file_is_made(path: Path, announce: Announce, part: MakePart) -> None:

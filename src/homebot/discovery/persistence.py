@@ -144,7 +144,7 @@ class IndexPersistence:
             self._node.log.warning(BAD_RECORD, message=f"{rejected} records of {self.file} could not be read")
         if known.entries:
             self._node.log.info(
-                LOADED, message=f"{len(known.entries)} devices are known from the last run", file=self.file
+                LOADED, message=f"devices known from the last run: {len(known.entries)}", file=self.file
             )
 
     def _restore_owner(self, records: Mapping[str, str]) -> int:
