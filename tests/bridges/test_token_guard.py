@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.bridges.token_check import TokenGuard
+from homebot.bridges.token_guard import TokenGuard
 
 
 def guess(guard: TokenGuard, address: str, now: float) -> float | None:
