@@ -33,7 +33,7 @@ CONFIRMED = "confirmed"
 BARE = "bare publish"
 TAKEN_IN = "bare publish, report taken in"
 
-AIM = 200
+AIM = 250
 """The most microseconds that the control layer may add to a command."""
 
 

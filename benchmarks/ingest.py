@@ -30,7 +30,7 @@ BARE = "aiomqtt + pydantic + dict"
 FEWEST = 1000
 
 FIGURES: dict[str, tuple[Callable[[dict[str, Any]], float], Callable[[float], str], Aim | None]] = {
-    "until all are known": (lambda answer: answer["seconds"], seconds, Aim("at most", 1 / 20)),
+    "until all are known": (lambda answer: answer["seconds"], seconds, Aim("at most", 1 / 5)),
     "processor time each": (lambda answer: answer["cpu"] / answer["found"], lambda cpu: f"{1e3 * cpu:.3f} ms", None),
     "processor time each, start included": (
         lambda answer: answer["process"] / answer["found"],

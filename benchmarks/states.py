@@ -54,7 +54,7 @@ def run(plan: Plan) -> Report:
                 samples[name].append(_cpu(contenders[name], port, turns) / (LAMPS * turns))
     pairs: list[tuple[str, str, Aim | None]] = [(HOMEBOT, AIOMQTT, None)]
     if HOME_ASSISTANT in contenders:
-        pairs += [(HOMEBOT, HOME_ASSISTANT, Aim("at most", 1 / 6)), (AIOMQTT, HOME_ASSISTANT, None)]
+        pairs += [(HOMEBOT, HOME_ASSISTANT, Aim("at most", 1 / 3)), (AIOMQTT, HOME_ASSISTANT, None)]
     return Report(TITLE, compare("one message", samples, pairs, _microseconds))
 
 

@@ -47,11 +47,11 @@ class Aim:
 
 
 AIMS = {
-    "text message of a known device -> app -> command": Aim(90, 20),
-    "announcement -> directory": Aim(250, 45),
+    "text message of a known device -> app -> command": Aim(100, 30),
+    "announcement -> directory": Aim(250, 55),
     "JSON state -> index, searchable": Aim(180, 35),
     "find(Light, area=...)": Aim(80, 15),
-    "turn_on -> socket": Aim(90, 18),
+    "turn_on -> socket": Aim(120, 28),
 }
 
 
