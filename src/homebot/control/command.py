@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from homebot.control.held_values import COLORS, END_POSITIONS, POWERS, STOPPED, is_on
 from homebot.control.tolerance import fits
 from homebot.devices import Device, DevicePart
-from homebot.devices.capabilities import MOMENTARY
+from homebot.devices.capabilities import EVENTS, MOMENTARY
 from homebot.devices.client_rights import is_client
 from homebot.devices.part import Part
 from homebot.devices.trigger import NO_TRIGGER, Trigger
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["POWER", "IssuedCommand", "zero_as_off"]
 
-_ALWAYS_SENT: Final = frozenset({("movement", STOPPED), ("valve", STOPPED), ("lock", "open"), ("vacuum", "spot")})
+_ALWAYS_SENT: Final = frozenset({("movement", STOPPED), ("valve", STOPPED), ("lock", "open"), ("vacuum", "spot"), ("vacuum", "idle")})
 _LIT: Final = POWERS | COLORS
 """What turns a lamp on."""
 
@@ -30,6 +30,9 @@ _MOTIONS: Final = frozenset({"movement", "position", "tilt"})
 
 _LEVELS: Final = ("level", "fan_speed")
 """Of these 0 is off."""
+
+_WISH: Final = 60.0
+"""Seconds for which a press or a scan is the reason for what an app does: longer sequences are its own doing."""
 
 _NAME, _READABLE = attrgetter("name"), attrgetter("readable")
 
@@ -56,7 +59,8 @@ class IssuedCommand:
         transition: Seconds that the change takes.
         code: The code of an alarm or a lock.
         scope: The rights of a client of the door, by its token.
-        is_wish: Whether a person gave it, at a client of the door, rather than an app by itself.
+        is_client: Whether a client of the door gave it.
+        is_wish: Whether a person wants it: a client gave it, or an app answers a press or a scan of the last minute.
         is_momentary: Whether it presses or starts something, so that to send it again would do it again.
         place: The ids of the device and of the part.
         places: The same with each capability that it sets.
@@ -78,6 +82,7 @@ class IssuedCommand:
     transition: float = 0.0
     code: str = field(default="", repr=False)
     scope: tuple[str, ...] = ()
+    is_client: bool = field(init=False)
     is_wish: bool = field(init=False)
     is_momentary: bool = field(init=False)
     place: tuple[str, str] = field(init=False)
@@ -89,7 +94,8 @@ class IssuedCommand:
     def __post_init__(self) -> None:
         """Work out what it is about: everybody on its way asks for that."""
         device, part = self.place = self.device.id, self.part.id
-        self.is_wish = is_client(self.issuer)
+        self.is_client = is_client(self.issuer)
+        self.is_wish = self.is_client or _is_by_hand(self.trigger, self.issued_at)
         self.is_momentary = not MOMENTARY.isdisjoint(self.settings)
         self.places, self.effects, self.moves = [], [], False
         for capability, value in self.settings.items():
@@ -154,6 +160,13 @@ class IssuedCommand:
         if movement in END_POSITIONS and "position" in told and found.keys().isdisjoint({"movement", "position"}):
             found["position"] = END_POSITIONS[movement]
         return found
+
+
+def _is_by_hand(trigger: Trigger, now: float) -> bool:
+    """Return whether *trigger* is a recent press of a button or a scan of a tag."""
+    if trigger.kind != "report" or abs(now - trigger.at.to_seconds()) > _WISH:
+        return False
+    return any(one.capability in EVENTS for one in trigger.readings)
 
 
 def zero_as_off(settings: Mapping[str, PlainValue], part: Part) -> Mapping[str, PlainValue]:

@@ -162,7 +162,7 @@ class CommandExecutor:
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
         """Return the refusal that *request* would get now for want of a right or by a policy; nothing is noted."""
         command = self._issued("", request, device, part)
-        if command.is_wish and (problem := client_refusal(command)):
+        if command.is_client and (problem := client_refusal(command)):
             return Refused(POLICY, problem)
         return self._judge.refusal(command, is_noted=False)
 
@@ -201,7 +201,7 @@ class CommandExecutor:
         )
 
     async def _carry_out(self, command: IssuedCommand) -> CommandResult:
-        if command.is_wish and (problem := client_refusal(command)):
+        if command.is_client and (problem := client_refusal(command)):
             return result_of(Refused(POLICY, problem, command_id=command.id))
         if len(self._pending.newest) >= MOST_PENDING:
             problem = f"{MOST_PENDING:,} commands wait for their outcome"

@@ -41,7 +41,7 @@ class DryRun:
 
     def outcome(self, command: IssuedCommand) -> Outcome:
         """Return the outcome; see :class:`Rehearsal`."""
-        if command.is_wish:
+        if command.is_client:
             problem = "homebot runs with --dry-run and sends nothing; otherwise it would have sent this"
             return Refused(DRY_RUN, problem, command_id=command.id)
         return Confirmed(0.0, Evidence.SENT, command_id=command.id)

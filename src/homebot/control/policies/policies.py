@@ -120,7 +120,7 @@ def _is_among(patterns: Patterns, command: IssuedCommand) -> bool:
 
 
 def _is_by_itself_among(patterns: Patterns, command: IssuedCommand) -> bool:
-    return not command.is_wish and _is_among(patterns, command)
+    return not command.is_client and _is_among(patterns, command)
 
 
 def _any_command(_: IssuedCommand) -> bool:

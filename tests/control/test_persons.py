@@ -1,0 +1,142 @@
+"""Persons at switches, within seconds of commands and after lost connections: neither overridden nor blamed."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from tests.control.conftest import Home, OpenHome, obey, report
+
+from homebot.devices.handles import Handle, Light, OccupancySensor
+from homebot.devices.outcomes import AlreadySo, Confirmed, Evidence
+
+pytestmark = pytest.mark.virtual_time
+
+NEEDS_TIMELINE = pytest.mark.xfail(strict=True, reason="the cause of a report is not known yet")
+
+
+@NEEDS_TIMELINE
+async def test_a_command_after_a_lost_connection_is_sent(open_home: OpenHome) -> None:
+    """The lamp may have been switched off meanwhile."""
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        await home.report("lamp", "on_off", True)
+        lamp = await home.handle(Light)
+        await anyio.sleep(1)
+        home.gateway.set_unavailable("the cable is out")
+        await anyio.sleep(10)
+        home.gateway.set_available()
+        await anyio.sleep(1)
+        assert isinstance(await lamp.turn_on(), Confirmed)
+        assert len(home.commands) == 1
+
+
+async def test_a_report_after_a_lost_connection_is_recent(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        lamp = await home.handle(Light)
+        home.gateway.set_unavailable("the cable is out")
+        await anyio.sleep(10)
+        home.gateway.set_available()
+        await home.report("lamp", "on_off", True)
+        await anyio.sleep(1)
+        assert isinstance(await lamp.turn_on(), AlreadySo)
+        assert home.commands == []
+
+
+async def test_a_paused_vacuum_is_stopped(open_home: OpenHome) -> None:
+    """A pause goes on by itself, a stop does not."""
+    async with open_home() as home:
+        home.put("robby", "robotic_vacuum_cleaner", "vacuum")
+        await home.report("robby", "vacuum", "paused")
+        robby = await home.handle(Handle)
+        home.behaviours["robby"] = report((0.5, "idle"))
+        assert isinstance(await robby.command("vacuum", "idle"), Confirmed)
+        assert [one.value.plain() for one in home.commands] == ["idle"]
+
+
+@NEEDS_TIMELINE
+async def test_a_person_who_rejects_commands_is_not_overridden(open_home: OpenHome) -> None:
+    """Twice "off" 1.5 s after "on" by a person; the lamp is as honest as before."""
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        lamp = await home.handle(Light)
+        home.behaviours["lamp"] = report((0.05, True), (1.55, False))
+        for _ in range(2):
+            outcome = await lamp.turn_on()
+            assert isinstance(outcome, Confirmed)
+            assert outcome.evidence is Evidence.REPORTED
+            await anyio.sleep(60)
+        home.commands.clear()
+        outcome = await lamp.turn_on()
+        await anyio.sleep(60)
+        assert isinstance(outcome, Confirmed)
+        assert (outcome.evidence, len(home.commands)) == (Evidence.REPORTED, 1)
+        home.behaviours["lamp"] = obey
+        for number in range(15):
+            outcome = await (lamp.turn_on() if number % 2 else lamp.turn_off())
+            assert isinstance(outcome, AlreadySo if number == 0 else Confirmed)
+            await anyio.sleep(30)
+
+
+@NEEDS_TIMELINE
+async def test_a_person_who_undoes_a_command_is_not_told_to_be_the_device(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        lamp = await home.handle(Light)
+        home.behaviours["lamp"] = report((0.1, True), (3.1, False))
+        await lamp.turn_on()
+        await anyio.sleep(5)
+        (event,) = home.events
+        assert event.result.outcome == "reverted"
+        assert event.result.text == "changed back after 3 s, by a hand or by itself"
+
+
+async def press(home: Home, lamp: Light, delay: float = 0.0) -> list[str]:
+    """Press the remote, to which an app answers with "off"; return the outcomes."""
+    outcomes: list[str] = []
+
+    async def run_app() -> None:
+        async for change in home.devices.follow(Handle):
+            if change.kind == "event":
+                await anyio.sleep(delay)
+                outcomes.append(type(await lamp.turn_off()).__name__)
+
+    home.tasks.start_soon(run_app)
+    await anyio.sleep(1)
+    await home.report("remote", "press", "single")
+    await anyio.sleep(delay + 1)
+    return outcomes
+
+
+@pytest.mark.parametrize(("delay", "expected"), [(0.0, "Confirmed"), (120.0, "Refused")])
+async def test_a_press_of_the_wall_remote_turns_off_the_light_of_an_occupied_room(
+    open_home: OpenHome, delay: float, expected: str
+) -> None:
+    """Two minutes later it is the app that wants it."""
+    async with open_home(presence_guard=True) as home:
+        home.put("lamp", "light", "on_off", area="Hall")
+        home.put("motion", "occupancy_sensor", readable=("occupancy",), area="hall")
+        home.put("remote", "generic_switch", readable=("press",), area="hall")
+        await home.report("lamp", "on_off", True)
+        await home.report("motion", "occupancy", True)
+        lamp = await home.handle(Light, "lamp")
+        assert await press(home, lamp, delay) == [expected]
+
+
+async def test_a_report_of_a_motion_sensor_is_no_wish_of_a_person(open_home: OpenHome) -> None:
+    async with open_home(presence_guard=True) as home:
+        home.put("lamp", "light", "on_off", area="Hall")
+        home.put("motion", "occupancy_sensor", readable=("occupancy",), area="hall")
+        lamp = await home.handle(Light, "lamp")
+        outcomes: list[str] = []
+
+        async def run_app() -> None:
+            async for change in home.devices.follow(OccupancySensor, occupied=True):
+                assert change.kind == "appeared"
+                outcomes.append(type(await lamp.turn_off()).__name__)
+
+        home.tasks.start_soon(run_app)
+        await anyio.sleep(1)
+        await home.report("motion", "occupancy", True)
+        await anyio.sleep(1)
+        assert outcomes == ["Refused"]
