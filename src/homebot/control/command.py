@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["POWER", "IssuedCommand", "zero_as_off"]
 
-_ALWAYS_SENT: Final = frozenset({("movement", STOPPED), ("valve", STOPPED), ("lock", "open"), ("vacuum", "spot"), ("vacuum", "idle")})
+_ALWAYS_SENT: Final = frozenset(
+    {("movement", STOPPED), ("valve", STOPPED), ("lock", "open"), ("vacuum", "spot"), ("vacuum", "idle")}
+)
 _LIT: Final = POWERS | COLORS
 """What turns a lamp on."""
 
