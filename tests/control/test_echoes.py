@@ -35,7 +35,7 @@ async def test_a_declared_echo_is_no_report(open_home: OpenHome) -> None:
         seconds, outcome = await seconds_and_outcome(home, lamp, (ECHO, True))
         assert isinstance(outcome, Confirmed)
         assert (outcome.evidence, round(outcome.latency, 3), seconds) == (Evidence.ACKNOWLEDGED, ECHO, 2.005)
-        assert outcome.text == "confirmed after 0.005 s (acknowledged)"
+        assert outcome.text == "accepted by the network after 0.005 s (acknowledged)"
 
 
 async def test_where_nothing_ever_follows_the_echo_nobody_waits(open_home: OpenHome) -> None:

@@ -90,7 +90,7 @@ class Transmission:
                 self._journal.sent(command, number)
                 pending.note_sent(clock.monotonic())
                 kept_for = interval - answers_within if number < tries - 1 else 0.0
-                problem = await self._send(command, end - clock.monotonic(), kept_for)
+                problem = await self._send(command, end - clock.monotonic(), kept_for, repeated=number > 0)
                 if problem is None or (pending.is_verified and pending.is_met):
                     self._journal.note("acknowledged", command)
                 elif number == 0:
@@ -140,7 +140,7 @@ class Transmission:
                 return outcome
             await changed.wait(until - now)
 
-    async def _send(self, command: IssuedCommand, seconds: float, kept_for: float) -> Outcome | None:
+    async def _send(self, command: IssuedCommand, seconds: float, kept_for: float, *, repeated: bool) -> Outcome | None:
         """Send the settings in their order, to be done in so many *seconds*; return the outcome where that fails."""
         began = self._clock.monotonic()
         if command.place in self._leases.parts:  # as hardly ever
@@ -162,6 +162,7 @@ class Transmission:
                     seconds,
                     command.id,
                     kept_for,
+                    repeated=repeated,
                 )
         except LinkError as exc:
             return NoAnswer(self._clock.monotonic() - began, str(exc), command_id=command.id)

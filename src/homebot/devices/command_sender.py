@@ -43,11 +43,13 @@ class CommandSender:
         expires_after: float = 0.0,
         command_id: str = "",
         kept_for: float = 0.0,
+        *,
+        repeated: bool = False,
     ) -> None:
         """Set *capability* to *value* within *transition* seconds; return when the network has accepted the command.
 
         A gateway that has not carried it out within *expires_after* seconds, where given, gives up. For a device that
-        is away the network keeps it for *kept_for* seconds, where given.
+        is away the network keeps it for *kept_for* seconds, where given; *repeated* is a command that was sent before.
 
         Where a route cannot do that, and sent nothing, or cannot reach the device, the next one is tried; what a
         gateway refuses to do at all is not done by another route. A button is not pressed by a second route where the
@@ -71,6 +73,7 @@ class CommandSender:
                 expires_after=expires_after,
                 id=command_id,
                 kept_for=kept_for,
+                repeated=repeated,
             )
             try:
                 client = self._clients.get(route.gateway) or self._client(route.gateway)

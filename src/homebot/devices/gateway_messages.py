@@ -147,6 +147,8 @@ class Command(Message):
         id: The id of the command; empty where nobody waits for what the device answers.
         kept_for: Seconds for which the network may keep it for a device that is away, as it is sent again after that;
             0 for until it expires.
+        repeated: Whether it was sent before without an answer. A network in which nothing expires delivers it now or
+            never: a device that was away would obey all repetitions when it is back.
     """
 
     model_config = ConfigDict(hide_input_in_errors=True)
@@ -160,6 +162,7 @@ class Command(Message):
     expires_after: Annotated[float, Field(ge=0.0)] = 0.0
     id: str = ""
     kept_for: Annotated[float, Field(ge=0.0)] = 0.0
+    repeated: bool = False
 
 
 class CommandAnswer(Message):

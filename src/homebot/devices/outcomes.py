@@ -63,7 +63,7 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Confirmed(Outcome):
-    """The device obeyed.
+    """The device obeyed; with the evidence ``ACKNOWLEDGED`` its network accepted the command, and it may be away.
 
     Attributes:
         latency: Seconds from sending to the evidence.
@@ -80,7 +80,8 @@ class Confirmed(Outcome):
     def text(self) -> str:
         """As for :class:`Outcome`."""
         by = f" by {self.witness}" if self.witness else ""
-        return f"confirmed after {_seconds_text(self.latency)} s ({self.evidence.text}{by})"
+        verb = "accepted by the network" if self.evidence is Evidence.ACKNOWLEDGED else "confirmed"
+        return f"{verb} after {_seconds_text(self.latency)} s ({self.evidence.text}{by})"
 
 
 @dataclass(frozen=True, slots=True)

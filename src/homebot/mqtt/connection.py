@@ -128,6 +128,7 @@ class MqttConnection:
         self._failures = 0
         self._failing_since = 0.0
         self._links = 0
+        self._protocol = ""
         self._made_again_at = -math.inf
 
     @property
@@ -153,6 +154,11 @@ class MqttConnection:
         whether the connection is of use without them. A copy.
         """
         return self._standing.refused
+
+    @property
+    def expires_messages(self) -> bool:
+        """Whether the broker drops messages that expire, as MQTT 5 has it; that of the last link."""
+        return self._protocol == "5"
 
     @property
     def counters(self) -> MqttCounters:
@@ -329,6 +335,7 @@ class MqttConnection:
                     up_since = self._clock.monotonic()
                     self._made_again_at = up_since if self._links else -math.inf
                     self._links += 1
+                    self._protocol = session.protocol
                     self._enter(LinkPhase.CONNECTED)
                     _log.debug(
                         "mqtt.connected",

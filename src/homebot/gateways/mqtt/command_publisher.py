@@ -51,6 +51,9 @@ class CommandPublisher:
     async def perform(self, command: Command) -> None:
         """Publish *command*; return when the broker has it. A broker that speaks MQTT 5 forgets it when it expires.
 
+        Any other keeps a message of QoS 1 or 2 for a device that is away until that is back, and so a repetition has
+        QoS 0: the device obeys once then.
+
         Raises:
             UnableError: No part is described that can do that; nothing was sent.
             RefusedError: The code is wrong, or the broker said no.
@@ -72,9 +75,10 @@ class CommandPublisher:
         properties = _expiring(command)
         if self._responses is not None:
             properties = self._responses.request(command, properties)
+        is_unkept = command.repeated and not self._connection.expires_messages
         is_unheard = bool(publications)
         for one in publications:
-            qos = max(one.qos, _LEAST_QOS)
+            qos = 0 if is_unkept else max(one.qos, _LEAST_QOS)
             published = await self._connection.publish(
                 one.topic, one.payload, qos=qos, retain=one.retain, properties=properties
             )
