@@ -488,3 +488,19 @@ def test_the_words_of_all_ways_are_those_of_the_part(index: DeviceIndex, announc
     after(index, announce("z", mute, convention="zigbee2mqtt", ids=(IEEE,)))
     effect, level = index.devices()[0].parts[0].part.capabilities
     assert (effect.settable, effect.options, level.bounds) == (True, ("blink", "fire"), (0.0, 90.0))
+
+
+@pytest.mark.parametrize("number", ["123456", "1234567", "12345678", "0123456789", "1234567890", "123456789012"])
+def test_a_lock_bridge_whose_identifier_is_a_number_is_one_device_that_takes_every_command(
+    index: DeviceIndex, announce: Announce, part: MakePart, number: str
+) -> None:
+    topic = f"nuki/{number}/lock/action"
+    lock = part("door_lock", "lock", id="lock", writes=(topic,))
+    buttons = [part("generic_switch", "push", id=f"button{count}", writes=(topic,)) for count in range(33)]
+    for one in (lock, *buttons):
+        place = f"homeassistant/{one.service_type}/{number}/{one.id}/config"
+        index.observe(announce(f"{number}/{one.id}", one, ids=(f"id:{number}",), on=place))
+    (device,) = index.devices()
+    assert len(device.parts) == 34
+    assert all(one.routes for one in device.parts)
+    assert device.conflicts == ()

@@ -38,7 +38,6 @@ none null unknown undefined default test device devices mydevice my_device senso
 gateway hub home house node root main mqtt mqtt-io mqttio mqtt_io mqttdevice mqtt_device esp esp32 esp8266 esphome
 espressif arduino tasmota shelly zigbee zigbee2mqtt zwave homie homeassistant home-assistant hass raspberrypi raspberry
 rpi wled openmqttgateway rtl_433 rtl433 system server controller thermostat unique_id identifier identifiers serial
-0123456789 1234567890 12345678 123456
 """
 _GENERIC = frozenset(_WORDS.split())
 
