@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from tests.control.conftest import Home, OpenHome, ignore, obey_after, report
 from tests.generated_examples import examples
 
-from homebot.control.leases import MOST_HOLDERS, Lease, LeaseHolder, Leases
+from homebot.control.leases import MOST_HOLDERS, MOST_OF_ISSUER, Lease, LeaseHolder, Leases
+from homebot.devices.access_messages import ClientLeft
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Closure, DoorLock, Light, Thermostat
@@ -28,7 +29,15 @@ from homebot.devices.lease_messages import (
     ReleaseLease,
     RenewLease,
 )
-from homebot.devices.names import END_LEASES, GET_LEASES, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE
+from homebot.devices.names import (
+    CLIENTS_LEFT,
+    END_LEASES,
+    GET_LEASES,
+    HOLD_PART,
+    PERFORM_COMMAND,
+    RELEASE_LEASE,
+    RENEW_LEASE,
+)
 from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Refused
 from homebot.devices.value import Value
 from homebot.errors import RefusedError, UsageError
@@ -433,16 +442,46 @@ def test_the_border_takes_no_lease_without_a_name_or_without_an_end() -> None:
             HoldRequest.model_validate({**fields, **wrong})
 
 
+def begin(leases: Leases, issuer: str, name: int) -> Lease | str:
+    """Hold the lock for an hour from 0 s on."""
+    return leases.hold(("d", ""), "lock", "locked", (issuer, "r", str(name)), LeaseHolder("r", 3600, 3600), 0)
+
+
 def test_further_holders_are_refused_and_counted() -> None:
     leases = Leases(300)
     for number in range(MOST_HOLDERS):
-        held = leases.hold(("d", ""), "lock", "locked", ("", "r", str(number)), LeaseHolder("r", 10, 10), 0)
-        assert not isinstance(held, str)
-    refused = leases.hold(("d", ""), "lock", "locked", ("", "r", "last"), LeaseHolder("r", 10, 10), 0)
-    assert refused == "there are 1,000 holders already"
+        assert not isinstance(begin(leases, f"client:{number % 20}", number), str)
+    assert begin(leases, "client:late", 0) == "there are 1,000 holders already"
     assert leases.refused == 1
-    assert len(leases.expire(10)) == MOST_HOLDERS
+    assert len(leases.expire(3600)) == MOST_HOLDERS
     assert list(leases) == []
+
+
+def test_one_issuer_has_fifty_leases_at_most_and_the_others_have_room() -> None:
+    leases = Leases(300)
+    for number in range(MOST_OF_ISSUER):
+        assert not isinstance(begin(leases, "client:greedy", number), str)
+    assert begin(leases, "client:greedy", 50) == "client:greedy has 50 leases already; release one first"
+    assert leases.refused == 1
+    assert not isinstance(begin(leases, "client:honest", 0), str)
+    leases.release(("client:greedy", "r", "7"))
+    assert not isinstance(begin(leases, "client:greedy", 50), str)
+
+
+async def test_the_leases_of_a_client_end_ten_seconds_after_it_left_unless_it_is_back(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door):
+        for name in ("1", "2"):
+            assert (await hold(home, request(door, ttl=3600, lease=name))).held
+        await home.app.create_publisher(ClientLeft, CLIENTS_LEFT).send(ClientLeft(issuer="client:robot"))
+        await anyio.sleep(9)
+        back = HolderRequest(lease="2", by="robot", issuer="client:robot")
+        assert (await home.app.create_client(RenewLease, RENEW_LEASE).call(back)).held
+        await anyio.sleep(2)
+        (part,) = await leases(home)
+        assert len(part.holders) == 1
+        await home.app.create_publisher(ClientLeft, CLIENTS_LEFT).send(ClientLeft(issuer="client:robot"))
+        await anyio.sleep(11)
+        assert await leases(home) == ()
 
 
 async def test_a_person_ends_a_lease_and_its_block_does_not_get_it_again(open_home: OpenHome) -> None:
@@ -537,15 +576,11 @@ async def test_who_releases_hears_what_became_of_the_newest_command(open_home: O
 def test_of_those_whose_leases_were_ended_the_newest_are_remembered() -> None:
     leases = Leases(300)
 
-    def begin(number: int) -> Lease | str:
-        holder = LeaseHolder("r", 3600, 3600)
-        return leases.hold(("d", ""), "lock", "locked", ("", "r", str(number)), holder, 0)
-
     for number in range(MOST_HOLDERS + 1):
-        assert not isinstance(begin(number), str)
+        assert not isinstance(begin(leases, "", number), str)
         leases.end("d", "client:owner", 0)
-    assert begin(1) == "its lease was ended by client:owner"
-    assert not isinstance(begin(0), str)
+    assert begin(leases, "", 1) == "its lease was ended by client:owner"
+    assert not isinstance(begin(leases, "", 0), str)
 
 
 STEPS = st.lists(

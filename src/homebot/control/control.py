@@ -21,6 +21,7 @@ from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import (
     ACCESS_REFUSALS,
     BELIEVE_DEVICE,
+    CLIENTS_LEFT,
     COMMAND_DEVICES,
     END_LEASES,
     GET_LEASES,
@@ -46,7 +47,7 @@ if TYPE_CHECKING:
     from homebot.control.rehearsal import Rehearsal
     from homebot.control.settings import ControlSettings
     from homebot.control.text_commands import TextCommands
-    from homebot.devices.access_messages import AccessRefused
+    from homebot.devices.access_messages import AccessRefused, ClientLeft
     from homebot.devices.approval_messages import (
         BelieveDeviceRequest,
         BelieveDeviceResponse,
@@ -145,7 +146,7 @@ class Control:
     def register(self) -> None:
         """Offer the services; what they begin is carried out while it serves."""
         from homebot.devices import lease_messages as leases  # noqa: PLC0415 - likewise
-        from homebot.devices.access_messages import AccessRefused  # noqa: PLC0415 - likewise
+        from homebot.devices.access_messages import AccessRefused, ClientLeft  # noqa: PLC0415 - likewise
         from homebot.devices.approval_messages import BelieveDevice, GetUnapproved  # noqa: PLC0415 - see above
         from homebot.devices.command_messages import CommandDevices, PerformCommand  # noqa: PLC0415 - see above
         from homebot.devices.journal_messages import ReadJournal  # noqa: PLC0415 - likewise
@@ -164,6 +165,7 @@ class Control:
         self._node.create_service(GetHealth, "~/health", self.health)
         self._node.create_service(ReadJournal, READ_JOURNAL, self.read_journal, concurrent=True)
         self._node.create_subscription(AccessRefused, ACCESS_REFUSALS, self._take_refusal, QoSProfile(depth=_REFUSALS))
+        self._node.create_subscription(ClientLeft, CLIENTS_LEFT, self._on_client_left, QoSProfile(depth=_REFUSALS))
 
     def perform(self, request: CommandRequest) -> Awaitable[CommandResult]:
         """Carry out a command to one part, and return what became of it."""
@@ -228,6 +230,10 @@ class Control:
 
     async def _take_refusal(self, refused: AccessRefused) -> None:
         await self._denied.take(refused)
+
+    def _on_client_left(self, left: ClientLeft) -> None:
+        if self._begun.is_set():
+            self._leasing.on_client_left(left.issuer)
 
     async def _run_journal(self) -> None:
         await self._noted.wait()

@@ -15,13 +15,25 @@ from homebot.devices.command_messages import Setting
 from homebot.devices.outcomes import Refused
 from homebot.devices.value import PlainValue, Value
 
-__all__ = ["LEASE_POLICY", "MOST_HOLDERS", "HolderKey", "Lease", "LeaseHolder", "Leases", "held_text"]
+__all__ = [
+    "LEASE_POLICY",
+    "MOST_HOLDERS",
+    "MOST_OF_ISSUER",
+    "HolderKey",
+    "Lease",
+    "LeaseHolder",
+    "Leases",
+    "held_text",
+]
 
 LEASE_POLICY: Final = "lease"
 """The policy that a refusal names."""
 
 MOST_HOLDERS: Final = 1000
 """Holders in all; further ones are refused and counted."""
+
+MOST_OF_ISSUER: Final = 50
+"""Holders of one issuer, so that no program takes the places of the others; further ones are refused and counted."""
 
 _MOST_NAMED: Final = 3
 
@@ -126,7 +138,7 @@ class Leases:
         hand_time: Seconds for which a hand outranks a lease.
 
     Attributes:
-        refused: Holders that were refused because there were :data:`MOST_HOLDERS`.
+        refused: Holders that were refused because there were :data:`MOST_HOLDERS`, or :data:`MOST_OF_ISSUER`.
         parts: The leases of each part that has any, by capability; for reading.
         on_outranked: Called with each lease that a hand or a stop command outranks from now on.
     """
@@ -154,9 +166,9 @@ class Leases:
             return problem
         if key in self._of:
             return f"{key[1]} has a lease {key[2]} already"
-        if len(self._of) >= MOST_HOLDERS:
+        if full := self._limit(key[0]):
             self.refused += 1
-            return f"there are {MOST_HOLDERS:,} holders already"
+            return full
         lease = self.parts.setdefault(part, {}).setdefault(capability, Lease(part, capability, value))
         if now < lease.hand_until:
             return f"{lease.saw}, which outranks leases for {math.ceil(lease.hand_until - now)} s more"
@@ -184,6 +196,13 @@ class Leases:
             if not leases:
                 del self.parts[lease.part]
         return lease
+
+    def end_by(self, issuer: str, latest: float) -> None:
+        """End the leases of *issuer* at *latest*, on the monotonic clock, unless they are renewed."""
+        for key, lease in self._of.items():
+            if key[0] == issuer:
+                holder = lease.holders[key]
+                holder.deadline = min(holder.deadline, latest)
 
     def end(self, device: str, by: str, now: float) -> list[tuple[Lease, HolderKey, LeaseHolder]]:
         """Release all holders of *device*, as *by* wants; return them with their leases.
@@ -240,6 +259,14 @@ class Leases:
     def next_time(self) -> float:
         """Return when the next holder's time is over, or a value is to be commanded again; endless for never."""
         return min(self._times(), default=math.inf)
+
+    def _limit(self, issuer: str) -> str:
+        """Return the limit that *issuer* has reached; empty if there is room for one more holder."""
+        if len(self._of) >= MOST_HOLDERS:
+            return f"there are {MOST_HOLDERS:,} holders already"
+        if sum(key[0] == issuer for key in self._of) >= MOST_OF_ISSUER:
+            return f"{issuer} has {MOST_OF_ISSUER} leases already; release one first"
+        return ""
 
     def _times(self) -> Iterable[float]:
         for lease in self:

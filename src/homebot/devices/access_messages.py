@@ -1,9 +1,9 @@
-"""Messages about requests of programs outside that were refused."""
+"""Messages of the rosbridge server about its clients."""
 
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, UInt32
 
-__all__ = ["AccessRefused"]
+__all__ = ["AccessRefused", "ClientLeft"]
 
 
 class AccessRefused(Message):
@@ -33,3 +33,13 @@ class AccessRefused(Message):
     held_back: UInt32 = 0
     subject: str = ""
     wanted: str = ""
+
+
+class ClientLeft(Message):
+    """The last connection of a client ended.
+
+    Attributes:
+        issuer: The client, as ``client:NAME``.
+    """
+
+    issuer: str

@@ -10,6 +10,7 @@ __all__ = [
     "APPROVE_DEVICE",
     "BELIEVE_DEVICE",
     "CHANGE_ROOM",
+    "CLIENTS_LEFT",
     "COMMAND_DEVICES",
     "COMMAND_EVENTS",
     "DEVICE_CHANGES",
@@ -97,6 +98,7 @@ JOURNAL_ENTRIES = "/control/journal_entries"
 START_RECORDER = "/homebot/start_recorder"
 READ_RECORDING = "/homebot/recorder/read"
 ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
+CLIENTS_LEFT = "/rosbridge_websocket/clients_left"
 
 DIRECTORY_NODE = "/discovery"
 """The node of the directory, the only one that publishes changes of devices."""

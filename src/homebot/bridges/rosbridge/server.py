@@ -251,6 +251,8 @@ class Door:
             await session.run(_texts(connection))
         finally:
             del self._sessions[connection]
+            if not any(self._names[other] == name for other in self._sessions):
+                self._shared.publish_left(access.issuer)
 
 
 class _LibraryLog(logging.Handler):
