@@ -137,6 +137,7 @@ class JournalEntryRecord(TypedDict):
     text: str
     verdicts: list[JournalVerdictRecord]
     results: list[CommandResultRecord]
+    folded: int
 
 
 class JournalRecord(TypedDict):

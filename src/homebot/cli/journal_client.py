@@ -96,6 +96,8 @@ def entry_json(entry: JournalEntryRecord, names: Mapping[str, str]) -> dict[str,
         }
     for result in entry["results"]:
         found["outcome"] = _outcome_json(result)
+    if entry["folded"]:
+        found["folded"] = entry["folded"]
     return found
 
 

@@ -35,6 +35,11 @@ _REQUESTS: Mapping[str, str] = {
 
 def entry_text(entry: JournalEntryRecord, names: Mapping[str, str]) -> str:
     """Return one entry as a clause, with the name of the device where it says something of it."""
+    text = _entry_text(entry, names)
+    return f"{text}, and {entry['folded']:,} more times in the minute before" if entry["folded"] else text
+
+
+def _entry_text(entry: JournalEntryRecord, names: Mapping[str, str]) -> str:
     name = name_text(entry["device"], names, entry["part"])
     match entry["kind"]:
         case "requested":

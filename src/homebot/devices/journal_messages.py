@@ -106,6 +106,8 @@ class JournalEntry(Message):
             ``target``, the ``right`` that is missing, the ``address`` of the client and how many requests it stands for
             (``count``), or that of ``lease``.
         results: ``outcome`` and ``reverted``: the outcome.
+        folded: How many commands like the one that begins here, of the same issuer to the same part and with the same
+            outcome, came in the minute before it and are not kept.
     """
 
     kind: EntryKind
@@ -119,6 +121,7 @@ class JournalEntry(Message):
     text: str = ""
     verdicts: Annotated[tuple[JournalVerdict, ...], Field(max_length=1)] = ()
     results: Annotated[tuple[CommandResult, ...], Field(max_length=1)] = ()
+    folded: UInt32 = 0
 
 
 class ReadJournalRequest(Message):

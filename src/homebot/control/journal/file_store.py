@@ -15,8 +15,8 @@ from anyio import to_thread
 
 from homebot.control.journal.journal_note import JournalNote
 from homebot.control.journal.learnt_row import LearntRow
-from homebot.control.journal.memory_store import MemoryStore, newest_fitting
-from homebot.devices.journal_messages import MOST_ENTRIES, ReadJournalRequest, ReadJournalResponse
+from homebot.control.journal.memory_store import MemoryStore, with_newer
+from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
@@ -128,7 +128,7 @@ class FileStore:
             except (LinkError, WireError) as exc:
                 self._note_failure(exc)
                 return ReadJournalResponse(success=False, message=str(exc))
-            return self._with_waiting(response, request) if self._waiting else response
+            return with_newer(response, self._waiting, request)
 
     async def run(self) -> None:
         """Write what is added until cancelled."""
@@ -146,15 +146,6 @@ class FileStore:
             await self._write()
             if self._file is not None:
                 await to_thread.run_sync(self._file.close)
-
-    def _with_waiting(self, response: ReadJournalResponse, request: ReadJournalRequest) -> ReadJournalResponse:
-        """Return *response* with what fits of the entries that cannot be written now."""
-        limit = min(request.limit or MOST_ENTRIES, MOST_ENTRIES)
-        waiting = list(islice(newest_fitting(self._waiting, request), limit + 1))
-        entries = (*response.entries, *(note.entry() for note in reversed(waiting)))
-        begins = response.begins if response.begins.to_seconds() else self._waiting[0].stamp
-        is_complete = response.complete and len(entries) <= limit
-        return ReadJournalResponse(entries=entries[-limit:], complete=is_complete, begins=begins)
 
     async def _write(self) -> None:
         async with self._turn:

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, final
 
 import anyio
 
+from homebot.control.journal.command_folding import CommandFolding
 from homebot.control.journal.explained_changes import ExplainedChanges
 from homebot.control.journal.given_codes import CODE_GIVEN, is_for_code, public_text
 from homebot.control.journal.journal_note import JournalNote
+from homebot.control.journal.memory_store import with_newer
 from homebot.devices import FIND_DEVICES, FindDevices, RawCommand
 from homebot.devices.command_messages import CommandResult, Setting
 from homebot.devices.device import ChangedSetting, KeyValue
@@ -78,6 +80,7 @@ class CommandJournal:
         self._settle = max(settle, _SHORTEST_SETTLE)
         self._ids = map(f"{round(self._clock.now()):x}-{{}}".format, count(1))
         self.store = store
+        self._folding = CommandFolding()
         self._counters: dict[str, Callable[[], int]] = {}
         self._last_notes: list[Callable[[], None]] = []
         self._find = node.create_client(FindDevices, FIND_DEVICES)
@@ -91,6 +94,8 @@ class CommandJournal:
         finally:
             for note in self._last_notes:
                 note()
+            for left in self._folding.close():
+                self.store.add(left)
             await self.store.close()
 
     def add_last_note(self, note: Callable[[], None]) -> None:
@@ -113,7 +118,7 @@ class CommandJournal:
 
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
         """Return the newest entries that fit, and the names of their devices."""
-        response = await self.store.read(request)
+        response = with_newer(await self.store.read(request), self._folding.waiting(), request)
         ids = {one.device for one in response.entries} | {one.trigger.device for one in response.entries}
         return response.with_checked(names=await self._names(sorted(ids - {""})))
 
@@ -247,6 +252,7 @@ class CommandJournal:
         self._keep(JournalNote(kind, self._clock.now(), *place, issuer=issuer, settings=(held,), text=text))
 
     def _keep(self, note: JournalNote) -> None:
-        self.store.add(note)
+        for kept in self._folding.add(note):
+            self.store.add(kept)
         if self._entries.subscription_count:
             self._entries.publish(note.entry())

@@ -44,8 +44,17 @@ _JOURNAL: Final = SqliteSchema(
 )
 
 _SHARE: Final = 0.1
-"""Of the entries, that are dropped at once where the file is full: to drop a few each time would cost more."""
+"""Of the entries of the issuer with the most, that are dropped at once when the file is full: so a program that floods
+loses its own entries, and to drop a few each time would cost more."""
 
+_LARGEST_ISSUER: Final = (
+    "SELECT CASE WHEN json_valid(entry) THEN json_extract(entry, '$.issuer') END AS issuer, count(*) FROM entries "
+    "GROUP BY issuer ORDER BY sum(length(entry)) DESC LIMIT 1"
+)
+_DROP_OLDEST_OF_ISSUER: Final = (
+    "DELETE FROM entries WHERE number IN (SELECT number FROM entries "
+    "WHERE CASE WHEN json_valid(entry) THEN json_extract(entry, '$.issuer') END IS ? ORDER BY number LIMIT ?)"
+)
 _ROUNDS: Final = 20
 _MOST_LEARNT: Final = 20_000
 
@@ -68,7 +77,8 @@ class JournalFile(SqliteFile):
             notes: What was noted, oldest first.
             learnt: What was learnt, in place of what was there of it; a row without a record is removed.
             oldest: Seconds since the Unix epoch; what is older is dropped, of the entries and of what was learnt.
-            most_bytes: What the entries may take; where it is more, a tenth of them is dropped, the oldest first.
+            most_bytes: What the entries may take; when it is more, a tenth of those of the issuer with
+                the most is dropped, the oldest first.
 
         Raises:
             LinkError: It cannot be written now; nothing of it was.
@@ -168,11 +178,12 @@ def _size(connection: sqlite3.Connection) -> float:
 
 
 def _drop_oldest(connection: sqlite3.Connection) -> int:
-    (count,) = connection.execute("SELECT count(*) FROM entries").fetchone()
-    some = max(1, round(_SHARE * count))
-    return connection.execute(
-        "DELETE FROM entries WHERE number IN (SELECT number FROM entries ORDER BY number LIMIT ?)", (some,)
-    ).rowcount
+    """Drop the oldest entries of the issuer with the most bytes; return how many."""
+    largest = connection.execute(_LARGEST_ISSUER).fetchone()
+    if largest is None:
+        return 0
+    issuer, count = largest
+    return connection.execute(_DROP_OLDEST_OF_ISSUER, (issuer, max(1, round(_SHARE * count)))).rowcount
 
 
 def _to_json(entry: JournalEntry) -> str:

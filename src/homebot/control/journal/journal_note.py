@@ -36,6 +36,7 @@ class JournalNote:
     text: str = ""
     verdicts: tuple[JournalVerdict, ...] = ()
     results: tuple[CommandResult, ...] = ()
+    folded: int = 0
 
     @property
     def stamp(self) -> Time:
@@ -56,4 +57,5 @@ class JournalNote:
             text=self.text,
             verdicts=self.verdicts,
             results=self.results,
+            folded=self.folded,
         )

@@ -1,0 +1,120 @@
+"""Folding of equal commands in the journal."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import anyio
+import pytest
+from tests.control.conftest import Home, OpenHome
+from tests.control.test_journal_file import NOW, opened, read
+
+from homebot.control.journal.command_folding import IN_FULL, CommandFolding
+from homebot.control.journal.journal_note import JournalNote
+from homebot.control.journal.memory_store import MemoryStore
+from homebot.devices.command_results import result_of
+from homebot.devices.handles import Light
+from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest
+from homebot.devices.names import READ_JOURNAL
+from homebot.devices.outcomes import AlreadySo, NoAnswer
+
+FLOOD = 200
+
+
+def command(
+    number: int, outcome: str = "already_so", *, at: float = NOW, issuer: str = "client:a"
+) -> list[JournalNote]:
+    result = result_of(NoAnswer(1.0) if outcome == "no_answer" else AlreadySo())
+    return [
+        JournalNote("requested", at, "lamp", "", f"{number}", issuer),
+        JournalNote("sent", at, "lamp", "", f"{number}", issuer),
+        JournalNote("outcome", at, "lamp", "", f"{number}", issuer, results=(result,)),
+    ]
+
+
+def stored(folding: CommandFolding, notes: list[JournalNote]) -> list[tuple[str, str, int]]:
+    return [(one.kind, one.command, one.folded) for note in notes for one in folding.add(note)]
+
+
+def in_full(number: int, folded: int = 0) -> list[tuple[str, str, int]]:
+    return [("requested", f"{number}", folded), ("sent", f"{number}", 0), ("outcome", f"{number}", 0)]
+
+
+def test_equal_commands_of_a_minute_leave_the_newest_and_their_number() -> None:
+    folding = CommandFolding()
+    for number in range(IN_FULL):
+        assert stored(folding, command(number)) == in_full(number)
+    for number in range(IN_FULL, FLOOD):
+        assert stored(folding, command(number, at=NOW + 30)) == []
+    assert [(one.kind, one.command) for one in folding.waiting()] == [(kind, name) for kind, name, _ in in_full(199)]
+    assert stored(folding, command(FLOOD, at=NOW + 60)) == in_full(199, FLOOD - IN_FULL - 1) + in_full(FLOOD)
+    assert folding.waiting() == []
+
+
+def test_another_outcome_in_the_same_minute_is_kept() -> None:
+    folding = CommandFolding()
+    for number in range(FLOOD):
+        stored(folding, command(number))
+    assert stored(folding, command(FLOOD, "no_answer")) == in_full(FLOOD)
+    assert stored(folding, command(FLOOD + 1, "no_answer")) == []
+
+
+def test_others_and_what_has_no_issuer_pass() -> None:
+    folding = CommandFolding()
+    for number in range(FLOOD):
+        stored(folding, command(number))
+    assert stored(folding, command(FLOOD, issuer="/app")) == in_full(FLOOD)
+    changed = JournalNote("changed", NOW, "lamp")
+    assert folding.add(changed) == [changed]
+
+
+def test_a_flood_of_leases_is_folded_too() -> None:
+    folding = CommandFolding()
+    notes = [JournalNote("held", NOW, "lamp", issuer="client:a") for _ in range(FLOOD)]
+    assert len(stored(folding, notes)) == IN_FULL
+    assert [one.folded for one in folding.close()] == [FLOOD - IN_FULL - 1]
+
+
+def test_commands_that_wait_for_their_outcome_are_bounded() -> None:
+    folding = CommandFolding()
+    requested = [command(number)[0] for number in range(5000)]
+    assert len(stored(folding, requested)) == 5000 - 1000
+    assert len(folding.waiting()) == 1000
+
+
+@pytest.mark.virtual_time
+async def test_the_newest_command_is_read_at_once_and_kept_when_the_minute_is_over(open_home: OpenHome) -> None:
+    async with open_home(rate_limit=False) as home:
+        home.put("lamp", "light", "on_off")
+        await home.report("lamp", "on_off", value=False)
+        lamp = await home.handle(Light)
+        for _ in range(20):
+            await lamp.turn_on()
+            await lamp.turn_off()
+        before = await outcomes(home)
+        await anyio.sleep(61)
+        await lamp.turn_on()
+        after = await outcomes(home)
+    assert [one.command for one in after[:-1]] == [one.command for one in before]
+    assert (len(before), before[-1].command.partition("-")[2]) == (IN_FULL + 1, "40")
+
+
+async def outcomes(home: Home) -> list[JournalEntry]:
+    response = await home.app.create_client(ReadJournal, READ_JOURNAL).call(ReadJournalRequest())
+    return [one for one in response.entries if one.kind == "outcome"]
+
+
+async def test_a_full_journal_drops_the_entries_of_the_issuer_with_the_most(tmp_path: Path) -> None:
+    honest = [note for number in range(20) for note in command(number, issuer="/lights_out")]
+    greedy = [note for number in range(3000) for note in command(number, issuer="client:greedy")]
+    memory = MemoryStore(1000, 1e9)
+    for note in (*honest, *greedy):
+        memory.add(note)
+    in_memory = (await memory.read(ReadJournalRequest())).entries
+    assert sum(one.issuer == "/lights_out" for one in in_memory) == len(honest)
+    async with opened(tmp_path / "journal.sqlite", most_bytes=100_000) as store:
+        for note in (*honest, *greedy):
+            store.add(note)
+        in_file = await read(store)
+        assert store.dropped
+    assert [one for one in in_file if one.issuer == "/lights_out"] == [one.entry() for one in honest]
