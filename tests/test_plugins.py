@@ -49,6 +49,14 @@ def test_an_unknown_name_is_told_with_what_is_installed() -> None:
         load_plugin("homebot.apps", "lightservice")
 
 
+def test_two_files_of_one_folder_have_the_names_that_their_neighbours_import_them_by(tmp_path: Path) -> None:
+    """So a recording of both names their classes as one of each alone does."""
+    for name in ("first_neighbour", "second_neighbour"):
+        (tmp_path / f"{name}.py").write_text("class Mine: pass\n")
+    found = [load_plugin("homebot.apps", f"{tmp_path}/{name}_neighbour.py:Mine") for name in ("first", "second")]
+    assert [one.__module__ for one in found] == ["first_neighbour", "second_neighbour"]
+
+
 def test_a_class_in_a_file_is_found_also_where_a_module_of_that_name_is_installed(tmp_path: Path) -> None:
     """The module stays what it was; and the file is run anew once it has changed."""
     file = tmp_path / "json.py"

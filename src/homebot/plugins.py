@@ -8,6 +8,7 @@ import re
 import stat
 import sys
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from functools import lru_cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
 from pathlib import Path
@@ -18,7 +19,7 @@ from homebot.errors import PluginError
 from homebot.file_access import why_not_trusted
 from homebot.similar import did_you_mean
 
-__all__ = ["has_plugin", "is_file", "load_plugin", "name_in_file", "plugin_names"]
+__all__ = ["has_plugin", "installed_plugin", "is_file", "load_plugin", "name_in_file", "plugin_names"]
 
 _Groups = Mapping[str, tuple[EntryPoint, ...]]
 
@@ -54,6 +55,19 @@ def load_plugin(group: str, name: str) -> type[Any]:
     if not isinstance(found, type):
         raise PluginError(name, f"is {found!r}, not a class")
     return found
+
+
+def installed_plugin(group: str, kind: str) -> type[Any] | None:
+    """Return the class *kind*, as ``module:Class``, of the entry-point group *group*; None if no name offers it.
+
+    Nothing else is loaded, so *kind* may come from outside.
+    """
+    for name in plugin_names(group):
+        with suppress(PluginError):
+            offered: type[Any] = load_plugin(group, name)
+            if kind == f"{offered.__module__}:{offered.__qualname__}":
+                return offered
+    return None
 
 
 def is_file(name: str) -> bool:
@@ -194,13 +208,12 @@ def _module_in(path: Path, name: str) -> ModuleType:
 
 @lru_cache(maxsize=64)
 def _run_as_module(file: Path, _changed_at: int) -> ModuleType:
-    """Run *file* as a module of its name, or of a longer one where an installed one has that; it finds its neighbours.
+    """Run *file* as a module of its name, or of a longer one if another module has that name.
 
-    Named so, a recording of a run of it is replayed with the file in the working directory.
+    The modules in its folder can be imported afterwards, the next plug-in among them: that is no other module.
     """
     name = re.sub(r"\W", "_", file.stem)
-    other = sys.modules.get(name)
-    if _is_installed(name) and (other is None or other.__file__ != str(file)):
+    if _file_of_module(name) not in {None, str(file)}:
         name = f"file_{name}"
     spec = importlib.util.spec_from_file_location(name, file)
     assert spec is not None  # noqa: S101 - for the type checker: its name ends with .py
@@ -226,6 +239,14 @@ def _missing_class(problem: str, name: str, module: ModuleType) -> str:
 def _is_installed(module_name: str) -> bool:
     package = module_name.partition(".")[0]
     return package in sys.modules or importlib.util.find_spec(package) is not None
+
+
+def _file_of_module(name: str) -> str | None:
+    """Return the file of the module *name*: empty for one without a file, None if there is no such module."""
+    if (module := sys.modules.get(name)) is not None:
+        return getattr(module, "__file__", None) or ""
+    spec = importlib.util.find_spec(name)
+    return None if spec is None else spec.origin or ""
 
 
 def _look_here_too(path: str, module_name: str) -> None:

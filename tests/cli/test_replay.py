@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import gzip
+import time
 from pathlib import Path
 
 import pytest
 
 from homebot.cli import main
 from homebot.messages import Time
-from homebot.recording.lines import LostLines, RecordingEnd, RecordingHeader, RecordingLine, line_text
+from homebot.recording.lines import LostLines, RecordedApp, RecordingEnd, RecordingHeader, RecordingLine, line_text
 
 HEADER = RecordingHeader(format=2, version="1", home="home", started_at=Time(sec=1_767_225_600, nanosec=0))
 WHOLE = "".join(
@@ -46,10 +47,15 @@ CASES: dict[str, tuple[str, bytes | None, str]] = {
     ),
     "bytes": ("day", WHOLE.replace(b"home", b"\xff"), "day, line 1: is no text in UTF-8"),
     "brace": ("day", WHOLE.replace(b"}\n", b"\n"), "day, line 1: is no JSON: Expecting ',' delimiter at character"),
-    "old": (
+    "newer": (
         "day",
-        WHOLE.replace(b'"format":2', b'"format":1'),
-        "field 'message.format': is 1, and this homebot reads 2",
+        WHOLE.replace(b'"format":2', b'"format":3'),
+        "field 'message.format': is 3, and this homebot reads up to 2: replay it with a newer homebot",
+    ),
+    "century": (
+        "day",
+        WHOLE.replace(b'"at":1.000000', b'"at":3000000000.0'),
+        "day, line 2: field 'at': must be a number of seconds within 366 days, got '3000000000.0'",
     ),
     "cut": ("day", WHOLE[:-3], f"day {CUT}`cat day | {REPAIRED}"),
     "line": ("day", WHOLE.replace(b'"count"', b'"cuont"'), "day, line 2: field 'message': "),
@@ -98,3 +104,70 @@ def test_the_app_that_crashes_is_told_and_how_to_see_where(
     )
     assert main(["replay", "day", "--app", "mine.py", *options]) == 0
     assert f"homebot: mine crashed: ValueError: odd{said}" in capsys.readouterr().err
+
+
+def recording_of(app: RecordedApp) -> bytes:
+    """A whole recording of a run of *app*."""
+    header = line_text(RecordingLine(0, HEADER.with_checked(apps=(app,)))).encode()
+    return b"\n".join([header, *WHOLE.split(b"\n")[1:]])
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "./evil.py:Evil",
+        "evil:Evil",
+        "homebot.replay.replay_gateway:ReplayGateway",
+        "homebot.apps.light_service:App",
+        "light_service",
+    ],
+)
+def test_code_that_a_recording_names_is_not_run(folder: Path, capsys: pytest.CaptureFixture[str], kind: str) -> None:
+    """Of its classes only the apps of installed plug-ins are loaded; others are run if the user names them."""
+    (folder / "evil.py").write_text(
+        "from pathlib import Path\n\nfrom homebot import App\n\nPath('was_run').touch()\n\n\n"
+        "class Evil(App):\n    async def run(self):\n        pass\n"
+    )
+    (folder / "day").write_bytes(recording_of(RecordedApp(name="evil", kind=kind)))
+    assert main(["replay", "day", "--diff"]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert f"runs no code because a recording names it: evil ({kind}); name each" in err
+    assert not (folder / "was_run").exists()
+    assert main(["replay", "day", "--app", "evil.py", "--diff"]) == 0
+    assert (folder / "was_run").exists()
+
+
+def test_a_recording_of_an_installed_app_is_replayed_as_it_is(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    app = RecordedApp(name="mine", kind="homebot.apps.light_service:LightService")
+    (folder / "day").write_bytes(recording_of(app))
+    assert main(["replay", "day", "--diff"]) == 0
+    assert capsys.readouterr() == ("no difference: 0 commands are the same\n", "")
+
+
+def test_an_older_format_and_fields_of_a_newer_homebot_are_read(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Format 1 is format 2 without three kinds of lines."""
+    (folder / "old").write_bytes(WHOLE.replace(b'"format":2', b'"format":1'))
+    (folder / "new").write_bytes(
+        WHOLE.replace(b'"count"', b'"newer":{"a":[1]},"count"').replace(b'"at"', b'"by":1,"at"')
+    )
+    for name in ("old", "new"):
+        assert main(["replay", name, "--diff"]) == 0
+        assert capsys.readouterr() == ("no difference: 0 commands are the same\n", "")
+
+
+def test_a_file_that_unpacks_without_end_is_refused_before_its_lines_are_read(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """400 MB of valid lines in 1.2 MB; to read them takes minutes."""
+    line = WHOLE.splitlines(keepends=True)[1]
+    with gzip.open(folder / "day.gz", "wb") as file:
+        file.write(WHOLE.splitlines(keepends=True)[0])
+        for _ in range(400):
+            file.write(line * (1_000_000 // len(line)))
+    began = time.process_time()
+    assert main(["replay", "day.gz"]) == 2
+    assert time.process_time() - began < 1
+    assert capsys.readouterr().err == "homebot: day.gz is no recording: it unpacks to more than 200 times its size\n"

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import gzip
+import json
 import re
 from pathlib import Path
 
 import pytest
 
 from homebot.devices import RawMessage
-from homebot.devices.command_messages import CommandResult
+from homebot.devices.command_messages import CommandResult, Setting
+from homebot.devices.value import Value
 from homebot.errors import UsageError
 from homebot.messages import Time
 from homebot.messages.message import Message
@@ -25,7 +27,8 @@ from homebot.recording.lines import (
 )
 from homebot.recording.recording import load_recording, read_recording
 
-HEADER = RecordingHeader(format=2, version="1.0", home="home", started_at=Time(sec=1_767_225_600, nanosec=0))
+AT = Time(sec=1_767_225_600, nanosec=0)
+HEADER = RecordingHeader(format=2, version="1.0", home="home", started_at=AT)
 RAW = RawMessage(
     gateway="mqtt",
     key="lights/lamp",
@@ -65,14 +68,20 @@ def test_a_recording_is_sorted_by_time_and_outcomes_find_their_commands() -> Non
         ("{", "day, line 2: is no JSON"),
         ("[1]", "day, line 2: must be a JSON object with the fields 'at', 'kind' and 'message'"),
         ('{"at":1,"kind":"raw"}', "day, line 2: must be a JSON object with the fields"),
-        ('{"at":"1","kind":"raw","message":{}}', "day, line 2: field 'at': must be a number of seconds, got '1'"),
+        (
+            '{"at":"1","kind":"raw","message":{}}',
+            "day, line 2: field 'at': must be a number of seconds within 366 days, got '1'",
+        ),
         ('{"at":true,"kind":"raw","message":{}}', "day, line 2: field 'at'"),
         ('{"at":NaN,"kind":"raw","message":{}}', "day, line 2: field 'at'"),
         ('{"at":1,"kind":"row","message":{}}', "day, line 2: field 'kind': must be one of recording, index, device"),
         ('{"at":1,"kind":["raw"],"message":{}}', "day, line 2: field 'kind'"),
         ('{"at":1,"kind":"lost","message":{}}', "day, line 2: field 'message': .*field 'count' is missing"),
         ('{"at":1,"kind":"lost","message":{"count":-1}}', "day, line 2: field 'message': .*'count'.*got -1"),
-        ('{"at":1,"kind":"lost","message":{"count":1,"of":2}}', "day, line 2: field 'message': .*'of' is unknown"),
+        (
+            '{"at":4e7,"kind":"lost","message":{"count":1}}',
+            "day, line 2: field 'at': .* within 366 days, got '40000000.0'",
+        ),
         ('{"at":1,"at":2,"kind":"lost","message":{"count":1}}', "day, line 2: is no JSON: the key 'at' occurs twice"),
         (line_text(RecordingLine(0, HEADER)), "day, line 2: field 'kind': a recording has one header"),
     ],
@@ -89,15 +98,29 @@ def test_a_file_without_its_header_or_of_another_version_is_refused() -> None:
         read_recording(lines((0, RAW)), "day")
     with pytest.raises(UsageError, match="day, line 1: field 'kind': the first line of a recording is its header"):
         read_recording(lines((0, RecordingEnd(reason="recording"))), "day")
-    problem = "day, line 1: field 'message.format': is 1, and this homebot reads 2 only: record again"
+    problem = (
+        "day, line 1: field 'message.format': is 3, and this homebot reads up to 2: replay it with a newer homebot"
+    )
     with pytest.raises(UsageError, match=rf"^{re.escape(problem)}$"):
-        read_recording(lines((0, HEADER.with_checked(format=1))), "day")
+        read_recording(lines((0, HEADER.with_checked(format=3))), "day")
+    assert read_recording(lines((0, HEADER.with_checked(format=1))), "day").header.format == 1
 
 
-def test_a_header_of_another_version_is_refused_for_its_version_whatever_else_it_holds() -> None:
+def test_a_header_of_a_newer_version_is_refused_for_its_version_whatever_else_it_holds() -> None:
     header = b'{"at": 0, "kind": "recording", "message": {"format": 3, "a_field_to_come": true}}'
-    with pytest.raises(UsageError, match=r"line 1: field 'message\.format': is 3, and this homebot reads 2 only"):
+    with pytest.raises(UsageError, match=r"line 1: field 'message\.format': is 3, and this homebot reads up to 2"):
         read_recording([header], "day")
+
+
+def test_fields_of_a_newer_homebot_are_left_out_at_every_depth() -> None:
+    setting = Setting(capability="on_off", value=Value.of(True))
+    command = COMMAND.with_checked(settings=(setting, setting))
+    newer = json.loads(line_text(RecordingLine(1, command)))
+    message = newer["message"]
+    for place in (newer, message, message["trigger"], *message["settings"], message["settings"][1]["value"]):
+        place["newer"] = {"a": [None]}
+    found = read_recording([*lines((0, HEADER)), json.dumps(newer).encode()], "day")
+    assert [one.command for one in found.commands] == [command]
 
 
 def test_nothing_comes_after_the_end() -> None:

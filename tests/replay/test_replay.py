@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -75,6 +76,22 @@ GOLDEN = """\
 - 2026-01-01 19:41:05  kitchen_lamp  off  lights_out, because kitchen_motion reported clear
 - 2026-01-01 19:41:06  hall_lamp  off  lights_out, because hall_motion reported clear
 """.splitlines()
+
+
+def test_two_app_files_with_classes_of_one_name_are_replayed_each_in_its_place(
+    tmp_path: Path, evening: Recording
+) -> None:
+    """As `homebot run --app lights_out.py --app follow_me.py` records them, if both call their class MyApp."""
+    files = {}
+    for name, kind in (("lights_out", "LightsOut"), ("follow_me", "FollowMe")):
+        source = Path(homebot.apps.lights_out.__file__).with_name(f"{name}.py").read_text("utf-8")
+        files[name] = tmp_path / f"mine_{name}.py"
+        files[name].write_text(source.replace(f"class {kind}(", "class MyApp("))
+    apps = [one.with_checked(kind=f"mine_{one.name}:MyApp") for one in evening.header.apps]
+    mine = replace(evening, header=evening.header.with_checked(apps=tuple(apps)))
+    diff = diff_of(mine, [str(files["follow_me"]), str(files["lights_out"])])
+    assert texts(mine, diff) == []
+    assert diff.same == len(mine.commands)
 
 
 def test_a_policy_that_refuses_is_named(evening: Recording) -> None:

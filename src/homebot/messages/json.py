@@ -26,6 +26,7 @@ from homebot.strict_json import in_ascii
 __all__ = [
     "JsonObject",
     "JsonValue",
+    "known_fields",
     "message_from_json",
     "message_to_json",
     "message_to_pieces",
@@ -73,8 +74,15 @@ def message_to_pieces(message: Message) -> Iterator[str]:
     yield f"{text}}}"
 
 
-def message_from_json(message_type: type[MessageT], value: Mapping[str, object]) -> MessageT:
+def message_from_json(
+    message_type: type[MessageT], value: Mapping[str, object], *, ignore_unknown: bool = False
+) -> MessageT:
     """Return the message that the JSON object *value* spells; bytes may come as base64 text or as a list.
+
+    Args:
+        message_type: Its type.
+        value: The JSON object.
+        ignore_unknown: Whether fields that the type lacks, those of a newer homebot, are left out and not refused.
 
     Raises:
         TypeMismatchError: A field is missing, unknown, or of another type; the message names it, and its value unless
@@ -85,9 +93,17 @@ def message_from_json(message_type: type[MessageT], value: Mapping[str, object])
     try:
         return message_type.model_validate(_fields_from_json(message_type, value))
     except ValidationError as exc:
+        if ignore_unknown and any(one["type"] == "extra_forbidden" for one in exc.errors()):
+            return message_from_json(message_type, known_fields(message_type, value))
         secrets = frozenset(name for name, field in message_type.model_fields.items() if not field.repr)
         problem = validation_problem(exc, secrets)
         raise TypeMismatchError(f"not a {message_type.ros_type}: {problem}") from exc
+
+
+def known_fields(message_type: type[Message], value: Mapping[str, object]) -> dict[str, object]:
+    """Return the JSON object *value* of a message without fields that its type, or that of a field, lacks."""
+    known = {field.name: field for field in fields_of(message_type)}
+    return {name: _known_value(known[name], item) for name, item in value.items() if name in known}
 
 
 def validation_problem(error: ValidationError, secrets: frozenset[str] = frozenset()) -> str:
@@ -141,6 +157,14 @@ def _fields_from_json(message_type: type[Message], value: Mapping[str, object]) 
         unknown = next(name for name in value if name not in known)
         fields[unknown] = value[unknown]
     return fields
+
+
+def _known_value(field: FieldDefinition, value: object) -> object:
+    if field.message is not None and isinstance(value, list):
+        return [_known_value(field, item) for item in value]
+    if field.message is not None and isinstance(value, Mapping):
+        return known_fields(field.message, value)
+    return value
 
 
 def _value_from_json(field: FieldDefinition, value: object) -> object:

@@ -59,9 +59,12 @@ __all__ = [
 ]
 
 FORMAT: Final = 2
-"""The version of the format; a reader refuses any other."""
+"""The version of the format; a reader refuses a newer one. Format 1 lacked the kinds index, owner and lease."""
 
-_LONGEST: Final = 100 * 366 * 86_400.0
+_LONGEST: Final = 366 * 86_400.0
+_EARLIEST: Final = -100 * 366 * 86_400.0
+"""Reports of a computer whose clock was not set yet, as at the start of a Raspberry Pi, are of 1970."""
+
 _SHOWN: Final = 60
 
 
@@ -234,25 +237,25 @@ def read_line(text: str | bytes) -> RecordingLine:
         raise UsageError(f"is no JSON: {exc.msg} at character {exc.pos + 1}") from exc
     except (ValueError, RecursionError) as exc:
         raise UsageError(f"is no JSON: {str(exc)[:_SHOWN]}") from exc
-    if not isinstance(found, dict) or found.keys() != {"at", "kind", "message"}:
-        raise UsageError("must be a JSON object with the fields 'at', 'kind' and 'message', and no others")
+    if not isinstance(found, dict) or not found.keys() >= {"at", "kind", "message"}:
+        raise UsageError("must be a JSON object with the fields 'at', 'kind' and 'message'")
     at, kind, message = found["at"], found["kind"], found["message"]
-    if isinstance(at, bool) or not isinstance(at, int | float) or not abs(at) <= _LONGEST:
-        raise UsageError(f"field 'at': must be a number of seconds, got {str(at)[:_SHOWN]!r}")
+    if isinstance(at, bool) or not isinstance(at, int | float) or not _EARLIEST <= at <= _LONGEST:
+        raise UsageError(f"field 'at': must be a number of seconds within 366 days, got {str(at)[:_SHOWN]!r}")
     message_type = _KINDS.get(kind) if isinstance(kind, str) else None
     if message_type is None:
         raise UsageError(f"field 'kind': must be one of {', '.join(_KINDS)}, got {str(kind)[:_SHOWN]!r}")
     if message_type is RecordingHeader:
         _check_format(message)
     try:
-        return RecordingLine(float(at), message_from_json(message_type, message))
+        return RecordingLine(float(at), message_from_json(message_type, message, ignore_unknown=True))
     except TypeMismatchError as exc:
         raise UsageError(f"field 'message': {exc}") from exc
 
 
 def _check_format(header: object) -> None:
-    """Refuse another version of the format before anything else in its header is read, which may differ."""
+    """Refuse a newer version of the format before anything else in its header is read, which may differ."""
     found = header.get("format") if isinstance(header, dict) else None
-    if type(found) is int and found != FORMAT:
-        problem = f"is {found}, and this homebot reads {FORMAT} only: record again"
+    if type(found) is int and found > FORMAT:
+        problem = f"is {found}, and this homebot reads up to {FORMAT}: replay it with a newer homebot"
         raise UsageError(f"field 'message.format': {problem}")

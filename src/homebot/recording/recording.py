@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import zlib
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
@@ -33,6 +34,13 @@ __all__ = ["RecordedEvent", "Recording", "TimedCommand", "TimedLease", "load_rec
 
 _LONGEST_LINE: Final = 16 * 1024 * 1024
 _MOST_BYTES: Final = 4 * 1024**3
+_MOST_RATIO: Final = 200
+"""Text by bytes of a compressed file: that of a recording is up to 45 times as long, of zeros 1,000 times."""
+
+_UNCHECKED: Final = 64 * 1024
+"""Bytes of text before the ratio counts."""
+
+_PIECE: Final = 256 * 1024
 _RANKS: Final[dict[type[Message], int]] = {GatewayNews: 0, Sighting: 1, Report: 2, RawMessage: 3}
 """What a gateway tells of one message, in the order of telling it."""
 
@@ -128,6 +136,8 @@ def load_recording(path: Path) -> Recording:
         UsageError: It cannot be read, or a line is wrong; the message names the line and the field.
     """
     try:
+        if path.suffix == ".gz":
+            _check_ratio(path)
         with _opened(path) as file:
             return read_recording(_lines(file, str(path)), str(path))
     except gzip.BadGzipFile as exc:
@@ -217,6 +227,20 @@ def _rank(message: Message) -> int:
 
 def _opened(path: Path) -> IO[bytes]:
     return cast("IO[bytes]", gzip.open(path)) if path.suffix == ".gz" else path.open("rb")
+
+
+def _check_ratio(path: Path) -> None:
+    """Refuse a compressed file that unpacks to far more than a recording does, before its lines are read.
+
+    Raises:
+        UsageError: It does.
+    """
+    size = 0
+    with path.open("rb") as packed, gzip.GzipFile(fileobj=packed) as unpacked, suppress(EOFError):
+        while piece := unpacked.read1(_PIECE):
+            size += len(piece)
+            if size > _UNCHECKED + _MOST_RATIO * packed.tell():
+                raise UsageError(f"{path} is no recording: it unpacks to more than {_MOST_RATIO} times its size")
 
 
 def _lines(file: IO[bytes], source: str) -> Iterator[bytes]:

@@ -10,19 +10,22 @@ from typing import Final
 from homebot.apps import App
 from homebot.config import Table
 from homebot.errors import UsageError
-from homebot.plugins import is_file, load_plugin, name_in_file
+from homebot.plugins import installed_plugin, is_file, load_plugin, name_in_file
 from homebot.recording.lines import RecordedApp
 
 __all__ = ["app_tables"]
 
 _APPS: Final = "homebot.apps"
+_SHOWN: Final = 60
+_MOST_SHOWN: Final = 3
 
 
 def app_tables(recorded: Iterable[RecordedApp], wanted: Sequence[str], given: dict[str, Table]) -> dict[str, Table]:
     """Return the tables ``[apps.NAME]`` of a replay.
 
     Args:
-        recorded: The apps of the recording.
+        recorded: The apps of the recording, of which only installed plug-ins are loaded: code that a file names is not
+            run.
         wanted: The apps to run: plug-ins, ``module:Class``, or Python files; empty for those of the recording. One
             whose class has the name of a recorded one takes its place, with its name and settings.
         given: Tables of a configuration, which win over the settings in the recording.
@@ -31,19 +34,38 @@ def app_tables(recorded: Iterable[RecordedApp], wanted: Sequence[str], given: di
         UsageError: An app cannot be found, or the recording is damaged.
     """
     known = tuple(recorded)
+    tables: dict[str, Table] = {}
     if not wanted:
+        _check_installed(known)
         tables = {one.name: _settings(one) | {"class": one.kind} for one in known}
-    else:
-        tables = {}
-        for text in wanted:
-            tables |= _in_place(_found(text), known)
+    for text in wanted:
+        tables |= _in_place(_found(text), known)
     return {name: table | given.get(name, {}) | {"class": table["class"]} for name, table in tables.items()}
 
 
+def _check_installed(recorded: Iterable[RecordedApp]) -> None:
+    """Refuse recorded apps that are not installed.
+
+    Raises:
+        UsageError: There are some; the message says how to run them.
+    """
+    others = [one for one in recorded if installed_plugin(_APPS, one.kind) is None]
+    if others:
+        named = ", ".join(f"{one.name} ({one.kind[:_SHOWN]})" for one in others[:_MOST_SHOWN])
+        raise UsageError(
+            f"the recording names apps that are not installed, and a replay runs no code because a recording names it: "
+            f"{named}; name each that is to run, as by --app FILE.py"
+        )
+
+
 def _in_place(kind: type[object], recorded: Iterable[RecordedApp]) -> dict[str, Table]:
-    """Return the tables of an app of the class *kind* for each recorded app of a class of that name; else its own."""
+    """Return the tables of an app of the class *kind* in place of recorded ones; if there are none, its own.
+
+    Those of the same class are replaced; if there are none, those of a class of the same name.
+    """
     wanted = f"{kind.__module__}:{kind.__qualname__}"
-    same = [one for one in recorded if one.kind.rpartition(":")[2] == kind.__qualname__]
+    same = [one for one in recorded if one.kind == wanted]
+    same = same or [one for one in recorded if one.kind.rpartition(":")[2] == kind.__qualname__]
     if same:
         return {one.name: _settings(one) | {"class": wanted} for one in same}
     return {re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", kind.__name__).lower(): {"class": wanted}}
