@@ -325,6 +325,7 @@ FORGED = [
     ("/gateway/mqtt/readings", "homebot/msg/Report", {"gateway": "mqtt", "key": "front"}),
     ("/discovery/states", "homebot/msg/StateChange", {}),
     ("/control/events", "homebot/msg/CommandEvent", {}),
+    ("/loop_probe/inbox", "homebot/msg/RawMessage", {}),
 ]
 
 

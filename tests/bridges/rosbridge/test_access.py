@@ -15,7 +15,7 @@ from websockets.exceptions import InvalidStatus
 
 from homebot.bridges.rosbridge import ClientToken, DoorSettings
 from homebot.bridges.rosbridge.access import right_to_call, right_to_publish
-from homebot.devices import RawCommand
+from homebot.devices import RawCommand, RawMessage
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.client_rights import LOCAL_RIGHTS, Right
 from homebot.devices.command_messages import CommandRequest, CommandResult, PerformCommand
@@ -73,6 +73,8 @@ async def refusal(peer: Any, op: str, **fields: object) -> str:
         ("/network_services", "homebot/msg/NetworkService"),
         ("/rosout", "rcl_interfaces/msg/Log"),
         ("/parameter_events", "rcl_interfaces/msg/ParameterEvent"),
+        ("/gateway/mqtt/received_data/lamp", "homebot/msg/RawMessage"),
+        ("/light_service/inbox", "homebot/msg/RawMessage"),
     ],
 )
 async def test_a_client_without_the_right_raw_publishes_on_no_topic_of_homebot(
@@ -110,6 +112,43 @@ async def test_a_client_with_the_right_raw_publishes_on_the_topics_of_gateways(o
         assert (heard.payload, heard.issuer) == ("unlock", "client:robot")
         await peer.settle()
         assert ("publisher", "/gateway/mqtt/received_topics") in house.entities()
+
+
+async def test_a_program_that_may_act_puts_no_message_of_a_device_into_the_inbox_of_an_app(open_house: Any) -> None:
+    async with robot(open_house, "read", "act: light in hall") as (house, peer):
+        house.node("light_service").create_subscription(RawMessage, "~/inbox")
+        told = await refusal(peer, "publish", topic="/light_service/inbox", msg={"address": "hall", "payload": "on"})
+    assert told.startswith("the right raw is missing; the token robot has: read, act. ")
+
+
+@pytest.mark.parametrize(
+    ("headers", "is_allowed"),
+    [
+        ({}, True),
+        ({"Origin": "http://localhost:3000"}, False),
+        ({"Origin": "http://127.0.0.1"}, False),
+        ({"Origin": "http://localhost:8080"}, True),
+        ({"Origin": "http://localhost:3000", "Authorization": "Bearer robot-secret"}, True),
+    ],
+)
+async def test_of_pages_without_a_token_only_those_that_the_configuration_names_approve(
+    open_house: Any, headers: dict[str, str], is_allowed: object
+) -> None:
+    """Any program on this computer may serve a page on a loopback port."""
+    door = settings("read", "act: harmless", "manage", allowed_origins=("http://localhost:8080",))
+    async with open_house(door) as house, house.peer(**headers) as peer:
+        answer = SuccessResponse(success=True, message="")
+        for name in ("/discovery/approve", "/discovery/alias", "/app/go"):
+            house.node(name.rpartition("/")[2]).create_service(Trigger, name, lambda _: answer)
+        managed = [await peer.call(name) for name in ("/discovery/approve", "/discovery/alias")]
+        assert (await peer.call("/app/go"))["result"] is True
+    assert [one["result"] for one in managed] == [is_allowed] * 2
+    if not is_allowed:
+        page = headers["Origin"]
+        assert managed[0]["values"] == (
+            f"the right manage is missing; a web page from {page} has: read, act. To give it, "
+            f'add "{page}" to allowed_origins, in the table [door] of homebot.toml'
+        )
 
 
 async def test_the_right_raw_is_none_to_read_or_to_manage(open_house: Any) -> None:

@@ -1,6 +1,7 @@
 """Access of clients of the door: the right that each operation needs. No I/O.
 
-homebot's own topics and services are those below the namespaces of its nodes. Reading them is harmless, and so are the
+homebot's own topics and services are those below the namespaces of its nodes, and the inboxes to which gateways bring
+raw messages of devices. Reading them is harmless, and so are the
 services that only answer; on the others a client could pass for a gateway, the directory or the control layer.
 """
 
@@ -80,6 +81,7 @@ _READING: Final = frozenset(
     }
 )
 _ACTING: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE, SEND_TEXT})
+_LONGEST_ORIGIN: Final = 100
 _SETTING_PARAMETERS: Final = frozenset({"/rosapi/delete_param", "/rosapi/set_param"})
 
 
@@ -102,10 +104,18 @@ class ClientAccess:
     Attributes:
         name: The name of its token, or ``local`` without one.
         rights: Its rights.
+        page: The origin of the web page, if it is one that ``allowed_origins`` does not name and has no token: it may
+            neither manage homebot nor pass for its parts.
     """
 
     name: str
     rights: ClientRights
+    page: str = ""
+
+    @classmethod
+    def of_page(cls, origin: str, name: str, rights: ClientRights) -> ClientAccess:
+        """Return the access of a page that no token and no configuration vouches for."""
+        return cls(name, rights._replace(manages=False, is_raw=False), origin)
 
     @property
     def issuer(self) -> str:
@@ -141,7 +151,10 @@ class ClientAccess:
 
     def _problem(self, right: Right) -> str:
         wanted = "act: harmless" if right is Right.ACT else right.value
-        if self.name == LOCAL_CLIENT:
+        if self.page:
+            who = f"a web page from {self.page[:_LONGEST_ORIGIN]}"
+            advice = f'add "{self.page[:_LONGEST_ORIGIN]}" to allowed_origins, in the table [door] of homebot.toml'
+        elif self.name == LOCAL_CLIENT:
             who = "a client without a token"
             scope = json.dumps(list(dict.fromkeys(("read", wanted))))
             advice = f"make a token: a table [door.tokens.NAME] in homebot.toml with token_file and scope = {scope}"
@@ -160,7 +173,7 @@ def _stamped_fields(message_type: type[Message]) -> tuple[str, ...]:
 @lru_cache(maxsize=1024)
 def right_to_publish(name: str) -> Right:
     """Return the right that it takes to publish on the topic, or to provide the service, with the full *name*."""
-    return Right.RAW if _is_own(name) else Right.ACT
+    return Right.RAW if _is_own(name) or name.endswith("/inbox") else Right.ACT
 
 
 @lru_cache(maxsize=1024)

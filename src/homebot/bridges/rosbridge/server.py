@@ -205,6 +205,13 @@ class Door:
         self._names[connection] = name
         return None
 
+    def _unnamed_page(self, connection: ServerConnection) -> str:
+        """Return the origin of a web page without a token that the settings do not name; empty for other clients."""
+        request = connection.request
+        origin = request.headers.get("Origin", "") if request is not None else ""
+        is_local = self._names[connection] == LOCAL_CLIENT
+        return origin if is_local and origin not in self._settings.allowed_origins else ""
+
     def _turn_away(self, connection: ServerConnection, status: HTTPStatus, problem: str) -> Response:
         client = _address_of(connection)
         self._counters.turned_away += 1
@@ -242,7 +249,8 @@ class Door:
         if isinstance(connection, DoorConnection):
             connection.has_arrived()
         name = self._names[connection]
-        access = ClientAccess(name, self._rights[name])
+        rights, page = self._rights[name], self._unnamed_page(connection)
+        access = ClientAccess.of_page(page, name, rights) if page else ClientAccess(name, rights)
         session = ClientSession(
             self._shared, access, _address_of(connection), send, cut, reads_png=not _is_roslibpy(connection)
         )

@@ -65,7 +65,7 @@ class CommandFolding:
         stored = list(self._ended(note.at))
         if note.command in self._open:
             stored += self._continue(note)
-        elif note.issuer:
+        elif note.issuer and (note.kind != "denied" or note.settings):  # what the door denied is bounded already
             stored += self._begin(note)
         else:
             stored.append(note)
