@@ -108,7 +108,7 @@ def is_free(port: int) -> bool:
         return probe.connect_ex(("127.0.0.1", port)) != 0
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_stops_it_in_order(start: Start, number: signal.Signals) -> None:
     """Exit code 0, no traceback, and nothing is left that could hold a port."""
     run = start()
@@ -120,6 +120,19 @@ def test_a_signal_stops_it_in_order(start: Start, number: signal.Signals) -> Non
     assert "Traceback" not in run.text
     assert is_free(run.port)
     assert run.has_left_nothing()
+    assert run.text.count("SIGHUP was received: homebot stops") == (number == signal.SIGHUP)
+
+
+def test_a_hangup_that_is_ignored_as_under_nohup_stops_nothing(start: Start) -> None:
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # which a program hands on to those that it starts
+    try:
+        run = start()
+    finally:
+        signal.signal(signal.SIGHUP, before)
+    run.until("roomlights405 is on: turned it off")
+    run.process.send_signal(signal.SIGHUP)
+    assert run.stop() == 0
+    assert "SIGHUP" not in run.text
 
 
 def test_the_json_log_is_json_line_by_line(start: Start) -> None:

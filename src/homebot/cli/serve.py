@@ -1,4 +1,4 @@
-"""Serving until Ctrl-C, SIGTERM or the end of the given time, and then stopping in order."""
+"""Serving until Ctrl-C, SIGTERM, SIGHUP or the end of the given time, and then stopping in order."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import asyncio
 import signal
 import socket
 import threading
-from collections.abc import Callable, Coroutine, Iterator
+from collections.abc import Callable, Collection, Coroutine, Iterator
 from contextlib import AbstractAsyncContextManager, contextmanager
 from types import FrameType
 from typing import Final, TypeVar
@@ -14,13 +14,16 @@ from typing import Final, TypeVar
 import anyio
 
 from homebot.cli.watchdog import Watchdog
+from homebot.logger import get_logger
 from homebot.production_loop import ProductionLoop
 
 __all__ = ["on_an_event_loop", "serve"]
 
 Result = TypeVar("Result")
 
-_STOP_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
+_HANGUP: Final[signal.Signals | None] = getattr(signal, "SIGHUP", None)  # Windows has none
+_STOP_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, *(() if _HANGUP is None else (_HANGUP,)))
+_log = get_logger(node="/homebot")
 
 
 def on_an_event_loop(main: Coroutine[object, object, Result]) -> Result:
@@ -37,7 +40,7 @@ async def serve(
     seconds: float | None,
     cut_start_short: Callable[[], None] | None = None,
 ) -> None:
-    """Enter *service*, wait for SIGINT, SIGTERM or the end of *seconds*, and leave it.
+    """Enter *service*, wait for SIGINT, SIGTERM, SIGHUP or the end of *seconds*, and leave it.
 
     Leaving takes 4.8 s at most: then the process is ended with code 1, whatever hangs.
 
@@ -65,7 +68,9 @@ async def serve(
 
 @contextmanager
 def _at_stop_signals(at_once: Callable[[], None], in_the_loop: Callable[[], None]) -> Iterator[None]:
-    """Call both at SIGINT and SIGTERM; to be entered in the main thread, within its event loop.
+    """Call both at the stop signals; to be entered in the main thread, within its event loop.
+
+    A signal that is ignored stays so: under ``nohup`` a hangup stops nothing.
 
     Args:
         at_once: Called from any thread, perhaps twice a signal, also while the event loop is blocked.
@@ -73,12 +78,15 @@ def _at_stop_signals(at_once: Callable[[], None], in_the_loop: Callable[[], None
     """
     loop = asyncio.get_running_loop()
 
-    def handle(_number: int, _frame: FrameType | None) -> None:
+    def handle(number: int, _frame: FrameType | None) -> None:
         at_once()
+        if number == _HANGUP:
+            loop.call_soon_threadsafe(_log_hangup)
         loop.call_soon_threadsafe(in_the_loop)
 
-    with _in_a_thread(at_once):
-        before = {number: signal.signal(number, handle) for number in _STOP_SIGNALS}
+    wanted = [number for number in _STOP_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    with _in_a_thread(wanted, at_once):
+        before = {number: signal.signal(number, handle) for number in wanted}
         try:
             yield
         finally:
@@ -87,8 +95,8 @@ def _at_stop_signals(at_once: Callable[[], None], in_the_loop: Callable[[], None
 
 
 @contextmanager
-def _in_a_thread(at_once: Callable[[], None]) -> Iterator[None]:
-    """Call *at_once* in a thread of its own at each of the signals.
+def _in_a_thread(wanted: Collection[int], at_once: Callable[[], None]) -> Iterator[None]:
+    """Call *at_once* in a thread of its own at each of the *wanted* signals.
 
     Python runs handlers in the main thread, between two instructions. A call into C that began just before the signal,
     or a signal that another thread took, leaves them waiting until that call returns.
@@ -99,7 +107,7 @@ def _in_a_thread(at_once: Callable[[], None]) -> Iterator[None]:
     def read() -> None:
         with received:
             while numbers := received.recv(64):
-                if not set(_STOP_SIGNALS).isdisjoint(numbers):
+                if not set(wanted).isdisjoint(numbers):
                     at_once()
 
     threading.Thread(target=read, name="signals", daemon=True).start()
@@ -109,3 +117,10 @@ def _in_a_thread(at_once: Callable[[], None]) -> Iterator[None]:
             yield
         finally:
             signal.set_wakeup_fd(before)
+
+
+def _log_hangup() -> None:
+    _log.warning(
+        "runtime.hangup",
+        message="SIGHUP was received: homebot stops, as it cannot reload its configuration; start it again to apply it",
+    )
