@@ -9,7 +9,7 @@ from homebot.devices.command_messages import CommandDevicesRequest, CommandReque
 from homebot.devices.handles import DoorLock, Light
 from homebot.devices.lease_messages import HoldPart, HoldRequest
 from homebot.devices.names import HOLD_PART
-from homebot.devices.outcomes import Confirmed
+from homebot.devices.outcomes import Confirmed, Refused
 from homebot.devices.value import Value
 
 pytestmark = pytest.mark.virtual_time
@@ -60,6 +60,19 @@ async def test_the_refusal_says_where_the_right_is_given(
         result = await unlock(home, issuer, *scope)
         lock = await home.handle(DoorLock, "door")
         assert result.reason.endswith(advice.format(f"""'act: id="{lock.device.id}"'"""))
+
+
+@pytest.mark.parametrize("approvals", [True, False])
+async def test_one_refusal_names_right_and_approval(open_home: OpenHome, *, approvals: bool) -> None:
+    """To a client as to an app, with the reason why the device always asks; no approval if none is needed."""
+    async with open_home(approvals=approvals) as home:
+        await put_house(home)
+        refused = await (await home.handle(DoorLock, "door")).unlock()
+        assert isinstance(refused, Refused)
+        for reason in ((await unlock(home, "client:robot")).reason, refused.reason):
+            assert "a right that names it (its type is door_lock)" in reason
+            assert ("; approve it with `homebot approve Door`, and " in reason) is approvals
+            assert "homebot.toml" in reason or "[apps.app] act = " in reason
 
 
 @pytest.mark.parametrize("scope", [(), ("read", "act: harmless")])

@@ -6,7 +6,7 @@ import pytest
 from tests.devices.handles.conftest import device, part
 
 from homebot.control.policies.safe_side import is_safe
-from homebot.devices.always_ask import always_asks
+from homebot.devices.always_ask import always_asks, why_device_asks, why_it_asks
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, Right, read_scope
 from homebot.devices.device import Device, Fact, KeyValue
 from homebot.devices.part import Capability, Category
@@ -128,6 +128,8 @@ def test_a_device_that_lets_in_or_floods_or_burns_always_asks(one: Device) -> No
         "Türöffner unten",
         "Wasserventil Garten",
         "Backofen",
+        "Boiler Bad",
+        "Oven plug",
         "Porte de garage",
         "Porte du garage gauche",
         "Serrure de la porte d'entrée",
@@ -250,6 +252,9 @@ def test_a_choice_does_not_ask_by_the_name_of_its_device() -> None:
         "Cold water",
         "Sauna light",
         "Fireplace lamp",
+        "Boiler room fan",
+        "Boilerraum",
+        "Cooker hood",
         "Garagentor Licht",
         "Torbeleuchtung",
         "Hauslicht",
@@ -275,6 +280,94 @@ def test_a_plug_or_button_of_another_name_does_not(name: str, service_type: str,
     one = device(name, part(service_type, capability))
     assert not always_asks(one, one.parts[0])
     assert may(LOCAL_RIGHTS, one)
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        "Hilo water heater controller",
+        "Calypso smart water heater controller",
+        "Water heater switch",
+        "Smart Boiler Switch",
+        "Boiler control relay module used in Enel Homix system",
+        "Dry contact switch for central heating boilers",
+        "Battery Zigbee thermostat with dry contact for boiler control",
+        "Smart sprinkler timer",
+        "Smart sprinkler timer with measurements",
+        "Hose faucet water timer",
+        "Parkside smart watering timer",
+        "Smart watering kit",
+        "Stove guard for safe cooking",
+        "2.5 Stove guard",
+        "Water walve",
+        "Smart water/gas valve",
+        "IOT remote control smart gas lock",
+        "Zigbee smart water valve with flow meter and temperature sensor",
+    ],
+)
+def test_a_relay_asks_if_its_model_is_for_water_gas_boilers_or_stoves(model: str) -> None:
+    """Relays of zigbee-herdsman-converters 26.112."""
+    one = of_model(model, "switch", "on_off")
+    assert f"the model {model!r} says " in why_it_asks(one, one.parts[0])
+    assert not may(LOCAL_RIGHTS, one)
+
+
+@pytest.mark.parametrize(
+    "model",
+    ["Zigbee 30A relay with NTC temperature sensors and water leak detection", "Pilot wire heating module", "Gateway"],
+)
+def test_a_relay_of_another_model_does_not_ask(model: str) -> None:
+    one = of_model(model, "switch", "on_off")
+    assert not always_asks(one, one.parts[0])
+
+
+@pytest.mark.parametrize("part_id", ["unlock_door", "door_unlock", "openDoor"])
+@pytest.mark.parametrize("capability", ["text", "on_off"])
+def test_a_setting_that_opens_asks(part_id: str, capability: str) -> None:
+    """The easyiot ZB-ZL01 opens by a text, its password, and is no lock to Zigbee2MQTT."""
+    one = device("0x1", part("x_setting", capability, part_id=part_id, category="config"))
+    assert "'unlock'" in (why := why_it_asks(one, one.parts[0])) or "'open door'" in why
+    assert not may(LOCAL_RIGHTS, one)
+
+
+@pytest.mark.parametrize("name", ["Unlocked by", "Room name", "open_window", "Door open alarm", "Child lock"])
+def test_another_text_or_flag_of_a_device_does_not(name: str) -> None:
+    one = device("0x1", part("x_setting", "text", part_id=name), part("x_setting", "on_off", part_id=name))
+    assert why_device_asks(one) == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "most", "asks"),
+    [("Boiler", 75.0, True), ("Boiler", 30.0, False), ("Boiler room", 75.0, False), ("Living room", 75.0, False)],
+)
+def test_a_thermostat_asks_if_it_is_called_a_boiler_and_becomes_hotter_than_a_room(
+    name: str, most: float, *, asks: bool
+) -> None:
+    setpoint = Capability(name="heating_setpoint", settable=True, unit="°C", bounds=(30.0, most))
+    one = device(name, part("thermostat", capabilities=(setpoint,)))
+    assert always_asks(one, one.parts[0]) is asks
+
+
+def test_a_boiler_without_bounds_asks() -> None:
+    one = device("Boiler", part("thermostat", "heating_setpoint"))
+    assert always_asks(one, one.parts[0])
+
+
+@pytest.mark.parametrize(
+    ("one", "reason"),
+    [
+        (HALL_LOCK, "its type is door_lock"),
+        (OVEN, "it calls itself oven"),
+        (ODD_LOCK, "its lock can be set"),
+        (OVEN_PLUG, "the name 'Oven Plug' says 'oven'"),
+        (GARDEN, "the model 'Zigbee smart water valve' says 'valve'"),
+        (TAGGED, "it has the tag always_ask"),
+        (HALL_LAMP, ""),
+    ],
+    ids=lambda one: one.id if isinstance(one, Device) else "",
+)
+def test_a_device_says_why_it_always_asks(one: Device, reason: str) -> None:
+    assert why_device_asks(one) == why_it_asks(one, one.parts[0]) == reason
 
 
 @pytest.mark.parametrize("service_type", ["light", "x_sensor", "x_setting", "thermostat", "fan"])

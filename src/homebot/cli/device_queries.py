@@ -26,6 +26,7 @@ __all__ = [
     "named_device",
     "reasons_for",
     "unapproved",
+    "why_it_asks",
 ]
 
 T = TypeVar("T")
@@ -113,10 +114,20 @@ def reasons_for(door: DoorClient, device: DeviceRecord) -> Sequence[str]:
 
 def unapproved(door: DoorClient, device: str = "") -> frozenset[str]:
     """Return the ids of the devices that wait for approval; of *device* alone where one is given."""
+    return frozenset(_unapproved(door, device)["devices"])
+
+
+def why_it_asks(door: DoorClient, device: str) -> tuple[str, bool]:
+    """Return why *device* always asks, empty if it does not, and whether it waits for approval."""
+    answer = _unapproved(door, device)
+    reason = next((one["value"] for one in answer.get("reasons", ())), "")  # an older homebot gives none
+    return reason, bool(answer["devices"])
+
+
+def _unapproved(door: DoorClient, device: str) -> UnapprovedRecord:
     if not entities(door, kind="service", name=GET_UNAPPROVED):  # a homebot of an older version
-        return frozenset()
-    answer = cast("UnapprovedRecord", door.call(GET_UNAPPROVED, {"device": device}))
-    return frozenset(answer["devices"])
+        return {"devices": [], "reasons": []}
+    return cast("UnapprovedRecord", door.call(GET_UNAPPROVED, {"device": device}))
 
 
 def house_time(door: DoorClient) -> float:

@@ -57,6 +57,7 @@ class UnapprovedRecord(TypedDict):
     """:class:`homebot.devices.approval_messages.UnapprovedResponse`."""
 
     devices: list[str]
+    reasons: list[KeyValueRecord]
 
 
 class RoomRecord(TypedDict):

@@ -5,9 +5,11 @@ from __future__ import annotations
 from contextlib import closing
 from typing import Final, final
 
-from homebot.devices import FIND_DEVICES, FindDevices
+from homebot.devices import FIND_DEVICES, Device, FindDevices
+from homebot.devices.always_ask import waits_for_approval, why_device_asks
 from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
-from homebot.devices.query import And, FactIs, IsUnapproved, query_terms
+from homebot.devices.device import KeyValue
+from homebot.devices.query import FactIs, IsUnapproved, query_terms
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import Node
@@ -31,8 +33,15 @@ class Approvals:
         self._is_needed = is_needed
 
     async def unapproved(self, request: UnapprovedRequest) -> UnapprovedResponse:
-        """Return the devices that wait."""
-        return UnapprovedResponse(devices=await self._waiting(request.device))
+        """Return the devices that wait, and why they always ask."""
+        if request.device:
+            found = tuple(one for one in await self._find(request.device) if one.id == request.device)
+        else:
+            found = await self._waiting()
+        return UnapprovedResponse(
+            devices=tuple(one.id for one in found if self._is_needed and waits_for_approval(one)),
+            reasons=tuple(KeyValue(key=one.id, value=why) for one in found if (why := why_device_asks(one))),
+        )
 
     async def notes(self) -> tuple[str, ...]:
         """Return a note on the devices that wait, for people; none where the directory does not answer."""
@@ -42,16 +51,17 @@ class Approvals:
             return ()
         return (_note(waiting),) if waiting else ()
 
-    async def _waiting(self, device: str = "") -> tuple[str, ...]:
-        if not self._is_needed:
-            return ()
-        query = And((IsUnapproved(), FactIs("id", device.casefold()))) if device else IsUnapproved()
+    async def _waiting(self) -> tuple[Device, ...]:
+        return await self._find() if self._is_needed else ()
+
+    async def _find(self, device: str = "") -> tuple[Device, ...]:
+        query = FactIs("id", device.casefold()) if device else IsUnapproved()
         with closing(self._node.create_client(FindDevices, FIND_DEVICES)) as find:
-            found = (await find.call(FindDevicesRequest(query=query_terms(query)))).devices
-        return tuple(one.id for one in found if device in {"", one.id})
+            return (await find.call(FindDevicesRequest(query=query_terms(query)))).devices
 
 
-def _note(waiting: tuple[str, ...]) -> str:
-    named = ", ".join(waiting[:_MOST_NAMED]) + (", …" if len(waiting) > _MOST_NAMED else "")
+def _note(waiting: tuple[Device, ...]) -> str:
+    named = ", ".join(f"{one.id} ({why_device_asks(one)})" for one in waiting[:_MOST_NAMED])
+    named += ", …" if len(waiting) > _MOST_NAMED else ""
     count = "1 device waits" if len(waiting) == 1 else f"{len(waiting)} devices wait"
     return f"{count} for approval, and only locks, closes or stops until then (`homebot approve DEVICE`): {named}"

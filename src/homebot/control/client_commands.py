@@ -6,8 +6,9 @@ from functools import lru_cache
 from typing import Final
 
 from homebot.control.command import IssuedCommand
+from homebot.control.policies.approval import approval_step
 from homebot.control.policies.safe_side import may_make_safe
-from homebot.devices.always_ask import always_asks
+from homebot.devices.always_ask import why_it_asks
 from homebot.devices.client_rights import (
     LOCAL_CLIENT,
     LOCAL_RIGHTS,
@@ -23,8 +24,13 @@ POLICY: Final = "rights"
 """The policy that such a refusal names."""
 
 
-def client_refusal(command: IssuedCommand) -> str:
-    """Return why the client that gave *command* may not command the part; empty where it may."""
+def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
+    """Return why the client that gave *command* may not command the part; empty where it may.
+
+    Args:
+        command: The command.
+        needs_approval: Whether a device that can hurt needs an approval, which is then named with the right.
+    """
     device, part = command.device, command.part
     try:
         rights = _rights(command.scope)
@@ -32,13 +38,16 @@ def client_refusal(command: IssuedCommand) -> str:
         return str(exc)
     if rights.may_command(device, part):
         return ""
-    asks = always_asks(device, part)
+    asks = why_it_asks(device, part)
     if asks and may_make_safe(rights, device, part, command.settings, command.trigger):
         return ""
     right = f"""act: {f'id="{device.id}"' if asks else part.part.service_type}"""
-    why = "such a device takes a right that names it" if asks else "it is not among what the client may command"
+    why = "it is not among what the client may command"
+    if asks:
+        why = f"such a device takes a right that names it ({asks})"
     has = f"the scope of the client is {', '.join(command.scope)}" if command.scope else "the client has no token"
-    return f"{command.issuer} may not command {device.id}: {why}, and {has}; {_advice(command, right)}"
+    step = approval_step(command) if needs_approval else ""
+    return f"{command.issuer} may not command {device.id}: {why}, and {has}; {step}{_advice(command, right)}"
 
 
 def _advice(command: IssuedCommand, right: str) -> str:

@@ -11,7 +11,7 @@ from typing import Final, TypeAlias, final
 
 import anyio
 
-from homebot.control.client_commands import POLICY, client_refusal
+from homebot.control.client_commands import POLICY
 from homebot.control.command import IssuedCommand, zero_as_off
 from homebot.control.echoes import NO_ECHOES, EchoHistory, ExpectedEchoes
 from homebot.control.gateway_watch import GatewayWatch, PartWatch, ReportWatch
@@ -162,7 +162,7 @@ class CommandExecutor:
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
         """Return the refusal that *request* would get now for want of a right or by a policy; nothing is noted."""
         command = self._issued("", request, device, part)
-        if command.is_client and (problem := client_refusal(command)):
+        if command.is_client and (problem := self._judge.client_refusal(command)):
             return Refused(POLICY, problem)
         return self._judge.refusal(command, is_noted=False)
 
@@ -201,7 +201,7 @@ class CommandExecutor:
         )
 
     async def _carry_out(self, command: IssuedCommand) -> CommandResult:
-        if command.is_client and (problem := client_refusal(command)):
+        if command.is_client and (problem := self._judge.client_refusal(command)):
             return result_of(Refused(POLICY, problem, command_id=command.id))
         if len(self._pending.newest) >= MOST_PENDING:
             problem = f"{MOST_PENDING:,} commands wait for their outcome"

@@ -8,6 +8,7 @@ from datetime import tzinfo
 from functools import lru_cache
 from typing import Final, final
 
+from homebot.control.client_commands import client_refusal
 from homebot.control.command import IssuedCommand
 from homebot.control.journal import CommandJournal
 from homebot.control.learnt_persistence import LearntPersistence
@@ -115,6 +116,13 @@ class Judge:
                 self._journal.judged(command, verdict)
         last = verdicts[-1]
         return None if last.allowed else Refused(last.policy, last.reason, command_id=command.id)
+
+    def client_refusal(self, command: IssuedCommand) -> str:
+        """Return why the client that gave *command* has no right to the part, and what else it takes; empty if it has.
+
+        See :func:`homebot.control.client_commands.client_refusal`.
+        """
+        return client_refusal(command, needs_approval=self._settings.approvals)
 
     def notes(self) -> tuple[str, ...]:
         """Return a note on the motion sensors that the presence guard does not trust yet, for people."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final, final
 
-from homebot.control.client_commands import POLICY, client_refusal
+from homebot.control.client_commands import POLICY
 from homebot.control.command import IssuedCommand
 from homebot.control.executor import CommandExecutor
 from homebot.control.journal import CommandJournal
@@ -107,7 +107,7 @@ class TextCommands:
         return SendTextResponse(success=True, others=target.others, command_id=command.id)
 
     def _refusal(self, command: IssuedCommand) -> Refused | None:
-        if command.is_client and (problem := client_refusal(command)):
+        if command.is_client and (problem := self._judge.client_refusal(command)):
             return Refused(POLICY, problem, command_id=command.id)
         if UNREAD in command.settings and any(always_asks(command.device, one) for one in command.device.parts):
             return Refused(_ALWAYS_ASK, _UNREADABLE, command_id=command.id)

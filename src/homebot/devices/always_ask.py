@@ -1,21 +1,22 @@
-"""Devices that a person has to allow by name: who commands them by mistake lets somebody in, floods or burns. Pure.
+"""Devices that a person has to allow by name, because a wrong command lets somebody in, floods or burns. Pure.
 
 What may drive them is the owner's to approve.
 
-A switch, plug or cover that drives such a device is known by its name, in English or another language, by that of its
-model, where that has an English word for it, or by the tag ``always_ask``, which the owner may give to any device; so
-is a button, scene or choice by its name, and the setting that says how hot a boiler or an oven becomes.
+A switch, plug or cover that drives such a device is known by its name, in one of six languages, by its model, or by the
+tag ``always_ask``, which the owner may give to any device; a button, scene or choice by its name, a text or flag by one
+that opens, and a temperature by the name of what becomes hot. The words are those of :mod:`homebot.devices.words`.
 """
 
 from __future__ import annotations
 
 import re
-from functools import lru_cache
 from typing import Final
 
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import OWNER
-from homebot.folding import fold, words_of
+from homebot.devices.part import Capability, Part
+from homebot.devices.words import ALL_THAT_ASK, BURNS_OR_FLOODS, HEAT, NO_LOCK, OPEN, OPENER, matching_words
+from homebot.folding import fold
 
 __all__ = [
     "ALWAYS_ASK",
@@ -26,6 +27,8 @@ __all__ = [
     "is_declared",
     "is_opener",
     "waits_for_approval",
+    "why_device_asks",
+    "why_it_asks",
 ]
 
 ALWAYS_ASK = frozenset({"closure", "door_lock", "water_heater", "water_valve", "x_alarm_panel"})
@@ -36,105 +39,57 @@ APPROVED: Final = "approved"
 
 _CAPABILITIES = frozenset({"alarm", "contact", "lock", "valve", "water_heater_mode"})
 _ARMED = frozenset({"Armed", "armed"})
-_OVENS = frozenset({"cooker", "cooktop", "hob", "kiln", "oven", "stove"})
-_HEATERS = frozenset({"boiler", "geyser", "sauna"})
-_HOT_WATER = (("hot", "water"), ("immersion", "heater"), ("sauna", "heater"), ("water", "heater"))
-_ENDINGS_OF_SETTINGS = _HEATERS | frozenset(
-    {"deadbolt", "doorlock", "fireplace", "garagedoor", "gate", "gates", "valve", "valves"}
-)
-_ENDINGS = _ENDINGS_OF_SETTINGS | frozenset({"lock", "locks"})
 _SCALDING = 100.0
 """Degrees Celsius that no room and no radiator has to have, but saunas, grills and kilns."""
+
+_HOTTER_THAN_A_ROOM = 45.0
+"""Degrees Celsius that a boiler reaches, and no thermostat in a room; an electric floor is set up to these."""
 
 _DEGREES = frozenset({"°C", "°F", "K"})
 _RELAYS = frozenset({"plug", "switch", "window_covering", "x_unknown"})
 _HARMLESS = frozenset({"light"})
-_VALVES = frozenset({"irrigation", "valve", "valves"})
-_MOVED_BY_OPENERS = frozenset({"door", "garage", "gate"})
-_LETS_IN = frozenset({"disarm", "unlatch", "unlock"})
-_RELEASES = frozenset({"buzzer", "release", "strike"})
-_OPENED = frozenset({"door", "doors", "garage"})
 _BUTTONS = frozenset({"generic_switch", "x_scene", "x_setting"})
 _PRESSED = frozenset({"push", "scene"})
 _CHOSEN = frozenset({"option", "state"})
+_OPENING = frozenset({"on_off", "text"})
+"""Settings that open where their name says so: ``unlock_door`` of a lock takes its password."""
+
 _NO_DEED = frozenset({"identify", "restart", "update"})
-_BESIDE_RELAYS = frozenset({*_RELAYS, "x_setting"})
-_WHICH = frozenset(
-    {"a", "b", "back", "channel", "control", "controller", "east", "front", "group", "left", "main", "motor", "north"}
-    | {"of", "rear", "relay", "right", "south", "switch", "the", "to", "west"}
-    | {"button", "close", "impulse", "open", "press", "pulse", "stop", "toggle", "trigger"}
-)
-_GERMAN = frozenset({"herd", "tor", "tore"})
-_GERMAN_ENDS = (
-    *("backofen", "boiler", "haustuer", "haustur", "schloss", "ventil", "wohnungstuer", "wohnungstur"),
-    *("einfahrtor", "einfahrtstor", "garagentor", "garagentuer", "garagentur", "gartentor", "hoftor", "rolltor"),
-    *("schiebetor", "torantrieb", "toroeffner", "toroffner", "tueroeffner", "turoffner", "zufahrtstor"),
-)
-"""The ends of German words, folded, with which one says what something drives: ``Türschloss``, ``Wasserventil``."""
-
-_FRENCH = frozenset(
-    {"chaudiere", "cuisiniere", "electrovanne", "gache", "gaziniere", "portail", "portails", "portillon", "serrure"}
-    | {"vanne", "verrou"}
-)
-_ITALIAN = frozenset(
-    {"caldaia", "cancelletto", "cancello", "elettrovalvola", "fornello", "forno", "portone", "scaldabagno", "serratura"}
-    | {"valvola"}
-)
-_SPANISH = frozenset(
-    {"caldera", "calentador", "cancela", "cerradura", "cerrojo", "electrovalvula", "horno", "porton", "valvula"}
-)
-_DUTCH = frozenset(
-    {"deuropener", "deurslot", "fornuis", "garagedeur", "garagepoort", "gaskraan", "kookplaat", "oprijpoort", "poort"}
-    | {"poortopener", "tuinpoort", "waterklep", "waterkraan"}
-)
-_WORDS = _GERMAN | _FRENCH | _ITALIAN | _SPANISH | _DUTCH
-_PAIRS = (
-    *(frozenset({"porte", "garage"}), frozenset({"porte", "entree"}), frozenset({"chauffe", "eau"})),
-    *(frozenset({"porta", "garage"}), frozenset({"puerta", "garaje"}), frozenset({"puerta", "garage"})),
-)
-_BESIDE_THEM = (
-    *("licht", "lampe", "leuchte", "beleuchtung", "klingel", "kontakt", "sensor", "melder", "kamera", "batterie"),
-    *("lumiere", "eclairage", "sonnette", "capteur", "detecteur"),
-    *("luce", "luci", "campanello", "sensore", "luz", "luces", "timbre", "lamp", "deurbel"),
-)
-"""The ends of words for what is beside a gate, and harms nobody."""
-
 _CAMEL_CASE = re.compile(r"(?<=[a-z])(?=[A-Z])")
-_BEFORE_PLACES = frozenset({"at", "for", "in", "of", "to"})
 _TAG = fold("always_ask")
 
 
 def always_asks(device: Device, part: DevicePart) -> bool:
-    """Return whether *part* of *device* is of the class.
+    """Return whether *part* of *device* is of the class."""
+    return bool(why_it_asks(device, part))
 
-    So is every other part of a device with such a part, but for lights: a garage door often has a button beside its
-    cover, and a lamp.
+
+def why_it_asks(device: Device, part: DevicePart) -> str:
+    """Return why *part* of *device* is of the class, for people; empty if it is not.
+
+    Every other part of a device with such a part is as well, but for lights: a garage door often has a button beside
+    its cover, and a lamp.
     """
-    kind = part.part.service_type
-    if kind in _BUTTONS:
-        is_named = _is_named_button(device, part)
-    else:
-        is_named = kind in _RELAYS and _is_named(_ENDINGS, *_names(device, part))
-    if is_named or is_declared(part) or _TAG in map(fold, device.tags):
-        return True
-    if kind in _BESIDE_RELAYS and (is_opener(device) or (kind in _RELAYS and _is_of_such_a_model(device))):
-        return True
-    return kind not in _HARMLESS and any(map(is_declared, device.parts))
+    if reason := _why_declared(part.part) or _why_by_itself(device, part):
+        return reason
+    if part.part.service_type not in _HARMLESS:
+        for one in device.parts:
+            if reason := _why_declared(one.part):
+                return f"beside another part: {reason}"
+    return ""
+
+
+def why_device_asks(device: Device) -> str:
+    """Return why the first part of *device* that always asks does; empty if none does."""
+    for part in device.parts:  # a generator would cost each announcement more
+        if reason := _why_declared(part.part) or _why_by_itself(device, part):
+            return reason
+    return ""
 
 
 def is_declared(part: DevicePart) -> bool:
     """Return whether the type of *part*, its announced type, or a capability that can be set says so."""
-    told = part.part
-    if told.service_type in ALWAYS_ASK or not _OVENS.isdisjoint(words_of(told.advertised)):
-        return True
-    for one in told.capabilities:
-        if not one.settable:
-            continue
-        if one.name in _CAPABILITIES or (one.name == "on_off" and told.name in _ARMED):
-            return True
-        if one.name == "heating_setpoint" and one.bounds and one.bounds[-1] >= _SCALDING:
-            return True
-    return False
+    return bool(_why_declared(part.part))
 
 
 def is_arming(part: DevicePart) -> bool:
@@ -152,23 +107,47 @@ def is_opener(device: Device) -> bool:
 
     It may do so by something that is called a setting, and when that is turned off as well.
     """
-    for fact in device.metadata:
-        if fact.key == "model":
-            words = words_of(fact.value)
-            return "opener" in words and not _MOVED_BY_OPENERS.isdisjoint(words)
-    return False
+    return bool(matching_words(_model(device), OPENER, anywhere=True))
 
 
 def waits_for_approval(device: Device) -> bool:
     """Return whether a part of *device* can hurt and the owner has not approved it."""
-    for part in device.parts:  # a generator would cost each announcement more
-        if always_asks(device, part):
-            return not is_approved(device)
-    return False
+    return bool(why_device_asks(device)) and not is_approved(device)
 
 
-def _is_named_button(device: Device, part: DevicePart) -> bool:
-    """Return whether the name of *part* says what is opened or heated by pressing it, by an option or by degrees.
+def _why_by_itself(device: Device, part: DevicePart) -> str:
+    """Return why *part* is of the class by a tag, a name or the model; empty if it is not."""
+    kind = part.part.service_type
+    if device.tags and _TAG in map(fold, device.tags):
+        return "it has the tag always_ask"
+    if kind in _RELAYS:
+        return _why_named(ALL_THAT_ASK, *_names(device, part)) or _why_of_model(device, part)
+    if kind in _BUTTONS and (reason := _why_named_setting(device, part)):
+        return reason
+    if kind == "x_setting":
+        return _why_of_model(device, part)
+    return _why_hot(device, part) if kind == "thermostat" else ""
+
+
+def _why_declared(part: Part) -> str:
+    if part.service_type in ALWAYS_ASK:
+        return f"its type is {part.service_type}"
+    if part.advertised and not part.category and matching_words(part.advertised, HEAT):
+        return f"it calls itself {part.advertised}"
+    for one in part.capabilities:
+        if not one.settable:
+            continue
+        if one.name in _CAPABILITIES:
+            return f"its {one.name} can be set"
+        if one.name == "on_off" and part.name in _ARMED:
+            return "it disarms the alarm"
+        if one.name == "heating_setpoint" and one.bounds and one.bounds[-1] >= _SCALDING:
+            return f"it heats up to {one.bounds[-1]:g} °C"
+    return ""
+
+
+def _why_named_setting(device: Device, part: DevicePart) -> str:
+    """Return why a button or setting is of the class: by what its name says that it opens or heats.
 
     What only keeps a device in order, such as a restart, is not called what the device is; a lock among its settings
     is one for its keys.
@@ -178,84 +157,52 @@ def _is_named_button(device: Device, part: DevicePart) -> bool:
         if not one.settable:
             continue
         if one.name == "number" and one.unit in _DEGREES:
-            return _is_named(_HEATERS, *_names(device, part)) or _is_of_heat(told.name)
+            return _why_named(HEAT, *_names(device, part)) or _why_named(HEAT, told.name, anywhere=True)
         if one.name in _PRESSED and not told.category and told.tag not in _NO_DEED:
-            return _is_named(_ENDINGS, *_names(device, part))
+            return _why_named(ALL_THAT_ASK, *_names(device, part))
         if one.name in _CHOSEN:
             names = (told.name,) if told.name else _names(device, part)
-            return _is_named(_ENDINGS_OF_SETTINGS if told.category else _ENDINGS, *names)
-    return False
+            return _why_named(NO_LOCK if told.category else ALL_THAT_ASK, *names)
+        if one.name in _OPENING:
+            return _why_named(OPEN, _own_name(part))
+    return ""
+
+
+def _why_named(groups: frozenset[str], *names: str, anywhere: bool = False) -> str:
+    for name in names:
+        if words := matching_words(name, groups, anywhere=anywhere):
+            return f"the name {name!r} says {words!r}"
+    return ""
+
+
+def _why_of_model(device: Device, part: DevicePart) -> str:
+    """Return why a part is of the class by the model: an opener with all that can be set, else what a relay drives."""
+    model = _model(device)
+    words = matching_words(model, OPENER, anywhere=True)
+    if not words and part.part.service_type in _RELAYS:
+        words = matching_words(model, BURNS_OR_FLOODS, anywhere=True) or matching_words(model, ALL_THAT_ASK)
+    return f"the model {model!r} says {words!r}" if words else ""
+
+
+def _why_hot(device: Device, part: DevicePart) -> str:
+    """Return why a thermostat is of the class: it is called a boiler, and becomes hotter than a room."""
+    for one in part.part.capabilities:
+        if one.name == "heating_setpoint" and one.settable and _is_hot(one):
+            return _why_named(HEAT, *_names(device, part))
+    return ""
+
+
+def _is_hot(setpoint: Capability) -> bool:
+    return not setpoint.bounds or setpoint.bounds[-1] > _HOTTER_THAN_A_ROOM
 
 
 def _names(device: Device, part: DevicePart) -> tuple[str, ...]:
-    return device.name, *device.names, part.part.name or _CAMEL_CASE.sub(" ", part.id)
+    return device.name, *device.names, _own_name(part)
 
 
-def _is_named(endings: frozenset[str], *names: str) -> bool:
-    """Return whether one of *names* says what is driven: ``Oven``, ``Front gate``, ``Garage door left``."""
-    for name in names:
-        words = words_of(name)
-        if words and (not _OVENS.isdisjoint(words) or _is_called(words, endings)):
-            return True
-    return False
+def _own_name(part: DevicePart) -> str:
+    return part.part.name or _CAMEL_CASE.sub(" ", part.id)
 
 
-@lru_cache(maxsize=1024)
-def _is_called(words: tuple[str, ...], endings: frozenset[str]) -> bool:
-    """Return whether *words* call something one of *endings*, a garage door or its opener.
-
-    Words that only say which one it is, or where, change nothing: ``Gate motor 2``, ``valve_group_1``, ``Valve of the
-    garden``, ``Door garage``.
-    """
-    place = next((number for number, word in enumerate(words) if word in _BEFORE_PLACES), len(words))
-    whole, called = (_without_which(one) for one in (words, words[:place]))
-    if {*whole[-2:]} == {"garage", "door"} or (whole[-1:] == ("opener",) and not _MOVED_BY_OPENERS.isdisjoint(whole)):
-        return True
-    if _opens(words, whole) or whole[-2:] in _HOT_WATER:
-        return True
-    if endings is not _HEATERS and _is_called_abroad(words):
-        return True
-    return any(one and one[-1] in endings and one[-2:] != ("child", "lock") for one in (whole, called))
-
-
-def _is_called_abroad(words: tuple[str, ...]) -> bool:
-    """Return whether *words* are for something of the class in another language: ``Garagentor``, ``Porte de garage``.
-
-    Wherever the word stands, as to ask once too often does no harm; but a lamp, a bell or a sensor beside it is none.
-    """
-    if any(one.endswith(_BESIDE_THEM) for one in words):
-        return False
-    if not _WORDS.isdisjoint(words) or any(one.endswith(_GERMAN_ENDS) for one in words):
-        return True
-    return any(pair.issubset(words) for pair in _PAIRS)
-
-
-@lru_cache(maxsize=1024)
-def _is_of_heat(name: str) -> bool:
-    """Return whether *name* has the word for what becomes hot: ``Boiler setpoint``, ``DHW setpoint``, ``Hot water``."""
-    words = words_of(name)
-    is_hot_water = any(one.rstrip("0123456789") == "dhw" for one in words)
-    return is_hot_water or not _HEATERS.isdisjoint(words) or any(map(frozenset(words).issuperset, _HOT_WATER))
-
-
-def _opens(words: tuple[str, ...], whole: tuple[str, ...]) -> bool:
-    """Return whether *words*, *whole* without those that say which one, let in: ``Open door``, ``Door release``."""
-    if words[0] in _LETS_IN or words[-1] in _LETS_IN:
-        return True
-    if whole[-1:] and whole[-1] in _RELEASES:
-        return whole[-2:-1] in {("door",), ("gate",)}
-    return "open" in words and whole[-1:] != () and whole[-1] in _OPENED
-
-
-def _without_which(words: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(word for word in words if word not in _WHICH and not word.isdigit())
-
-
-def _is_of_such_a_model(device: Device) -> bool:
-    """Return whether the model says what a relay drives: ``Zigbee smart water valve``; a lock for its keys is none."""
-    for fact in device.metadata:
-        if fact.key == "model":
-            words = words_of(fact.value)
-            ends_so = bool(words) and words[-1] in _ENDINGS and words[-2:] != ("child", "lock")
-            return ends_so or not _VALVES.isdisjoint(words)
-    return False
+def _model(device: Device) -> str:
+    return next((fact.value for fact in device.metadata if fact.key == "model"), "")

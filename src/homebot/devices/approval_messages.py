@@ -1,5 +1,6 @@
 """The services by which the owner approves devices that can hurt, and believes those that a witness contradicted."""
 
+from homebot.devices.device import KeyValue
 from homebot.messages.message import Message, ServiceType
 
 __all__ = ["ApproveDevice", "BelieveDevice", "GetUnapproved"]
@@ -44,9 +45,11 @@ class UnapprovedResponse(Message):
 
     Attributes:
         devices: Their ids, sorted.
+        reasons: By id, why each of them always asks; also of a device that does not wait if it was asked about.
     """
 
     devices: tuple[str, ...] = ()
+    reasons: tuple[KeyValue, ...] = ()
 
 
 class BelieveDeviceRequest(Message):

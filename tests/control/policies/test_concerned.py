@@ -73,7 +73,7 @@ def refusal(command: IssuedCommand, facts: Facts) -> Verdict | None:
     guard = SETTINGS.presence_guard
     assert guard is not None
     asked = (
-        judge_grants(command, facts),
+        judge_grants(SETTINGS.approvals, command, facts),
         judge_approval(command, facts),
         judge_interlocks(map(InterlockRule.of, SETTINGS.interlocks), command, facts),
         judge_quiet_hours(SETTINGS.quiet_hours, command, facts),

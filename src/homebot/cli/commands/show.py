@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from homebot.cli.arguments import add_broker_option, set_client_command
 from homebot.cli.device_json import device_json, json_text
-from homebot.cli.device_queries import house_time, named_device, reasons_for, unapproved
+from homebot.cli.device_queries import house_time, named_device, reasons_for, unapproved, why_it_asks
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.records import (
     CapabilityRecord,
@@ -61,24 +61,25 @@ def _show(options: argparse.Namespace) -> int:
             print(json_text(device_json(device, unapproved(door, device["id"]))))
         else:
             reasons = reasons_for(door, device)
-            waits = bool(unapproved(door, device["id"]))
-            _describe(device, reasons, house_time(door), waits=waits)
+            asks, waits = why_it_asks(door, device["id"])
+            rows = [("always asks", printable(asks))] if asks else []
+            _describe(device, reasons, house_time(door), [*rows, *([_WAITS] if waits else [])])
         return 0
 
     return with_client(options, run)
 
 
-def _describe(device: DeviceRecord, reasons: Sequence[str], now: float, *, waits: bool) -> None:
+def _describe(device: DeviceRecord, reasons: Sequence[str], now: float, asks: Sequence[tuple[str, str]]) -> None:
     """Print what is known of *device*.
 
     Args:
         device: The device.
         reasons: Why a search for its name finds it.
         now: The house's time.
-        waits: Whether it waits for approval.
+        asks: Rows on why it always asks, and on the approval that it waits for.
     """
     print_line(f"{printable(device['id'])}  {printable(device['name'])}".rstrip(), "bold")
-    print_rows([*_overview(device, now), *([_WAITS] if waits else [])])
+    print_rows([*_overview(device, now), *asks])
     values = {(one["part"], one["capability"]): one for one in (*device["states"], *device["events"])}
     for part in device["parts"]:
         title = _title(part) + (": unreachable" if part["id"] in device["offline_parts"] else "")

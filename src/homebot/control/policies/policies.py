@@ -102,7 +102,7 @@ class _PolicyRule(NamedTuple):
 
 def _rules(settings: PolicySettings) -> Iterator[_PolicyRule]:
     """Yield the policies that are on: who may, before what may be done, before when."""
-    yield _PolicyRule(concerns_grants, judge_grants)
+    yield _PolicyRule(concerns_grants, partial(judge_grants, settings.approvals))
     if settings.approvals:
         yield _PolicyRule(concerns_approval, judge_approval)
     for interlock in map(InterlockRule.of, settings.interlocks):

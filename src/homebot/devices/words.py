@@ -1,0 +1,134 @@
+"""Words in names and models of devices that say what a part drives: the table ``words.json``, by language. Pure.
+
+The words of the table have small letters without accents, see :mod:`homebot.folding`. Its groups:
+
+- ``heat``: what burns or scalds. ``water``: what floods. ``entry``: gates, doors and bolts. ``lock``: locks.
+- ``opener``: what moves a door or a gate. ``open``: what lets in or disarms.
+- ``siren``: what sounds. It does not always ask, but is no load like others.
+
+An entry is a phrase of one or more words in any order, or the end of a word: ``-ventil``. Beside the groups:
+
+- ``at_end``: a phrase counts only as the end of a name or of one of its ``clauses``, as in English: ``Gate motor 2``,
+  ``Valve of the garden``. ``fillers`` after it change nothing. ``never``: phrases that end a name in vain.
+- ``beside``: ends of words for what only stands beside such a thing. A name with one of them does not count.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+from typing import Final, NamedTuple, TypeAlias
+
+from homebot.folding import words_of
+
+__all__ = ["ALL_THAT_ASK", "BURNS_OR_FLOODS", "HEAT", "NO_LOCK", "OPEN", "OPENER", "SIREN", "matching_words"]
+
+Groups: TypeAlias = frozenset[str]
+
+HEAT: Final = frozenset({"heat"})
+OPEN: Final = frozenset({"open"})
+OPENER: Final = frozenset({"opener"})
+SIREN: Final = frozenset({"siren"})
+BURNS_OR_FLOODS: Final = frozenset({"heat", "water"})
+NO_LOCK: Final = frozenset({"heat", "water", "entry", "opener", "open"})
+"""The groups of what always asks, but for locks: a lock among settings is one for keys."""
+
+ALL_THAT_ASK: Final = NO_LOCK | {"lock"}
+
+_DIGITS: Final = "0123456789"
+
+
+class _Phrase(NamedTuple):
+    words: frozenset[str]
+    group: str
+    content: frozenset[str]
+    """Its words that are no fillers."""
+
+
+class _Language(NamedTuple):
+    phrases: tuple[_Phrase, ...]
+    endings: tuple[tuple[str, str], ...]
+    beside: tuple[str, ...]
+    never: frozenset[frozenset[str]]
+    fillers: frozenset[str]
+    clauses: frozenset[str]
+    at_end: bool
+
+
+@lru_cache(maxsize=4096)
+def matching_words(text: str, groups: Groups, *, anywhere: bool = False) -> str:
+    """Return the words by which *text* says that it is for something of *groups*; empty if it does not.
+
+    Args:
+        text: A name, or a model.
+        groups: Groups of the table.
+        anywhere: Whether the place of the words in *text* is of no account.
+    """
+    words = tuple(word.rstrip(_DIGITS) for word in words_of(text) if not word.isdigit())
+    if _VOCABULARY.isdisjoint(words) and not any(word.endswith(_ENDINGS) for word in words):
+        return ""  # as nearly always
+    for language in _LANGUAGES:
+        for clause in _clauses(words, language):
+            if found := _match(clause, language, groups, at_end=language.at_end and not anywhere):
+                return found
+    return ""
+
+
+def _clauses(words: tuple[str, ...], language: _Language) -> Iterator[tuple[str, ...]]:
+    yield words
+    start = 0
+    for number, word in enumerate(words):
+        if word in language.clauses:
+            yield words[start:number]
+            start = number + 1
+
+
+def _match(words: tuple[str, ...], language: _Language, groups: Groups, *, at_end: bool) -> str:
+    if language.beside and any(word.endswith(language.beside) for word in words):
+        return ""
+    content = tuple(word for word in words if word not in language.fillers)
+    if frozenset(content[-2:]) in language.never:
+        return ""
+    for phrase in language.phrases:
+        if phrase.group in groups and phrase.words.issubset(words) and (not at_end or _is_head(phrase, content)):
+            return " ".join(word for word in words if word in phrase.words)
+    for ending, group in language.endings:
+        if group in groups and (found := next((word for word in words if word.endswith(ending)), "")):
+            return found
+    return ""
+
+
+def _is_head(phrase: _Phrase, content: tuple[str, ...]) -> bool:
+    """Return whether *phrase* ends *content*; one word that opens may also begin it: ``Disarm the house``."""
+    size = len(phrase.content)
+    is_end = frozenset(content[-size:]) == phrase.content
+    return is_end or (phrase.group == "open" and len(phrase.words) == 1 and content[:1] == (*phrase.words,))
+
+
+def _read_tables() -> tuple[tuple[_Language, ...], frozenset[str], tuple[str, ...]]:
+    """Return the languages, and all words and all endings of their phrases."""
+    tables = json.loads(Path(__file__).with_name("words.json").read_text(encoding="utf-8")).values()
+    beside = tuple(word for table in tables for word in table.get("beside", ()))  # people mix languages
+    languages = tuple(_language(table, () if table.get("at_end") else beside) for table in tables)
+    vocabulary = frozenset(word for one in languages for phrase in one.phrases for word in phrase.words)
+    return languages, vocabulary, tuple(ending for one in languages for ending, _ in one.endings)
+
+
+def _language(table: dict[str, list[str]], beside: tuple[str, ...]) -> _Language:
+    fillers = frozenset(table.get("fillers", ()))
+    entries = [(entry, group) for group in sorted(ALL_THAT_ASK | SIREN) for entry in table.get(group, ())]
+    words = [(frozenset(entry.split()), group) for entry, group in entries if not entry.startswith("-")]
+    return _Language(
+        tuple(_Phrase(phrase, group, phrase - fillers) for phrase, group in words),
+        tuple((entry[1:], group) for entry, group in entries if entry.startswith("-")),
+        beside,
+        frozenset(frozenset(entry.split()) for entry in table.get("never", ())),
+        fillers,
+        frozenset(table.get("clauses", ())),
+        bool(table.get("at_end")),
+    )
+
+
+_LANGUAGES, _VOCABULARY, _ENDINGS = _read_tables()
