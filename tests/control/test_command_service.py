@@ -412,3 +412,77 @@ async def test_of_several_parts_whose_name_is_a_type_none_is_chosen(open_home: O
         answer = await command(home, "Garage door", "press")
         assert (answer.success, answer.results) == (False, ())
         assert answer.message == "2 devices have a part called Garage door; give the id of one: one#b, two#b"
+
+
+def kitchen_and_hall(home: Home) -> None:
+    """A house of two rooms in which many a thing mentions its room."""
+    for key, name, area in (
+        ("hall_lamp", "Hall lamp", "Hall"),
+        ("kitchen_lamp", "Kitchen lamp", "Kitchen"),
+        ("worktop", "Worktop lamp", "Kitchen"),
+    ):
+        home.put(key, "light", "on_off", name=name, area=area)
+    home.put("kettle", "plug", "on_off", name="Kettle", area="Kitchen")
+    home.put("fan", "fan", "on_off", name="Fan", area="Kitchen")
+
+
+@pytest.mark.parametrize(
+    ("target", "reached"),
+    [
+        ("hall_lamp or kitchen_lamp", ["hall_lamp", "kitchen_lamp"]),
+        ("the Hall lamp or the Kettle", ["hall_lamp", "kettle"]),
+        ("the kitchen lamp", ["kitchen_lamp"]),
+        ("lights in hall or lights in kitchen", ["hall_lamp", "kitchen_lamp", "worktop"]),
+        ("lights in hall or fans in kitchen", ["fan", "hall_lamp"]),
+        ("lights in hall or hall", ["hall_lamp"]),
+        ("(lights in hall) or (kettle)", ["hall_lamp", "kettle"]),
+        ("lights or mowers", ["hall_lamp", "kitchen_lamp", "worktop"]),
+    ],
+)
+async def test_alternatives_are_commanded_if_they_mean_one_thing(
+    open_home: OpenHome, target: str, reached: list[str]
+) -> None:
+    async with open_home() as home:
+        kitchen_and_hall(home)
+        assert (await command(home, target, "on")).success
+        assert [key for key, _, _ in sent(home)] == reached
+
+
+@pytest.mark.parametrize(
+    ("target", "asked"),
+    [
+        (
+            "lights in hall or kitchen",
+            "'lights in hall or kitchen' can mean 'lights in hall or lights in kitchen', which commands Hall lamp, "
+            "Kitchen lamp, Worktop lamp, or '(lights in hall) or (kitchen)', which commands Fan, Hall lamp, Kettle, "
+            "Kitchen lamp, Worktop lamp; give one of them",
+        ),
+        (
+            "lights or fans in kitchen",
+            "'lights or fans in kitchen' can mean 'lights in kitchen or fans in kitchen', which commands Fan, "
+            "Kitchen lamp, Worktop lamp, or '(lights) or (fans in kitchen)', which commands Fan, Hall lamp, "
+            "Kitchen lamp, Worktop lamp; give one of them",
+        ),
+        (
+            "lights not in kitchen or kitchen",
+            "'kitchen' in 'lights not in kitchen or kitchen' is the name of no device; give names, or "
+            "'(lights not in kitchen) or (kitchen)', which commands Fan, Hall lamp, Kettle, Kitchen lamp, Worktop lamp",
+        ),
+        ("hall lamp or kettel", "no device fits 'kettel'; did you mean Kettle?"),
+        ("hall lamp or sprinkler", "'sprinkler' in 'hall lamp or sprinkler' is the name of no device"),
+    ],
+)
+async def test_alternatives_that_may_mean_more_are_asked_back(open_home: OpenHome, target: str, asked: str) -> None:
+    async with open_home() as home:
+        kitchen_and_hall(home)
+        answer = await command(home, target, "off")
+        assert not answer.success
+        assert answer.message.startswith(asked)
+        assert home.commands == []
+
+
+async def test_each_reading_that_is_offered_is_carried_out(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        kitchen_and_hall(home)
+        assert (await command(home, "(lights in hall) or (kitchen)", "on")).success
+        assert [key for key, _, _ in sent(home)] == ["fan", "hall_lamp", "kettle", "kitchen_lamp", "worktop"]

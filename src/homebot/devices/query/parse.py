@@ -20,6 +20,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from functools import lru_cache
+from typing import TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
@@ -39,7 +40,10 @@ from homebot.errors import UsageError
 from homebot.folding import MAX_WORD, fold, words_of
 from homebot.similar import did_you_mean
 
-__all__ = ["parse_query"]
+__all__ = ["parse_alternatives", "parse_query"]
+
+_Span: TypeAlias = tuple[Query, int, int]
+"""A term, with the places of its first token and of the one after its last."""
 
 _NOWHERE = AreaIs("")
 """A device of which no room is known."""
@@ -59,6 +63,22 @@ def parse_query(text: str) -> Query:
     return _Parser(tokens_of(text)).query()
 
 
+def parse_alternatives(text: str) -> tuple[tuple[tuple[Query, str], ...], ...]:
+    """Return what *text* joins with ``or`` outside of brackets, each as its terms with their own texts.
+
+    Raises:
+        UsageError: As :func:`parse_query`.
+    """
+    if parse_query(text) == And(()):
+        return ((),)
+    tokens = tokens_of(text)
+    ends = [*(token.at - 1 for token in tokens), len(text)]
+    return tuple(
+        tuple((term, text[ends[first] : ends[last]].strip()) for term, first, last in terms)
+        for terms in _Parser(tokens).alternatives()
+    )
+
+
 class _Parser:
     def __init__(self, tokens: tuple[Token, ...]) -> None:
         self._tokens = tokens
@@ -73,14 +93,18 @@ class _Parser:
             raise UsageError(f"{extra.text!r} at character {extra.at} has no opening bracket")
         return found
 
-    def _any(self) -> Query:
-        terms = [self._all()]
+    def alternatives(self) -> list[list[_Span]]:
+        found = [self._terms()]
         while self._takes("or"):
-            terms.append(self._all())
-        return terms[0] if len(terms) == 1 else Or(tuple(terms))
+            found.append(self._terms())
+        return found
 
-    def _all(self) -> Query:
-        terms: list[Query] = []
+    def _any(self) -> Query:
+        alternatives = [_all_of([term for term, _, _ in terms]) for terms in self.alternatives()]
+        return alternatives[0] if len(alternatives) == 1 else Or(tuple(alternatives))
+
+    def _terms(self) -> list[_Span]:
+        terms: list[_Span] = []
         is_open = True
         while (token := self._peek()) is not None and token.kind != ")" and not _is(token, "or"):
             if _is(token, "and") or _is(token, "but") or token.kind == ",":
@@ -93,12 +117,12 @@ class _Parser:
                 self._place += 1
                 is_open = False
                 continue
-            terms.append(self._one())
+            first = self._place
+            terms.append((self._one(), first, self._place))
             is_open = False
         if is_open:
             raise _missing(self._peek() or self._tokens[-1])
-        scoped = _with_scopes(terms)
-        return scoped[0] if len(scoped) == 1 else And(tuple(scoped))
+        return terms
 
     def _one(self) -> Query:
         token = self._tokens[self._place]
@@ -248,6 +272,11 @@ def _meaning(phrase: str) -> Query | None:
 
 def _is_known(word: str) -> bool:
     return word in ADJECTIVES or word in CONDITIONS or word in ABILITIES or bool(type_is(word).types)
+
+
+def _all_of(terms: list[Query]) -> Query:
+    scoped = _with_scopes(terms)
+    return scoped[0] if len(scoped) == 1 else And(tuple(scoped))
 
 
 def _with_scopes(terms: list[Query]) -> list[Query]:

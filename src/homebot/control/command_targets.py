@@ -1,0 +1,292 @@
+"""The devices and parts that a command in words is for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable
+from itertools import chain
+from typing import Final, TypeAlias, final
+
+from homebot.control.spoken_settings import spoken_settings
+from homebot.devices import FIND_DEVICES, QUERY_DEVICES, Device, DevicePart, FindDevices, QueryDevices
+from homebot.devices.command_messages import CommandDevicesRequest
+from homebot.devices.query import And, HasText, NameIs, Or, PartFacets, Query, fits, parse_query, query_terms
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.readings import Readings, readings_of
+from homebot.devices.query.terms import FactIs
+from homebot.devices.services import FindDevicesRequest, QueryDevicesRequest
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+from homebot.folding import fold, words_of
+from homebot.graph import Node
+
+__all__ = ["MOST_DEVICES", "CommandTargets", "NoTargetError", "SpokenSettings", "part_name", "settings_by_part"]
+
+MOST_DEVICES: Final = 1000
+"""Devices that one command may be for."""
+
+SpokenSettings: TypeAlias = dict[str, PlainValue] | RefusedError
+"""The values by capability that a part is to have, or why it cannot have them."""
+
+_Target: TypeAlias = tuple[Device, tuple[DevicePart, ...]]
+
+
+class NoTargetError(Exception):
+    """Nothing is commanded; the text says why."""
+
+
+@final
+class CommandTargets:
+    """Search for the devices and parts that a command in words is for.
+
+    Args:
+        node: The node whose clients ask the directory.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._find = node.create_client(FindDevices, FIND_DEVICES)
+        self._query = node.create_client(QueryDevices, QUERY_DEVICES)
+
+    async def find(self, request: CommandDevicesRequest) -> list[_Target]:
+        """Return the parts that are meant, those of each device together.
+
+        Raises:
+            NoTargetError: None are, or too many, or a name that several devices have.
+            UsageError: It is no query.
+            ServiceError: The directory does not answer.
+        """
+        target = request.target.strip()
+        if not target:
+            raise NoTargetError("give the id or the name of a device, or a query such as 'light in hall'")
+        if named := await self._named(target):
+            return named
+        readings = readings_of(target)
+        is_one = len(readings.alternatives) == 1
+        found = await (self._one_query(request, target) if is_one else self._any_of(request, target, readings))
+        if not found:
+            raise NoTargetError(f"no device fits {target!r}; `homebot find` shows what does")
+        return found
+
+    async def _named(self, target: str) -> list[_Target]:
+        """Return the device, or its part, that has the id or the name *target*; an article may precede a name."""
+        return await self._called(target) or (
+            await self._called(article[1]) if (article := _ARTICLE.fullmatch(target)) is not None else []
+        )
+
+    async def _called(self, target: str) -> list[_Target]:
+        device_id, _, part_id = target.partition("#")
+        named = await self.devices(Or((FactIs("id", device_id.casefold()), NameIs(fold(target)))))
+        own = [one for one in named if one.id == device_id]
+        if part_id and own:
+            return [(own[0], _part(own[0], part_id))]
+        called = own or named
+        if len(called) > 1:
+            ids = ", ".join(one.id for one in called[:10])
+            raise NoTargetError(f"{len(called)} devices are called {target}; give the id of one: {ids}")
+        return [(called[0], _main_parts(called[0]))] if called else []
+
+    async def _any_of(self, request: CommandDevicesRequest, target: str, readings: Readings) -> list[_Target]:
+        """Return what fits any alternative of the query *target*, if it cannot be meant in another way.
+
+        Raises:
+            NoTargetError: It can; the message says what each reading would command.
+        """
+        found, unnamed = await self._all_of(request, readings.alternatives, readings.words)
+        spelled = " or ".join(f"({text})" for text in readings.alternatives)
+        literal = f"{spelled!r}, which commands {_names(found)}"
+        if readings.distributed:
+            others, _ = await self._all_of(request, readings.distributed)
+            if _places(others) == _places(found):
+                return found
+            distributed = " or ".join(readings.distributed)
+            raise NoTargetError(
+                f"{target!r} can mean {distributed!r}, which commands {_names(others)}, or {literal}; give one of them"
+            )
+        if unnamed:
+            raise NoTargetError(f"{unnamed[0]!r} in {target!r} is the name of no device; give names, or {literal}")
+        return found
+
+    async def _all_of(
+        self, request: CommandDevicesRequest, alternatives: Iterable[str], words: Collection[str] = ()
+    ) -> tuple[list[_Target], list[str]]:
+        """Return what fits any of *alternatives*, each device once, and those of *words* that are no name."""
+        found: dict[str, tuple[Device, dict[str, DevicePart]]] = {}
+        unnamed: list[str] = []
+        for text in alternatives:
+            targets = await self._named(text)
+            if not targets and text in words and not (targets := await self._named_part(text)):
+                unnamed.append(text)
+            targets = targets or await self._one_query(request, text, is_alternative=True)
+            for device, parts in targets:
+                found.setdefault(device.id, (device, {}))[1].update({one.id: one for one in parts})
+        return [(device, tuple(parts.values())) for device, parts in found.values()], unnamed
+
+    async def _one_query(
+        self, request: CommandDevicesRequest, text: str, *, is_alternative: bool = False
+    ) -> list[_Target]:
+        """Return what fits a query without alternatives; nothing if nothing does."""
+        found = await self._fitting(text, is_alternative=is_alternative)
+        if any(_takes(request, one) for one in found):
+            return found
+        # what a type means cannot do it, and a part that has the word for a name may: a button called Garage door
+        return await self._named_part(text, request) or found
+
+    async def _named_part(self, text: str, taking: CommandDevicesRequest | None = None) -> list[_Target]:
+        """Return the parts of a device that are called *text*, such as one of four relays.
+
+        Args:
+            text: Their name.
+            taking: What they must take; None for anything.
+
+        Raises:
+            NoTargetError: Several devices have such parts.
+            ServiceError: The directory does not answer.
+        """
+        words, name = words_of(text), fold(text)
+        devices = await self.devices(And(tuple(map(HasText, words)))) if words else ()
+        named = [(one, tuple(part for part in _controls(one.parts) if fold(part.part.name) == name)) for one in devices]
+        found = [one for one in named if one[1] and (taking is None or _takes(taking, one))]
+        if len(found) > 1:
+            ids = ", ".join(f"{device.id}#{parts[0].id}" for device, parts in found[:10])
+            raise NoTargetError(f"{len(found)} devices have a part called {text}; give the id of one: {ids}")
+        return found
+
+    async def _fitting(self, text: str, *, is_alternative: bool) -> list[_Target]:
+        query = parse_query(text)
+        if _texts(query) and (named := await self._named_part(text)):
+            return named
+        answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
+        if not answer.success:
+            raise NoTargetError(answer.message)
+        if not answer.total:
+            return await self._named_part(text)
+        if answer.total > MOST_DEVICES:
+            raise NoTargetError(f"{answer.total:,} devices fit {text!r}; at most {MOST_DEVICES:,} may be commanded")
+        devices = await self.devices(query)
+        meant = [device for device in devices if _is_spelled(query, facets_of(device).words)]
+        if devices and not meant:
+            similar = " or ".join(device.name or device.id for device in devices[:3])
+            raise NoTargetError(f"no device fits {text!r}; did you mean {similar}?")
+        if isinstance(query, HasText) and len(meant) > 1 and not is_alternative:
+            raise NoTargetError(f"{len(meant)} devices mention {text!r}; give the name of one, or a type")
+        return [(device, _parts(device, query)) for device in meant]
+
+    async def devices(self, query: Query) -> tuple[Device, ...]:
+        """Return the devices that fit *query*.
+
+        Raises:
+            ServiceError: The directory does not answer.
+        """
+        return (await self._find.call(FindDevicesRequest(query=query_terms(query)))).devices
+
+
+_APPLIANCES = frozenset(
+    {"fan", "robotic_vacuum_cleaner", "room_air_conditioner", "thermostat", "water_heater"}
+    | {"x_alarm_panel", "x_humidifier", "x_lawn_mower"}
+)
+_FUNCTIONS = frozenset({"plug", "switch"})
+"""Types of the parts of an appliance that turn one of its functions on and off: its display, its powerful mode."""
+_SETTINGS = frozenset({"x_setting"})
+_ARTICLE = re.compile(r"(?:the|an?|my)\s+(.+)", re.IGNORECASE | re.DOTALL)
+_MOST_NAMES = 8
+
+
+def _places(targets: list[_Target]) -> frozenset[tuple[str, str]]:
+    return frozenset((device.id, part.id) for device, parts in targets for part in parts)
+
+
+def _names(targets: list[_Target]) -> str:
+    names = sorted(part_name(device, part) for device, parts in targets for part in parts)
+    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
+    return f"{', '.join(names[:_MOST_NAMES])}{more}" or "nothing"
+
+
+def settings_by_part(
+    request: CommandDevicesRequest, device: Device, parts: tuple[DevicePart, ...]
+) -> list[tuple[DevicePart, SpokenSettings]]:
+    """Return what *request* sets at each of *parts*, or why it cannot.
+
+    Parts that cannot are left out where one of another type can: a speed is for the fan, and not for its lamp. So are
+    the switches of an appliance that can: to turn an air conditioner on is not to turn on its powerful mode. A setting
+    that can, as a free text can be ``off``, is left out where any other part can.
+    """
+    found: list[tuple[DevicePart, SpokenSettings]] = []
+    for part in parts:
+        try:
+            found.append((part, spoken_settings(request.command, request.values, part.part, part_name(device, part))))
+        except RefusedError as exc:
+            found.append((part, exc))
+    able = {part.part.service_type for part, spoken in found if not isinstance(spoken, RefusedError)}
+    if not able.isdisjoint(_APPLIANCES):
+        able -= _FUNCTIONS
+    able = able - _SETTINGS or able
+    return [one for one in found if not able or one[0].part.service_type in able]
+
+
+def _takes(request: CommandDevicesRequest, target: _Target) -> bool:
+    return any(not isinstance(spoken, RefusedError) for _, spoken in settings_by_part(request, *target))
+
+
+def part_name(device: Device, part: DevicePart) -> str:
+    """Return what people call *part*: with its id where it has no name, and is one of several that take commands."""
+    if part.part.name:
+        return f"{device.name} {part.part.name}" if len(device.parts) > 1 else device.name
+    return f"{device.name} #{part.id}" if len(_controls(device.parts)) > 1 else device.name
+
+
+def _is_spelled(query: Query, words: tuple[str, ...]) -> bool:
+    """Return whether a device with these *words* fits *query* without a typo: a search may guess, a command may not."""
+    match query:
+        case And(terms):
+            return all(_is_spelled(term, words) for term in terms)
+        case Or(terms):
+            return any(_is_spelled(term, words) for term in terms)
+        case HasText(word):
+            return any(one.startswith(word) for one in words)
+        case _:
+            return True
+
+
+def _part(device: Device, part_id: str) -> tuple[DevicePart, ...]:
+    if (part := device.part(part_id)) is not None:
+        return (part,)
+    known = ", ".join(one.id for one in device.parts if one.id) or "one part without an id"
+    raise NoTargetError(f"{device.id} has no part {part_id}; it has {known}")
+
+
+def _main_parts(device: Device) -> tuple[DevicePart, ...]:
+    """Return the parts that the device is there for and that take commands; else one, which refuses."""
+    if not device.parts:
+        raise NoTargetError(f"{device.id} takes no commands that homebot knows")
+    return _controls(device.parts) or device.parts[:1]
+
+
+def _parts(device: Device, query: Query) -> tuple[DevicePart, ...]:
+    """Return those of its main parts that fit the query by themselves, where any does.
+
+    A word that is in the names of parts, and not in what the device is called, means these.
+    """
+    main = _main_parts(device)
+    facets = PartFacets(device)
+    found: list[DevicePart] = []
+    for part in main:
+        facets.part = part
+        if fits(query, facets):
+            found.append(part)
+    meant = found or list(main)
+    called = set(chain.from_iterable(map(words_of, (device.id, device.name, *device.names, device.area, *device.tags))))
+    for word in _texts(query):
+        if not any(one.startswith(word) for one in called):
+            named = [one for one in meant if any(own.startswith(word) for own in words_of(one.part.name))]
+            meant = named or meant
+    return tuple(meant)
+
+
+def _texts(query: Query) -> tuple[str, ...]:
+    """Return the words that a device must have."""
+    terms = query.terms if isinstance(query, And) else (query,)
+    return tuple(one.text for one in terms if isinstance(one, HasText))
+
+
+def _controls(parts: Iterable[DevicePart]) -> tuple[DevicePart, ...]:
+    return tuple(one for one in parts if not one.part.category and any(can.settable for can in one.part.capabilities))

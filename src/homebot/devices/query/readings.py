@@ -1,0 +1,121 @@
+"""Readings of a query with ``or``, for commands: a search may find too much, a command may not reach it. Pure.
+
+In ``lights in hall or kitchen`` and in ``lights or fans in hall``, what only one side says may be meant for both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Literal, TypeAlias
+
+from homebot.devices.query.parse import parse_alternatives
+from homebot.devices.query.terms import And, HasText, InArea, Or, Query, TypeIs
+
+__all__ = ["Readings", "readings_of"]
+
+_Kind: TypeAlias = Literal["type", "area", "words", "other"]
+_Unit: TypeAlias = tuple[_Kind, str]
+"""A term, or words in a row, with its text."""
+
+
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """What a query joins with ``or``.
+
+    Attributes:
+        alternatives: The queries on its sides, as :func:`homebot.devices.query.parse.parse_query` reads it.
+        words: Those of them that are words to be searched for, or ``all``, and nothing else.
+        distributed: The queries on its sides if what only one says is meant for both; empty if that makes no sense.
+    """
+
+    alternatives: tuple[str, ...]
+    words: frozenset[str]
+    distributed: tuple[str, ...]
+
+
+def readings_of(text: str) -> Readings:
+    """Return the readings of *text*; one without ``or`` has one alternative.
+
+    Raises:
+        UsageError: It is no query.
+    """
+    sides = [_units(terms) for terms in parse_alternatives(text)]
+    if len(sides) == 1 and len(sides[0]) == 1 and (inner := sides[0][0][1]).startswith("("):
+        return readings_of(inner[1:-1])
+    alternatives = tuple(map(_text, sides))
+    distributed = tuple(_distributed(sides))
+    return Readings(
+        alternatives=alternatives,
+        words=frozenset(_text(side) for side in sides if {kind for kind, _ in side} <= {"words"}),
+        distributed=distributed if distributed != alternatives else (),
+    )
+
+
+def _units(terms: tuple[tuple[Query, str], ...]) -> list[_Unit]:
+    """Return *terms* with words in a row as one."""
+    kinds = [(_kind(term, text), text) for term, text in terms]
+    units: list[_Unit] = []
+    for kind, group in groupby(kinds, key=lambda one: one[0]):
+        texts = [text for _, text in group]
+        units += [(kind, " ".join(texts))] if kind == "words" else [(kind, one) for one in texts]
+    return units
+
+
+def _kind(term: Query, text: str) -> _Kind:
+    if text.startswith("("):
+        return "other"
+    match term:
+        case TypeIs() | Or((TypeIs(), *_)):
+            return "type"
+        case InArea():
+            return "area"
+        case HasText():
+            return "words"
+        case And(terms) if all(isinstance(one, HasText) for one in terms):
+            return "words"
+        case _:
+            return "other"
+
+
+def _distributed(sides: list[list[_Unit]]) -> list[str]:
+    """Return the alternatives of *sides*, those in a row that differ in one unit each with what stands around it."""
+    found: list[str] = []
+    place = 0
+    while place < len(sides):
+        end = place + 1
+        while (
+            end < len(sides) and (end == place + 1 or len(sides[end - 1]) == 1) and _joins(sides[end - 1], sides[end])
+        ):
+            end += 1
+        first, last = sides[place], sides[end - 1]
+        before, after = first[:-1], last[1:]
+        if end == place + 1 or not _is_plausible([*before, first[-1], *after]):
+            found += map(_text, sides[place:end])
+        else:
+            middle = [first[-1], *(side[0] for side in sides[place + 1 : end])]
+            found += [_text([*before, _as(first[-1][0], unit), *after]) for unit in middle]
+        place = end
+    return found
+
+
+def _joins(side: list[_Unit], following: list[_Unit]) -> bool:
+    """Return whether *side* ends with what *following* begins with: a type, an area, or words."""
+    if not side or not following:
+        return False
+    kind, following_kind = side[-1][0], following[0][0]
+    return kind != "other" and (kind == following_kind or (kind, following_kind) == ("area", "words"))
+
+
+def _is_plausible(units: list[_Unit]) -> bool:
+    kinds = [kind for kind, _ in units]
+    return kinds.count("type") <= 1 and kinds.count("area") <= 1
+
+
+def _as(kind: _Kind, unit: _Unit) -> _Unit:
+    """Return *unit* as one of *kind*: words after an area and ``or`` may be an area."""
+    return (kind, f"in {unit[1]}") if kind == "area" and unit[0] == "words" else unit
+
+
+def _text(units: list[_Unit]) -> str:
+    return " ".join(text for _, text in units) or "all"

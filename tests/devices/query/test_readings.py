@@ -1,0 +1,45 @@
+"""Readings of queries with ``or``."""
+
+from __future__ import annotations
+
+import pytest
+
+from homebot.devices.query.readings import readings_of
+from homebot.errors import UsageError
+
+
+@pytest.mark.parametrize(
+    ("text", "alternatives", "distributed"),
+    [
+        ("lights in hall or kitchen", "lights in hall|kitchen", "lights in hall|lights in kitchen"),
+        ("(lights in hall or kitchen)", "lights in hall|kitchen", "lights in hall|lights in kitchen"),
+        ("fan in hall or big den or bath", "fan in hall|big den|bath", "fan in hall|fan in big den|fan in bath"),
+        ("lights or fans or plugs in hall", "lights|fans|plugs in hall", "lights in hall|fans in hall|plugs in hall"),
+        ("on lights or fans", "on lights|fans", "on lights|on fans"),
+        ("hall or kitchen lights", "hall|kitchen lights", "hall lights|kitchen lights"),
+        ("fan in den or bath with level", "fan in den|bath with level", "fan in den with level|fan in bath with level"),
+        ("lights in hall or kitchen fans", "lights in hall|kitchen fans", ""),
+        ("lights in hall or lights in kitchen", "lights in hall|lights in kitchen", ""),
+        ("lights not in hall or kitchen", "lights not in hall|kitchen", ""),
+        ("(lights in hall) or (kitchen)", "(lights in hall)|(kitchen)", ""),
+        ("hall_lamp or kitchen_lamp", "hall_lamp|kitchen_lamp", ""),
+        ("lights in hall", "lights in hall", ""),
+        ("all", "all", ""),
+        ("the or lamp", "all|lamp", ""),
+    ],
+)  # fmt: skip
+def test_what_one_side_says_may_be_meant_for_both(text: str, alternatives: str, distributed: str) -> None:
+    found = readings_of(text)
+    assert "|".join(found.alternatives) == alternatives
+    assert "|".join(found.distributed) == distributed
+    assert "|".join(readings_of(" or ".join(found.distributed or ["x"])).distributed) == ""  # it can be given back
+
+
+def test_words_alone_are_told_apart() -> None:
+    assert readings_of("light in hall or kitchen lamp or old kettle or (pump)").words == {"old kettle"}
+
+
+@pytest.mark.parametrize("text", ["light or", "(light", "with nothing"])
+def test_what_is_no_query_has_no_readings(text: str) -> None:
+    with pytest.raises(UsageError):
+        readings_of(text)
