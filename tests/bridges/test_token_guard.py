@@ -76,3 +76,20 @@ def test_it_remembers_a_thousand_addresses_at_most(guesses: list[tuple[int, floa
         wait = guess(guard, f"10.0.{address // 256}.{address % 256}", now)
         assert wait is None or 0 <= wait <= 1
         assert len(guard) <= 1000
+
+
+def test_a_long_token_that_was_right_does_not_wait_and_a_short_one_tells_no_guesser_anything() -> None:
+    guard = TokenGuard()
+    guard.prove("10.0.0.5", "robot")
+    assert guard.is_proven("10.0.0.5", "robot", "0123456789abcdef")
+    assert not guard.is_proven("10.0.0.5", "robot", "1234")
+    assert not guard.is_proven("10.0.0.6", "robot", "0123456789abcdef")
+    assert not guard.is_proven("10.0.0.5", "owner", "0123456789abcdef")
+
+
+def test_programs_that_came_in_are_remembered_within_bounds() -> None:
+    guard = TokenGuard()
+    for number in range(1001):
+        guard.prove(f"10.0.{number // 256}.{number % 256}", "robot")
+    assert not guard.is_proven("10.0.0.0", "robot", "0123456789abcdef")
+    assert guard.is_proven("10.0.0.1", "robot", "0123456789abcdef")

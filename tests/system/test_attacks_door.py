@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import json
 import socket
+import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 from tests.patience import PATIENCE
-from tests.system.attack_probe import Attacked, Toll, attacked
+from tests.system.attack_probe import Attacked, Toll, attacked, until
 from tests.system.broker_probe import Client as Mqtt
 from tests.system.own_time import own_time
 from tests.turns import slowness
@@ -306,6 +308,31 @@ def test_guessed_tokens_wait_longer_and_longer(tmp_path: Path) -> None:
             locked.toll()
             assert seconds() < 5 * slowness()
         assert "wrong token" in locked.text() or "a valid token is needed" in locked.text()
+
+
+def test_twelve_guessers_do_not_lock_out_the_program_that_came_in_before(tmp_path: Path) -> None:
+    secret = "a-token-nobody-guesses"
+    with attacked(tmp_path, token=secret) as locked, ThreadPoolExecutor() as threads:
+        is_over = threading.Event()
+
+        def guess() -> int:
+            tried = 0
+            while not is_over.is_set():
+                tried += 1
+                with suppress(InvalidStatus):
+                    connect(f"{locked.url}?token=wrong{tried}", proxy=None, open_timeout=PATIENCE).close()
+            return tried
+
+        locked.toll()  # comes in with the token
+        guessers = [threads.submit(guess) for _ in range(12)]
+        try:
+            until(lambda: True if "too many wrong tokens" in locked.text() else None, PATIENCE)
+            tolls = [locked.toll() for _ in range(20)]
+        finally:
+            is_over.set()
+        tried = sum(one.result() for one in guessers)
+        print(f"\n{tried} guesses of 12 guessers while the honest client came in 20 times: {tolls[-1]}")
+        assert max(one.busy for one in tolls[1:]) < MOST_BUSY * slowness()
 
 
 LOCK = {"name": "Front door", "unique_id": "front", "command_topic": "front/set", "state_topic": "front/state"}

@@ -37,17 +37,21 @@ class TokenCheck:
         None where too many from there wait already.
         """
         now = self._clock.monotonic
+        name = name_of_token(self._tokens, token)
+        if name and self._guard.is_proven(address, name, token):
+            return name
         wait = self._guard.begin(address, now())
         if wait is None:
             return None
-        name, is_wrong = "", False
+        is_wrong = False
         try:
             await anyio.sleep(wait)
-            name = name_of_token(self._tokens, token)
             is_wrong = not name
         finally:
             self._guard.end(address, now(), waited=wait > 0, was_wrong=is_wrong)
         self.wrong += is_wrong
+        if name:
+            self._guard.prove(address, name)
         return name
 
     def problems(self) -> tuple[str, ...]:

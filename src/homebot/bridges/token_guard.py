@@ -3,6 +3,10 @@
 The right token and wrong ones wait alike, else whoever guesses would only have to hang up early. An address may be
 wrong a few times for nothing. After that each of its tokens waits, longer with each wrong one, and only a few may wait
 at a time; so an address tries four tokens a second at most, and its honest client comes in after a second.
+
+A long token that was right from an address before does not wait there: guessers at the same address, or behind the
+same router, cannot lock its program out. They would learn at once that a guess is right, which helps them with short
+tokens alone.
 """
 
 from __future__ import annotations
@@ -23,6 +27,9 @@ _DECAY_INTERVAL = 10.0
 _MOST_WRONG = 20
 _MOST_WAITING = 4
 _MOST_ADDRESSES = 1000
+_MOST_PROVEN = 1000
+_LONG = 16
+"""Characters of a token from which on nobody guesses it, however often."""
 
 
 @dataclass(slots=True)
@@ -34,14 +41,27 @@ class _Attempts:
 
 @final
 class TokenGuard:
-    """Remembers the wrong tokens of each address; of the 1,000 that were wrong last."""
+    """The wrong tokens of the 1,000 addresses that were wrong last, and the 1,000 programs that came in last."""
 
     def __init__(self) -> None:
         self._attempts: OrderedDict[str, _Attempts] = OrderedDict()
+        self._proven: OrderedDict[tuple[str, str], None] = OrderedDict()
 
     def __len__(self) -> int:
         """Return the number of addresses that are remembered."""
         return len(self._attempts)
+
+    def is_proven(self, address: str, name: str, token: str) -> bool:
+        """Return whether the right *token*, of the program *name*, is long and was shown from *address* before."""
+        return len(token) >= _LONG and (network_of(address), name) in self._proven
+
+    def prove(self, address: str, name: str) -> None:
+        """Record that the token of the program *name* was right from *address*."""
+        key = network_of(address), name
+        self._proven[key] = None
+        self._proven.move_to_end(key)
+        if len(self._proven) > _MOST_PROVEN:
+            self._proven.popitem(last=False)
 
     def begin(self, address: str, now: float) -> float | None:
         """Return the seconds that a token from *address* has to wait, or None where too many wait already.
