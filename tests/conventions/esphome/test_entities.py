@@ -111,8 +111,9 @@ def entity(kind: str, **info: Any) -> EsphomeEntity:
         (
             "climate",
             CONDITIONER,
-            {"mode": 2, "target_temperature": 23.0, "target_temperature_low": 20.0, "fan_mode": 3},
-            {"heating_setpoint": 23.0, "cooling_setpoint": 23.0, "thermostat_mode": "cool", "fan_mode": "low"},
+            {"mode": 2, "target_temperature": 0.0, "target_temperature_low": 20.0, "target_temperature_high": 24.0}
+            | {"fan_mode": 3},
+            {"heating_setpoint": 20.0, "cooling_setpoint": 24.0, "thermostat_mode": "cool", "fan_mode": "low"},
         ),
         ("climate", {**THERMOSTAT, "temperature_unit": 1}, {"current_temperature": 68.0}, {"local_temperature": 20.0}),
         (
@@ -170,6 +171,8 @@ def test_states_are_read(kind: str, info: dict[str, Any], state: dict[str, Any],
         ),
         ("fan", {"supports_speed": True, "supported_speed_count": 3}, "fan_speed", 0.0, {"state": False}),
         ("climate", THERMOSTAT, "heating_setpoint", 21.0, {"target_temperature": 21.0}),
+        ("climate", CONDITIONER, "heating_setpoint", 21.0, {"target_temperature_low": 21.0}),
+        ("climate", {**CONDITIONER, "feature_flags": 4}, "cooling_setpoint", 25.0, {"target_temperature_high": 25.0}),
         ("climate", THERMOSTAT, "on_off", False, {"mode": 0}),
         ("climate", CONDITIONER, "fan_mode", "turbo", {"custom_fan_mode": "turbo"}),
         ("climate", CONDITIONER, "fan_mode", "low", {"fan_mode": 3}),

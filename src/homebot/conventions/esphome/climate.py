@@ -40,7 +40,6 @@ _PRESETS = ("none", "home", "away", "boost", "comfort", "eco", "sleep", "activit
 _WATER_MODES = ("off", "eco", "electric", "performance", "high_demand", "heat_pump", "gas")
 
 _MEASURES, _HAS_PAIR, _ONLY_PAIR, _MEASURES_HUMIDITY, _HAS_HUMIDITY, _HAS_ACTION = 1, 2, 4, 8, 16, 32
-_HEAT_COOL = 1
 
 
 def build_climate(kind: str, info: Fields) -> EsphomeEntity:
@@ -181,22 +180,18 @@ _ANY_CELSIUS = (-100.0, 200.0)
 def _add_targets(entity: EsphomeEntity, thermometer: _Thermometer, flags: int, modes: Mapping[str, object]) -> None:
     """Offer the targets: of a pair the lower one heats and the upper one cools; a single one does what its modes can.
 
-    A device that has both uses the pair in the mode ``heat_cool``.
+    With either flag of a pair, ESPHome refuses the single target in every mode (``ClimateCall::validate_``).
     """
-
-    def field_of(name: str) -> str:
-        is_pair = flags & _ONLY_PAIR or (flags & _HAS_PAIR and entity.state.get("mode") == _HEAT_COOL)
-        return _PAIR[name] if is_pair else "target_temperature"
-
+    has_pair = bool(flags & (_HAS_PAIR | _ONLY_PAIR))
     heats = not modes or not modes.keys().isdisjoint({"heat", "heat_cool", "auto"})
     cools = not modes.keys().isdisjoint({"cool", "heat_cool"})
-    pairs = bool(flags & (_HAS_PAIR | _ONLY_PAIR))
-    for name in _PAIR:
-        if pairs or (name == "cooling_setpoint" and cools) or (name == "heating_setpoint" and (heats or not cools)):
+    for name, target in _PAIR.items():
+        field = target if has_pair else "target_temperature"
+        if has_pair or (name == "cooling_setpoint" and cools) or (name == "heating_setpoint" and (heats or not cools)):
             entity.add(
                 name,
-                lambda state, name=name: thermometer.reader(field_of(name))(state),  # type: ignore[misc]
-                lambda value, _code, name=name: {field_of(name): thermometer.number(name, value)},  # type: ignore[misc]
+                thermometer.reader(field),
+                lambda value, _code, name=name, field=field: {field: thermometer.number(name, value)},  # type: ignore[misc]
                 unit="°C",
                 bounds=thermometer.bounds,
             )
