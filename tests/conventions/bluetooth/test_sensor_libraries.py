@@ -1,8 +1,8 @@
 """Sensors are read through the libraries for their formats.
 
 The advertisements are those of real devices, from the tests of the libraries: Bluetooth-Devices/xiaomi-ble,
-Bluetooth-Devices/govee-ble and Bluetooth-Devices/inkbird-ble ``tests/test_parser.py``, and ruuvitag-ble 0.4.0
-``tests/test_v5.py``.
+Bluetooth-Devices/govee-ble and Bluetooth-Devices/inkbird-ble ``tests/test_parser.py``, Home Assistant's
+``tests/components/govee_ble``, and ruuvitag-ble 0.4.0 ``tests/test_v5.py``.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ import pytest
 
 from homebot.conventions.bluetooth import Advertisement, Broadcast
 from homebot.conventions.bluetooth.advertisement import full_uuid
-from homebot.conventions.bluetooth.sensor_libraries import SensorLibraryParser
+from homebot.conventions.bluetooth.sensor_libraries import MOMENT, SensorLibraryParser
+from homebot.conventions.description import AutoExpiry
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
@@ -57,6 +58,28 @@ BUTTON = Advertisement(
     },
 )
 
+MOTION = Advertisement(
+    "C1:37:37:32:0F:45",
+    -36,
+    "GV5121195A",
+    manufacturer_data={0xEF88: bytes.fromhex("59940000f0b91937ae50b6372c866ac2f3d061e717c02cef")},
+)
+VIBRATION = Advertisement(
+    "D3:32:39:37:2F:68",
+    -67,
+    "GV51242F68",
+    manufacturer_data={0xEF88: bytes.fromhex("08a2000125c25957fd7a750ef234a218bb15467c5b737b04")},
+)
+NIGHT_LIGHT = Advertisement(
+    "DE:70:E8:B2:39:0C", -60, "Test", service_data={XIAOMI: bytes.fromhex("4030dd032403000101")}
+)
+LOCK = Advertisement(
+    "D7:1F:44:EB:8A:91",
+    -60,
+    "Test",
+    service_data={XIAOMI: bytes.fromhex("50449e0643918aeb441fd70b000920020001807c442f61")},
+)
+
 
 def read(parser: SensorLibraryParser, advertisement: Advertisement) -> Broadcast:
     assert parser.concerns(advertisement)
@@ -83,8 +106,16 @@ def values(found: Broadcast) -> dict[tuple[str, str], PlainValue]:
             {("temperature", "temperature"): 20.44, ("humidity", "humidity"): 48.07, ("battery", "battery"): 86.0},
         ),
         (BUTTON, {("battery", "battery"): 100.0, ("button_0", "press"): "single"}),
+        (MOTION, {("battery", "battery"): 100.0, ("motion", "occupancy"): True}),
+        (VIBRATION, {("battery", "battery"): 100.0, ("vibration", "vibration"): True}),
+        (NIGHT_LIGHT, {("motion", "occupancy"): True}),
+        (
+            LOCK,
+            {("key_id", "value"): "Fingerprint key id 2", ("lock_method", "value"): "biometrics"}
+            | {("lock", "unlocked"): True, ("lock_event", "press"): "unlock_outside_the_door"},
+        ),
     ],
-    ids=["xiaomi", "xiaomi with a key", "govee", "inkbird", "a button"],
+    ids=["xiaomi", "xiaomi with a key", "govee", "inkbird", "button", "motion", "vibration", "night light", "lock"],
 )
 def test_values_have_capabilities_and_units_of_the_vocabulary(
     advertisement: Advertisement, expected: dict[tuple[str, str], PlainValue]
@@ -121,6 +152,12 @@ def test_an_advertisement_that_is_repeated_reports_nothing_new() -> None:
     assert [one.id for one in again.parts] == ["battery", "button_0"]
     parser.forget(BUTTON.address)
     assert values(read(parser, BUTTON))["button_0", "press"] == "single"
+
+
+def test_what_an_event_says_is_unknown_after_a_moment() -> None:
+    """The sensor never says that the motion is over."""
+    assert read(SensorLibraryParser({}), MOTION).expiries == {"motion": (AutoExpiry("occupancy", MOMENT),)}
+    assert not read(SensorLibraryParser({}), BUTTON).expiries
 
 
 def test_a_device_that_encrypts_needs_its_key() -> None:

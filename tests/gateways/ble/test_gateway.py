@@ -346,6 +346,19 @@ async def test_a_sensor_of_another_maker_is_read_through_its_library_and_broken_
         await radio_house.until(lambda: radio_house.newest(tag, "temperature", "temperature") != 7.2)
 
 
+async def test_motion_that_a_sensor_reports_once_is_unknown_after_a_moment(radio_house: RadioHouse) -> None:
+    """A Govee H5121 never says that it is over."""
+    pytest.importorskip("govee_ble")
+    sensor, data = "C1:37:37:32:0F:45", bytes.fromhex("88ef59940000f0b91937ae50b6372c866ac2f3d061e717c02cef")
+    async with radio_house.running(signal=False):
+        radio_house.radio.transmit(sensor, [(0x09, b"GV5121195A"), (0xFF, data)])
+        await radio_house.until(lambda: radio_house.newest(sensor, "motion", "occupancy") is True)
+        await anyio.sleep(60)
+        assert radio_house.newest(sensor, "motion", "occupancy") is True
+        await anyio.sleep(60)
+        assert radio_house.newest(sensor, "motion", "occupancy") is None
+
+
 async def test_a_device_that_only_broadcasts_takes_no_commands(radio_house: RadioHouse) -> None:
     async with radio_house.running() as gateway:
         radio_house.radio.transmit("C0:00:00:00:00:02", [(0x16, BTHOME + b"\x02\x10\x00")])

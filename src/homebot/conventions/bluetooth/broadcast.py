@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from homebot.conventions.bluetooth.advertisement import Advertisement
+from homebot.conventions.description import AutoExpiry
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 
@@ -31,6 +32,7 @@ class Broadcast:
         name: The name that it advertises; empty for none.
         parts: All parts known so far.
         values: New values; empty if the advertisement repeats an earlier one.
+        expiries: Values that end by themselves, by part.
         metadata: Further facts.
         identifiers: Identifiers that other gateways may see too, beside its address.
         rssi_at_1m: Signal strength at one metre, in dBm, if it states that.
@@ -42,6 +44,7 @@ class Broadcast:
     name: str = ""
     parts: tuple[Part, ...] = ()
     values: tuple[BroadcastValue, ...] = ()
+    expiries: Mapping[str, tuple[AutoExpiry, ...]] = field(default_factory=dict)
     metadata: Mapping[str, str] = field(default_factory=dict)
     identifiers: tuple[str, ...] = ()
     rssi_at_1m: float | None = None

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 
 from homebot.conventions.bluetooth.advertisement import Advertisement
 from homebot.conventions.bluetooth.broadcast import Broadcast, BroadcastParser, BroadcastValue
+from homebot.conventions.description import AutoExpiry
 from homebot.conventions.device_classes import condition_of, quantity_of
 from homebot.conventions.units import sensor_type
 from homebot.devices.part import Capability, Part
@@ -28,7 +29,7 @@ from homebot.errors import PluginError, WireError
 if TYPE_CHECKING:
     from bluetooth_sensor_state_data import BluetoothData
     from habluetooth import BluetoothServiceInfoBleak
-    from sensor_state_data import DeviceKey, SensorDescription, SensorUpdate
+    from sensor_state_data import DeviceKey, Event, SensorDescription, SensorUpdate
 
 __all__ = ["SensorLibraryParser"]
 
@@ -46,10 +47,16 @@ _PRESSES: Mapping[str, str] = {
     "double_press": "double",
     "triple_press": "triple",
     "long_press": "long",
-    "rotate_left": "rotate_left",
-    "rotate_right": "rotate_right",
 }
-"""Events of buttons and dimmers in the words of the vocabulary."""
+"""Events of buttons in the words of the vocabulary; others, such as ``rotate_left``, stay as they are."""
+
+_BUTTONS = frozenset({"button", "cube", "dimmer"})
+_MOMENTS = frozenset({"motion", "vibration"})
+"""What an event says is so, by the first word of its key; no event says when it ends (Govee H5121 and H5124, Xiaomi
+MUE4094RT)."""
+
+MOMENT = 90.0
+"""Seconds after which it is unknown again: what Zigbee2MQTT has for motion sensors that do not say it either."""
 
 
 class _Sensor:
@@ -58,6 +65,7 @@ class _Sensor:
     def __init__(self, reader: BluetoothData) -> None:
         self.reader = reader
         self.parts: dict[str, Part] = {}
+        self.moments: set[str] = set()
         self.last: Advertisement | None = None
 
 
@@ -100,11 +108,16 @@ class SensorLibraryParser(BroadcastParser):
         except Exception as exc:
             raise _unreadable(sensor.reader, advertisement, exc) from exc
         if is_new:
-            values = tuple(_take(sensor.parts, update))
+            values = tuple(_take(sensor, update))
         return Broadcast(
             name=update.title or advertisement.name,
             parts=tuple(sensor.parts.values()),
             values=values,
+            expiries={
+                one.id: (AutoExpiry(one.capabilities[0].name, MOMENT),)
+                for one in sensor.parts.values()
+                if one.id in sensor.moments
+            },
             metadata=_metadata(update),
             silence=ON_BATTERY if any("battery" in one for one in sensor.parts) else 0.0,
             problem=_problem(sensor.reader),
@@ -192,8 +205,9 @@ def _service_info(advertisement: Advertisement) -> BluetoothServiceInfoBleak:
     )
 
 
-def _take(parts: dict[str, Part], update: SensorUpdate) -> Iterator[BroadcastValue]:
+def _take(sensor: _Sensor, update: SensorUpdate) -> Iterator[BroadcastValue]:
     """Add the parts of an update, and yield its values."""
+    parts = sensor.parts
     for key, description in update.entity_descriptions.items():
         value = update.entity_values[key].native_value
         device_class = str(getattr(description.device_class, "value", "") or "")
@@ -207,11 +221,28 @@ def _take(parts: dict[str, Part], update: SensorUpdate) -> Iterator[BroadcastVal
         if _has(parts, part):
             yield BroadcastValue(part.id, capability, None if one.native_value is None else bool(one.native_value))
     for key, event in update.events.items():
-        part = Part(id=_part_id(key), service_type=sensor_type("press"), capabilities=(Capability(name="press"),))
-        if event.event_type in _PRESSES and _has(parts, part):
-            steps = (event.event_properties or {}).get("steps")
-            pressed = _PRESSES[event.event_type]
-            yield BroadcastValue(part.id, "press", pressed if steps is None else f"{pressed} {steps}")
+        yield from _happened(sensor, _part_id(key), event)
+
+
+def _happened(sensor: _Sensor, part_id: str, event: Event) -> Iterator[BroadcastValue]:
+    """Add the part of an event, and yield its value: a press, a condition for a moment, or what happened in its words.
+
+    The last is of a part of its own: a lock has a state of the same name.
+    """
+    kind, value = part_id.partition("_")[0], _PRESSES.get(event.event_type, event.event_type[:_LONGEST_EVENT])
+    service_type, capability = sensor_type("press"), "press"
+    if kind in _MOMENTS:
+        service_type, capability = condition_of(kind)
+        sensor.moments.add(part_id)
+    elif kind not in _BUTTONS:
+        service_type, part_id = sensor_type("value"), f"{part_id}_event"
+    steps = (event.event_properties or {}).get("steps")
+    if _has(sensor.parts, Part(id=part_id, service_type=service_type, capabilities=(Capability(name=capability),))):
+        said = value if steps is None else f"{value} {steps}"
+        yield BroadcastValue(part_id, capability, True if kind in _MOMENTS else said)
+
+
+_LONGEST_EVENT = 100
 
 
 def _measured(

@@ -120,6 +120,7 @@ class KnownDevice:
             identifiers=identifiers((*addresses, *said.identifiers, *self._serial_number())),
             raw_address=f"ble/{self.key}",
             stale_after=self.presence.stale_after(said.silence),
+            expiries=said.expiries,
         )
 
     def signal_values(self, default_rssi_at_1m: float, now: float) -> Mapping[str, Mapping[str, PlainValue]]:
