@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -85,7 +85,9 @@ class MadeUpPort:
         self.written.append((form.href, payload))
         self.values[form.href] = payload
 
-    async def observe(self, form: Form) -> AsyncIterator[ThingPayload]:
+    async def observe(self, form: Form, read_current: Callable[[], Awaitable[None]]) -> AsyncIterator[ThingPayload]:
+        if not self.pushes_current:
+            await read_current()
         while True:
             value = self.values[form.href]
             if isinstance(value, Exception):
@@ -179,7 +181,7 @@ async def test_a_pushed_change_is_reported() -> None:
     assert rig.host.values["", "on_off"] is True
 
 
-async def test_what_begins_without_the_current_value_is_read_first() -> None:
+async def test_what_begins_without_the_current_value_is_read() -> None:
     rig = Rig(pushes_current=False)
     await rig.run_for(1)
     assert ON in rig.port.reads

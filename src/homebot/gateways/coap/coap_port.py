@@ -6,7 +6,7 @@ Source: W3C Working Group Note (draft) "Web of Things (WoT) CoAP Binding": defau
 
 from __future__ import annotations
 
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import AsyncGenerator, Awaitable, Callable
 from contextlib import aclosing
 from typing import TYPE_CHECKING, Final
 
@@ -37,7 +37,6 @@ class CoapPort:
     """
 
     binding = COAP_BINDING
-    pushes_current = True
 
     def __init__(self, client: CoapClient, admits: Callable[[], bool]) -> None:
         self._client = client
@@ -65,8 +64,11 @@ class CoapPort:
                 raise
             await self._client.request(_OTHER[method], form.href, payload, content_format=content_format)
 
-    async def observe(self, form: Form) -> AsyncGenerator[ThingPayload, None]:
+    async def observe(
+        self, form: Form, read_current: Callable[[], Awaitable[None]]
+    ) -> AsyncGenerator[ThingPayload, None]:
         """Yield the states of a resource, beginning with the current one."""
+        del read_current
         async with aclosing(self._client.observe(form.href)) as answers:
             async for answer in answers:
                 if self._admits():

@@ -7,7 +7,7 @@ W3C "Web of Things (WoT) HTTP Binding": default methods, ``longpoll`` and ``sse`
 from __future__ import annotations
 
 import re
-from collections.abc import AsyncGenerator, Callable, Sequence
+from collections.abc import AsyncGenerator, Awaitable, Callable, Sequence
 from contextlib import AsyncExitStack, suppress
 from types import TracebackType
 from typing import Final, Literal, Self
@@ -22,6 +22,7 @@ from homebot.gateways.http_client import HttpAnswer, HttpClient
 from homebot.gateways.http_login import HttpLogin
 from homebot.gateways.things.http_credentials import ThingLogin
 from homebot.gateways.things.port import ThingPayload
+from homebot.isolation import run_as, ungrouped
 from homebot.wot import Form, RequestBinding, SecurityScheme, Thing
 
 __all__ = ["HTTP_BINDING", "HttpThingPort", "login_at"]
@@ -29,10 +30,10 @@ __all__ = ["HTTP_BINDING", "HttpThingPort", "login_at"]
 HTTP_BINDING: Final = RequestBinding(frozenset({"http", "https"}), ("sse", "longpoll"))
 
 LONG_POLL: Final = 50.0
-"""Seconds for which an answer to a long poll is waited for; then the value is read, and it is begun again."""
+"""Seconds for which an answer to a long poll is waited for; then it is begun again."""
 
 SHORTEST: Final = 0.5
-"""Seconds between two long polls of which the first was answered at once."""
+"""Seconds between two long polls of which the first was answered at once; also those after which one has begun."""
 
 WATCH_EVERY: Final = 60.0
 """Seconds between two signs of life of a thing that pushes its values: a lost connection says nothing."""
@@ -51,7 +52,6 @@ class HttpThingPort:
     """
 
     binding = HTTP_BINDING
-    pushes_current = False
 
     def __init__(self, thing: Thing, logins: Sequence[ThingLogin]) -> None:
         self._thing = thing
@@ -86,20 +86,21 @@ class HttpThingPort:
         default = "POST" if "invokeaction" in form.ops else "PUT"
         await self._request(method or default, form, payload)
 
-    async def observe(self, form: Form) -> AsyncGenerator[ThingPayload, None]:
-        """Yield what is pushed."""
+    async def observe(
+        self, form: Form, read_current: Callable[[], Awaitable[None]]
+    ) -> AsyncGenerator[ThingPayload, None]:
+        """Yield what is pushed; the current value is read after each beginning: a server pushes later changes only."""
         if form.subprotocol == "sse":
             client, url = await self._client(form)
             async with client.events(url) as events:
+                await read_current()
                 async for event in events:
                     yield ThingPayload(event.data.encode(errors="replace"), form.response_type or form.content_type)
         while form.subprotocol != "sse":
             began = anyio.current_time()
-            answer = await self._poll(form)
+            answer = await self._poll(form, read_current)
             if answer is not None and answer.status != 204:
                 yield _payload(answer, form)
-            elif answer is None and form.href in self._read_forms:
-                yield await self.read(self._read_forms[form.href])
             await anyio.sleep(max(0.0, began + SHORTEST - anyio.current_time()))
 
     async def watch(self, confirm: Callable[[], None]) -> None:
@@ -119,11 +120,21 @@ class HttpThingPort:
                     await self.read(form)
                 confirm()
 
-    async def _poll(self, form: Form) -> HttpAnswer | None:
-        """Return the answer to a long poll; None where there is no news for so long that it is begun again."""
-        with anyio.move_on_after(LONG_POLL):
-            return await self._request("GET", form, time_limit=LONG_POLL + _MARGIN)
-        return None
+    async def _poll(self, form: Form, read_current: Callable[[], Awaitable[None]]) -> HttpAnswer | None:
+        """Return the answer to a long poll; None if there is none for so long that it is begun again."""
+
+        async def read_when_begun() -> None:
+            await anyio.sleep(SHORTEST)  # nothing says when the server has the request
+            await read_current()
+
+        answer: HttpAnswer | None = None
+        with ungrouped():
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(run_as, "the reading after a long poll began", read_when_begun)
+                with anyio.move_on_after(LONG_POLL):
+                    answer = await self._request("GET", form, time_limit=LONG_POLL + _MARGIN)
+                tasks.cancel_scope.cancel()
+        return answer
 
     async def _request(
         self, method: str, form: Form, payload: bytes = b"", *, time_limit: float | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -33,14 +33,10 @@ class ThingPort(Protocol):
 
     Attributes:
         binding: The forms that it can use.
-        pushes_current: Whether an observation begins with the current value; otherwise that is read first.
     """
 
     @property
     def binding(self) -> RequestBinding: ...  # noqa: D102 - see Attributes
-
-    @property
-    def pushes_current(self) -> bool: ...  # noqa: D102 - likewise
 
     async def read(self, form: Form) -> ThingPayload:
         """Return what the address of *form* has now."""
@@ -55,6 +51,12 @@ class ThingPort(Protocol):
         """
         ...
 
-    def observe(self, form: Form) -> AsyncIterator[ThingPayload]:
-        """Yield what is pushed, until the caller has enough; the end of the observation is an error."""
+    def observe(self, form: Form, read_current: Callable[[], Awaitable[None]]) -> AsyncIterator[ThingPayload]:
+        """Yield what is pushed, until the caller has enough; the end of the observation is an error.
+
+        Args:
+            form: The address.
+            read_current: Reads the current value; called whenever an observation has begun that does not start with it,
+                so that no change before that is lost.
+        """
         ...

@@ -1,7 +1,7 @@
 """A device that a Thing Description describes: its values observed or asked for, its commands sent.
 
 Affordances of one address share its observation, or its turn to be asked; all properties are asked for at once where
-the thing offers that. One that cannot be observed after all is asked for. All requests of the polling go one after the
+the thing offers that. One that cannot be observed after all is asked for. All requests for values go one after the
 other, so that a small device is asked one thing at a time.
 """
 
@@ -107,6 +107,7 @@ class ThingDevice:
         self._asked: list[_ThingSource] = []
         self._in_units: dict[tuple[str, str], Affordance] = {}  # by part and capability: in the unit that came last
         self._asks_now = anyio.Event()
+        self._turn = anyio.Lock()
         self._is_reached = False
         self._refusal: RefusedError | None = None
 
@@ -196,8 +197,6 @@ class ThingDevice:
 
     async def _observe(self, source: _ThingSource) -> None:
         try:
-            if not self._port.pushes_current:
-                await self._ask_all(source.instead)
             await self._follow(source)
         except (RefusedError, WireError) as exc:
             self._host.log.info("things.not_observed", href=source.form.href[:200], reason=str(exc)[:200])
@@ -207,7 +206,7 @@ class ThingDevice:
         self._asks_now.set()
 
     async def _follow(self, source: _ThingSource) -> None:
-        observation = self._port.observe(source.form)
+        observation = self._port.observe(source.form, partial(self._ask_all, source.instead))
         try:
             async for payload in observation:
                 try:
@@ -231,7 +230,9 @@ class ThingDevice:
     async def _ask_all(self, sources: Iterable[_ThingSource]) -> None:
         for source in tuple(sources):
             try:
-                await self._take(source, await self._port.read(source.form))
+                async with self._turn:
+                    payload = await self._port.read(source.form)
+                await self._take(source, payload)
             except RefusedError as exc:
                 self._refusal = exc
                 self._host.log.info("things.not_read", href=source.form.href[:200], reason=str(exc)[:200])
