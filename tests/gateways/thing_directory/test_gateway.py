@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 import anyio
+import anyio.abc
 import anyio.lowlevel
 import pytest
 from pydantic import ValidationError
@@ -19,6 +20,7 @@ from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.value import PlainValue
 from homebot.gateways.thing_directory import ThingDirectoryGateway, ThingDirectorySettings
+from homebot.gateways.thing_directory.session import CONNECTED_AT_ONCE
 from homebot.graph import Graph, Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.http.thing import ServedThing
@@ -240,6 +242,36 @@ async def _kept_running(url: str, *, task_status: anyio.abc.TaskStatus[tuple[Thi
     async with gateway(url) as both:
         task_status.started(both)
         await anyio.sleep_forever()
+
+
+async def test_a_directory_of_a_thousand_things_is_connected_to_twenty_at_a_time() -> None:
+    """The things accept connections, and never answer."""
+    open_now = most = total = 0
+
+    async def on_connection(stream: anyio.abc.SocketStream) -> None:
+        nonlocal open_now, most, total
+        open_now, total = open_now + 1, total + 1
+        most = max(most, open_now)
+        try:
+            async for _ in stream:
+                pass
+        finally:
+            open_now -= 1
+
+    directory = ThingDirectoryServer(has_events=False, page=500)
+    silent = await anyio.create_tcp_listener(local_host="127.0.0.1", local_port=0)
+    port = silent.extra(anyio.abc.SocketAttribute.local_port)  # noqa: S610 - not Django
+    for number in range(1000):
+        form = {"href": f"http://127.0.0.1:{port}/{number}"}
+        on = {"type": "boolean", "@type": "OnOffProperty", "forms": [form]}
+        directory.things[f"urn:dev:lamp:{number}"] = description(number, properties={"on": on})
+    async with silent, served(directory), anyio.create_task_group() as tasks:
+        tasks.start_soon(silent.serve, on_connection)
+        async with gateway(directory.url) as (found, _):
+            await until(lambda: len(found.devices.keys) == 1000)
+            await until(lambda: total >= CONNECTED_AT_ONCE)
+            assert most <= CONNECTED_AT_ONCE
+        tasks.cancel_scope.cancel()
 
 
 @pytest.mark.parametrize("url", ["", "ftp://x", "http://", "http://ann:pw@x", "http://x:99999", "http://x/?y=1"])

@@ -15,6 +15,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.gateways.announced.device_runner import DeviceRunner
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.http_client import TIME_LIMIT
 from homebot.gateways.things.thing_device import ThingDevice
 from homebot.isolation import run_as
 from homebot.wot import Thing
@@ -37,7 +38,7 @@ class ListedThing(DeviceRunner):
         log: The log of the gateway's node.
         random: The source of random numbers.
         poll_every: Seconds between two readings of what it does not push.
-        delay: Seconds to wait first, when many things are new.
+        connecting: The limit of things that are connected to at the same time.
     """
 
     def __init__(
@@ -51,12 +52,13 @@ class ListedThing(DeviceRunner):
         random: Random,
         *,
         poll_every: float,
-        delay: float,
+        connecting: anyio.CapacityLimiter,
     ) -> None:
         super().__init__(device.name, device.key, devices, clock, log, random, DEVICE_BACKOFF)
         self._device = device
         self._port = port
-        self._delay = delay
+        self._connecting = connecting
+        self._answered = anyio.Event()
         self._thing = ThingDevice(thing, device, port, self, poll_every)
 
     async def run(self) -> None:
@@ -66,10 +68,12 @@ class ListedThing(DeviceRunner):
 
     async def work(self) -> None:
         """Use the thing, and look now and then whether it is still there."""
-        delay, self._delay = self._delay, 0.0
-        await anyio.sleep(delay)
+        self._answered = anyio.Event()
         async with anyio.create_task_group() as tasks:
-            tasks.start_soon(run_as, "a thing", self._thing.run)
+            async with self._connecting:
+                tasks.start_soon(run_as, "a thing", self._thing.run)
+                with anyio.move_on_after(TIME_LIMIT):
+                    await self._answered.wait()
             tasks.start_soon(run_as, "a thing", partial(self._port.watch, self.confirm))
 
     async def perform(self, command: Command) -> None:
@@ -93,6 +97,7 @@ class ListedThing(DeviceRunner):
 
     def confirm(self) -> None:
         """Publish that the thing itself was heard, unless it was taken away meanwhile."""
+        self._answered.set()
         if not self.is_stopped:
             self.note_answer()
             self._devices.put(self._device, "it answers")

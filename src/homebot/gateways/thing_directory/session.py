@@ -54,8 +54,8 @@ LIST_AGAIN: Final = 3600.0
 AFTER_A_LOSS: Final = 30.0
 """Seconds after which the list is read again because a change was not."""
 
-AT_ONCE, PACE = 20, 0.02
-"""Things that are talked to at once when many are new, and the seconds between two after that."""
+CONNECTED_AT_ONCE: Final = 20
+"""Things that are connected to at the same time; the others wait until one of them has answered or failed."""
 
 _TOO_MANY = "thing_directory.thing_refused"
 _TURN = 20
@@ -99,7 +99,7 @@ class DirectorySession:
         self._invalid: dict[str, bytes] = {}
         self._followed: dict[str, ListedThing] = {}
         self._read: dict[str, ReadPage] = {}
-        self._next_start = 0.0
+        self._connecting = anyio.CapacityLimiter(CONNECTED_AT_ONCE)
         self._lists_soon = anyio.Event()
 
     async def follow(self) -> None:
@@ -265,15 +265,10 @@ class DirectorySession:
             self._log,
             self._random,
             poll_every=self._settings.poll_every,
-            delay=self._delay(),
+            connecting=self._connecting,
         )
         self._followed[device.key] = followed
         self._tasks.start_soon(run_as, "a thing", followed.run)
-
-    def _delay(self) -> float:
-        now = self._clock.monotonic()
-        self._next_start = max(self._next_start, now - AT_ONCE * PACE) + PACE
-        return max(0.0, self._next_start - now)
 
     def _remove(self, key: str, why: str) -> None:
         self._known.pop(key, None)
