@@ -6,20 +6,29 @@ import ipaddress
 from functools import lru_cache
 from typing import Final
 
-__all__ = ["ip_version", "is_loopback", "network_of"]
+__all__ = ["ip_version", "is_loopback", "network_of", "parse_address"]
 
 _IPV6_PREFIX: Final = 64
 """Bits of an IPv6 address that belong to one household or customer; the rest anybody may choose."""
 
 
-def is_loopback(host: str) -> bool:
-    """Return whether *host* is ``localhost`` or a loopback address; brackets around an IPv6 address are fine."""
-    if host.lower() in {"localhost", "localhost."}:
-        return True
+def parse_address(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+    """Return the address that *host* spells, IPv4 also if it is mapped into IPv6; None for a name.
+
+    Brackets around an IPv6 address are fine; its scope is left out.
+    """
     try:
-        return ipaddress.ip_address(host.removeprefix("[").removesuffix("]")).is_loopback
+        known = ipaddress.ip_address(host.removeprefix("[").removesuffix("]").partition("%")[0])
     except ValueError:
-        return False
+        return None
+    mapped = known.ipv4_mapped if isinstance(known, ipaddress.IPv6Address) else None
+    return mapped or known
+
+
+def is_loopback(host: str) -> bool:
+    """Return whether *host* is ``localhost`` or a loopback address."""
+    known = parse_address(host)
+    return host.lower() in {"localhost", "localhost."} if known is None else known.is_loopback
 
 
 def ip_version(host: str) -> int | None:
@@ -33,12 +42,9 @@ def ip_version(host: str) -> int | None:
 @lru_cache(maxsize=1024)
 def network_of(host: str) -> str:
     """Return what one owner has of addresses: an IPv4 address, the network of an IPv6 one; a name is left as it is."""
-    try:
-        known = ipaddress.ip_address(host.removeprefix("[").removesuffix("]").partition("%")[0])
-    except ValueError:
+    known = parse_address(host)
+    if known is None:
         return host
     if isinstance(known, ipaddress.IPv4Address):
         return str(known)
-    if known.ipv4_mapped is not None:
-        return str(known.ipv4_mapped)
     return str(ipaddress.ip_network((known, _IPV6_PREFIX), strict=False))

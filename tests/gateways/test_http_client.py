@@ -65,7 +65,10 @@ while True:
 class TestRequests:
     async def test_an_answer_has_its_status_type_fields_and_body(self) -> None:
         headers = {"Content-Type": "application/TD+json; charset=utf-8", "Link": "</things?offset=9>; rel=next"}
-        async with serving(answering(headers=headers, body=b'{"id": "urn:x"}')) as url, HttpClient() as client:
+        async with (
+            serving(answering(headers=headers, body=b'{"id": "urn:x"}')) as url,
+            HttpClient(guard=None) as client,
+        ):
             answer = await client.get(f"{url}/things")
         assert (answer.status, answer.content_type) == (200, "application/td+json")
         assert answer.headers["link"] == "</things?offset=9>; rel=next"
@@ -77,36 +80,36 @@ class TestRequests:
             assert (request.method, request.content_type) == (method, "application/json")
             return web.json_response({"got": await request.json()})
 
-        async with serving(handle) as url, HttpClient() as client:
+        async with serving(handle) as url, HttpClient(guard=None) as client:
             assert await client.send_json(method, f"{url}/x", {"on": True}) == {"got": {"on": True}}
 
     async def test_an_empty_answer_is_none(self) -> None:
-        async with serving(answering(204)) as url, HttpClient() as client:
+        async with serving(answering(204)) as url, HttpClient(guard=None) as client:
             assert await client.send_json("PUT", url, True) is None
 
     async def test_bytes_are_sent_as_they_are(self) -> None:
         async def handle(request: web.Request) -> web.Response:
             return web.Response(body=request.content_type.encode() + b":" + await request.read())
 
-        async with serving(handle) as url, HttpClient() as client:
+        async with serving(handle) as url, HttpClient(guard=None) as client:
             answer = await client.request("POST", url, body=b"\x00\xff", content_type="image/png")
         assert answer.body == b"image/png:\x00\xff"
 
     @pytest.mark.parametrize("status", [400, 401, 403, 404, 405, 409, 500, 501, 304])
     async def test_a_status_that_says_no_is_refused_with_that_code(self, status: int) -> None:
-        async with serving(answering(status)) as url, HttpClient() as client:
+        async with serving(answering(status)) as url, HttpClient(guard=None) as client:
             with pytest.raises(RefusedError, match=str(status)) as caught:
                 await client.get(url)
         assert caught.value.code == status
 
     @pytest.mark.parametrize("status", [408, 425, 429, 502, 503, 504])
     async def test_a_status_that_says_later_is_a_lost_link(self, status: int) -> None:
-        async with serving(answering(status)) as url, HttpClient() as client:
+        async with serving(answering(status)) as url, HttpClient(guard=None) as client:
             with pytest.raises(LinkError, match=str(status)):
                 await client.get(url)
 
     async def test_an_answer_that_is_too_long_is_not_read(self) -> None:
-        async with serving(answering(body=b"x" * 1001)) as url, HttpClient(max_bytes=1000) as client:
+        async with serving(answering(body=b"x" * 1001)) as url, HttpClient(guard=None, max_bytes=1000) as client:
             with pytest.raises(WireError, match="more than 1000 bytes"):
                 await client.get(url)
             assert len((await client.get(url, max_bytes=1001)).body) == 1001
@@ -121,7 +124,7 @@ class TestRequests:
             except ConnectionError:
                 return response
 
-        async with serving(handle) as url, HttpClient() as client:
+        async with serving(handle) as url, HttpClient(guard=None) as client:
             with pytest.raises(WireError, match="more than"):
                 await client.get(url)
 
@@ -130,7 +133,7 @@ class TestRequests:
             assert request.headers["Accept-Encoding"] == "identity"
             return web.Response(body=b"\x1f\x8b", headers={"Content-Encoding": "gzip"})
 
-        async with serving(handle) as url, HttpClient() as client:
+        async with serving(handle) as url, HttpClient(guard=None) as client:
             with pytest.raises(WireError, match="compressed"):
                 await client.get(url)
 
@@ -141,7 +144,7 @@ class TestRequests:
             await given_up.wait()
             return web.Response()
 
-        async with serving(handle) as url, HttpClient() as client:
+        async with serving(handle) as url, HttpClient(guard=None) as client:
             with pytest.raises(LinkError, match=r"did not answer within 0\.05 s"):
                 await client.get(url, time_limit=0.05)
             given_up.set()
@@ -149,7 +152,7 @@ class TestRequests:
     async def test_nobody_there_is_a_lost_link(self) -> None:
         async with serving(answering()) as url:
             pass
-        async with HttpClient() as client:
+        async with HttpClient(guard=None) as client:
             with pytest.raises(
                 LinkError, match=r"cannot be reached: nothing is listening there \(connection refused\)"
             ):
@@ -175,7 +178,7 @@ class TestRequests:
             writer.close()
 
         server = await asyncio.start_server(talk, "127.0.0.1", 0)
-        async with server, HttpClient() as client:
+        async with server, HttpClient(guard=None) as client:
             port = server.sockets[0].getsockname()[1]
             with pytest.raises(error):
                 await client.get(f"http://127.0.0.1:{port}/")
@@ -184,14 +187,14 @@ class TestRequests:
         "url", ["", "x", "ftp://h/", "http://", "http://[", "http://h:99999/", "mqtt://h/", "http://u:p4ss@h/"]
     )
     async def test_what_is_no_address_is_refused_and_not_shown(self, url: str) -> None:
-        async with HttpClient() as client:
+        async with HttpClient(guard=None) as client:
             with pytest.raises(WireError) as caught:
                 await client.get(url)
         assert "p4ss" not in str(caught.value)
 
     @pytest.mark.parametrize(("method", "content_type"), [("GE T", ""), ("PUT", "text/plain\r\nX: y"), ("get", "")])
     async def test_methods_and_types_are_checked(self, method: str, content_type: str) -> None:
-        async with HttpClient() as client:
+        async with HttpClient(guard=None) as client:
             with pytest.raises(WireError):
                 await client.request(method, "http://127.0.0.1:9/", content_type=content_type)
 
@@ -201,7 +204,7 @@ class TestRequests:
                 return web.Response(text="here")
             raise web.HTTPTemporaryRedirect("/there" if request.path == "/once" else "/again")
 
-        async with serving(handle) as url, HttpClient() as client:
+        async with serving(handle) as url, HttpClient(guard=None) as client:
             assert (await client.get(f"{url}/once")).body == b"here"
             with pytest.raises(RefusedError, match="redirects"):
                 await client.get(f"{url}/again")
@@ -216,7 +219,7 @@ class TestRequests:
             asked.append(request.path)
             return web.Response(text="secret")
 
-        async with serving(keep) as target, HttpClient() as client:
+        async with serving(keep) as target, HttpClient(guard=None) as client:
 
             async def redirect(request: web.Request) -> web.Response:
                 raise web.HTTPFound(f"{target.replace('127.0.0.1', 'localhost')}{request.path}")
@@ -234,7 +237,7 @@ class TestRequests:
 
     async def test_it_is_used_as_a_context(self) -> None:
         with pytest.raises(UsageError, match="async with"):
-            await HttpClient().get("http://127.0.0.1:9/")
+            await HttpClient(guard=None).get("http://127.0.0.1:9/")
 
 
 class TestLogins:
@@ -254,7 +257,7 @@ class TestLogins:
             challenge = f'Digest qop="auth", realm="shellyplus1-a8032abe54dc", nonce="61cc3f5f", algorithm={algorithm}'
             return web.Response(status=401, headers={"WWW-Authenticate": challenge})
 
-        async with serving(handle) as url, HttpClient(login=self.login(url, "digest")) as client:
+        async with serving(handle) as url, HttpClient(guard=None, login=self.login(url, "digest")) as client:
             assert (await client.get(f"{url}/rpc/Shelly.GetStatus?id=0")).body == b"in"
             assert (await client.request("POST", f"{url}/rpc", body=b"{}")).body == b"in"
         assert PASSWORD not in "".join(tries)
@@ -271,7 +274,7 @@ class TestLogins:
         async def handle(request: web.Request) -> web.Response:
             return web.Response(text=request.headers.get(field, ""))
 
-        async with serving(handle) as url, HttpClient(login=self.login(url, scheme, user)) as client:
+        async with serving(handle) as url, HttpClient(guard=None, login=self.login(url, scheme, user)) as client:
             assert (await client.get(url)).body.decode() == value
 
     @pytest.mark.parametrize("scheme", ["basic", "bearer", "header", "digest"])
@@ -288,7 +291,7 @@ class TestLogins:
             async def first(request: web.Request) -> web.Response:
                 raise web.HTTPFound(elsewhere)
 
-            async with serving(first) as url, HttpClient(login=self.login(url, scheme, "X-Key")) as client:
+            async with serving(first) as url, HttpClient(guard=None, login=self.login(url, scheme, "X-Key")) as client:
                 with pytest.raises(RefusedError):
                     await client.get(url)
                 with pytest.raises(RefusedError):
@@ -301,12 +304,12 @@ class TestLogins:
     )
     async def test_a_strange_challenge_is_an_error_of_ours(self, challenge: str) -> None:
         handler = answering(401, headers={"WWW-Authenticate": challenge})
-        async with serving(handler) as url, HttpClient(login=self.login(url, "digest")) as client:
+        async with serving(handler) as url, HttpClient(guard=None, login=self.login(url, "digest")) as client:
             with pytest.raises((RefusedError, WireError)):
                 await client.get(url)
 
     async def test_no_error_shows_a_secret(self) -> None:
-        async with serving(answering(401)) as url, HttpClient(login=self.login(url, "digest")) as client:
+        async with serving(answering(401)) as url, HttpClient(guard=None, login=self.login(url, "digest")) as client:
             with pytest.raises(RefusedError, match="does not let homebot in") as caught:
                 await client.get(f"{url}/x?token=s3cret")
             assert PASSWORD not in repr(client._login)
@@ -314,7 +317,7 @@ class TestLogins:
         assert PASSWORD not in str(caught.value)
 
     async def test_without_a_password_the_error_says_that_one_is_wanted(self) -> None:
-        async with serving(answering(401)) as url, HttpClient() as client:
+        async with serving(answering(401)) as url, HttpClient(guard=None) as client:
             with pytest.raises(RefusedError, match="wants a password"):
                 await client.get(url)
 
@@ -332,10 +335,10 @@ class TestTls:
             stack.push_async_callback(runner.cleanup)
             await web.TCPSite(runner, "127.0.0.1", 0, ssl_context=context).start()
             url = http_origin("127.0.0.1", runner.addresses[0][1], "https")
-            async with HttpClient() as stranger:
+            async with HttpClient(guard=None) as stranger:
                 with pytest.raises(LinkError, match="TLS"):
                     await stranger.get(url)
-            async with HttpClient(tls=trusting) as client:
+            async with HttpClient(guard=None, tls=trusting) as client:
                 with pytest.raises(RefusedError, match="404"):
                     await client.get(url)
 
@@ -349,7 +352,7 @@ class TestWebSockets:
                 await (socket.send_str if message.type is WSMsgType.TEXT else socket.send_bytes)(message.data)
             return socket
 
-        async with serving(handle) as url, HttpClient() as client:  # noqa: SIM117 - too long for one
+        async with serving(handle) as url, HttpClient(guard=None) as client:  # noqa: SIM117 - too long for one
             async with client.websocket(f"{url}/rpc", protocols=("rpc",)) as socket:
                 assert socket.protocol == "rpc"
                 await socket.send("hello")
@@ -365,7 +368,7 @@ class TestWebSockets:
             await socket.receive()
             return socket
 
-        async with serving(handle) as url, HttpClient() as client:  # noqa: SIM117 - too long for one
+        async with serving(handle) as url, HttpClient(guard=None) as client:  # noqa: SIM117 - too long for one
             async with client.websocket(url, max_bytes=1000) as socket:
                 with pytest.raises(WireError, match="rules of WebSockets"):
                     await socket.receive()
@@ -379,7 +382,7 @@ class TestWebSockets:
             await socket.close()
             return socket
 
-        async with serving(handle) as url, HttpClient() as client, client.websocket(url) as socket:
+        async with serving(handle) as url, HttpClient(guard=None) as client, client.websocket(url) as socket:
             with pytest.raises(LinkError, match="closed the connection"):
                 await socket.receive()
             with pytest.raises(LinkError):
@@ -402,7 +405,7 @@ class TestWebSockets:
             writer.close()
 
         server = await asyncio.start_server(talk, "127.0.0.1", 0)
-        async with server, HttpClient() as client:
+        async with server, HttpClient(guard=None) as client:
             url = f"http://127.0.0.1:{server.sockets[0].getsockname()[1]}/"
             async with client.websocket(url, heartbeat=0.1) as socket:
                 with anyio.fail_after(PATIENCE), pytest.raises(LinkError):
@@ -410,7 +413,7 @@ class TestWebSockets:
 
     @pytest.mark.parametrize(("status", "error"), [(401, RefusedError), (404, RefusedError), (503, LinkError)])
     async def test_a_handshake_that_is_refused_has_the_status(self, status: int, error: type[HomebotError]) -> None:
-        async with serving(answering(status)) as url, HttpClient() as client:
+        async with serving(answering(status)) as url, HttpClient(guard=None) as client:
             with pytest.raises(error, match=str(status)):
                 async with client.websocket(url):
                     raise AssertionError
@@ -424,7 +427,11 @@ class TestWebSockets:
 
         async def flood(turns: Turns) -> None:
             with flooding(frame) as url:
-                async with HttpClient() as client, client.websocket(url) as socket, anyio.create_task_group() as tasks:
+                async with (
+                    HttpClient(guard=None) as client,
+                    client.websocket(url) as socket,
+                    anyio.create_task_group() as tasks,
+                ):
                     tasks.start_soon(receive, socket)
                     tasks.start_soon(turns.take_all)
                     await anyio.sleep(1)
@@ -433,7 +440,7 @@ class TestWebSockets:
         assert 0 < await longest_turn(flood, limit=0.005) < 0.005
 
     async def test_no_websocket_at_all_is_an_error_of_ours(self) -> None:
-        async with serving(answering(200)) as url, HttpClient() as client:
+        async with serving(answering(200)) as url, HttpClient(guard=None) as client:
             with pytest.raises(WireError, match="opens no WebSocket"):
                 async with client.websocket(url):
                     raise AssertionError
@@ -450,7 +457,7 @@ class TestEvents:
             await response.write(b"ta: 2\n\n")
             return response
 
-        async with serving(handle) as url, HttpClient() as client:  # noqa: SIM117 - too long for one
+        async with serving(handle) as url, HttpClient(guard=None) as client:  # noqa: SIM117 - too long for one
             async with client.events(f"{url}/events", last_id="6") as events:
                 stream = aiter(events)
                 assert await anext(stream) == ServerEvent("thing_updated", "{}", "7")
@@ -461,12 +468,16 @@ class TestEvents:
 
     async def test_an_event_that_is_too_long_ends_it(self) -> None:
         handler = answering(headers={"Content-Type": "text/event-stream"}, body=b"data: " + b"x" * 2000)
-        async with serving(handler) as url, HttpClient(max_bytes=1000) as client, client.events(url) as events:
+        async with (
+            serving(handler) as url,
+            HttpClient(guard=None, max_bytes=1000) as client,
+            client.events(url) as events,
+        ):
             with pytest.raises(WireError, match="longer than 1000"):
                 await anext(aiter(events))
 
     async def test_what_is_no_stream_of_events_is_refused(self) -> None:
-        async with HttpClient() as client:
+        async with HttpClient(guard=None) as client:
             async with serving(answering(text="hello")) as url:
                 with pytest.raises(WireError, match="text/plain"):
                     async with client.events(url):
@@ -503,7 +514,7 @@ async def test_content_that_is_known_is_not_sent_again() -> None:
             return web.Response(status=304, headers={"ETag": '"1"'})
         return web.Response(text="content", headers={"ETag": '"1"'})
 
-    async with serving(answer) as url, HttpClient() as client:
+    async with serving(answer) as url, HttpClient(guard=None) as client:
         first = await client.get(url)
         again = await client.get(url, etag=first.headers["etag"])
         assert (first.body, again.status, again.body) == (b"content", 304, b"")
@@ -513,6 +524,6 @@ async def test_a_status_of_304_to_who_knows_nothing_is_a_refusal() -> None:
     async def answer(_: web.Request) -> web.StreamResponse:
         return web.Response(status=304)
 
-    async with serving(answer) as url, HttpClient() as client:
+    async with serving(answer) as url, HttpClient(guard=None) as client:
         with pytest.raises(RefusedError, match="304"):
             await client.get(url)

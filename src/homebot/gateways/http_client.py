@@ -25,6 +25,7 @@ from yarl import URL
 
 from homebot.conventions.payload import compact_json, parse_json, shown
 from homebot.errors import LinkError, RefusedError, UsageError, WireError
+from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.event_stream import EventStreamParser
 from homebot.gateways.http_address import parse_url, shown_url
 from homebot.gateways.http_errors import check_status, translated_errors
@@ -80,6 +81,7 @@ class HttpClient:
     """One session with servers, over which many requests may run side by side; use it as ``async with``.
 
     Args:
+        guard: The guard of this computer's addresses, redirects included; None for addresses that the owner configured.
         login: Credentials for one of the servers.
         tls: How servers prove who they are where the scheme is ``https``; by default as certificate authorities of
             this computer say.
@@ -90,11 +92,13 @@ class HttpClient:
     def __init__(
         self,
         *,
+        guard: AddressGuard | None,
         login: HttpLogin | None = None,
         tls: ssl.SSLContext | None = None,
         time_limit: float = TIME_LIMIT,
         max_bytes: int = MAX_ANSWER_BYTES,
     ) -> None:
+        self._guard = guard
         self._login = login
         self._tls = tls
         self._time_limit = time_limit
@@ -105,7 +109,9 @@ class HttpClient:
 
     async def __aenter__(self) -> Self:
         self._session = aiohttp.ClientSession(
-            connector=aiohttp.TCPConnector(ssl=True if self._tls is None else self._tls, socket_factory=_make_socket),
+            connector=aiohttp.TCPConnector(
+                ssl=True if self._tls is None else self._tls, socket_factory=self._make_socket
+            ),
             # Bodies are bounded as they arrive: nothing is unpacked. Time is limited below.
             auto_decompress=False,
             cookie_jar=aiohttp.DummyCookieJar(),
@@ -261,11 +267,20 @@ class HttpClient:
             parser.last_id = last_id
             yield EventStream(response.content.readany, shown_url(where), parser)
 
+    def _make_socket(self, found: aiohttp.AddrInfoType) -> socket.socket:
+        """Return a socket that takes little at once, which aiohttp connects to the address *found*."""
+        *kind, _, address = found
+        if self._guard is not None:
+            self._guard.check(address)
+        made = socket.socket(*kind)
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVED_AT_ONCE)
+        return made
+
     def _opened(self) -> aiohttp.ClientSession:
         if self._session is None and self._is_closed:
             raise LinkError("the connection was closed")
         if self._session is None:
-            raise UsageError("an HttpClient is used as `async with HttpClient() as client:`")
+            raise UsageError("an HttpClient is used as `async with HttpClient(guard=…) as client:`")
         return self._session
 
     @asynccontextmanager
@@ -279,13 +294,6 @@ class HttpClient:
                 yield
         except TimeoutError:
             raise LinkError(f"{shown_url(where)} did not answer within {time_limit:g} s") from None
-
-
-def _make_socket(address: aiohttp.AddrInfoType) -> socket.socket:
-    """Return a socket that takes little at once; aiohttp connects it."""
-    made = socket.socket(*address[:3])
-    made.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVED_AT_ONCE)
-    return made
 
 
 def _headers(accept: str, content_type: str, etag: str = "") -> dict[str, str]:

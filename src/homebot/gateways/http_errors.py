@@ -14,6 +14,7 @@ import aiohttp
 from homebot.connect_errors import connect_problem
 from homebot.conventions.payload import clean_text
 from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.address_guard import OwnAddressError
 
 __all__ = ["check_status", "translated_errors"]
 
@@ -37,6 +38,8 @@ def translated_errors(what: str, where: str, *, has_login: bool = False) -> Iter
     except aiohttp.ClientSSLError as exc:
         raise LinkError(f"{where} cannot be reached with TLS: {type(exc).__name__}") from None
     except aiohttp.ClientConnectorError as exc:
+        if isinstance(exc.os_error, OwnAddressError):
+            raise exc.os_error.refusal_of(f"{what} {where}") from None
         raise LinkError(f"{where} cannot be reached: {connect_problem(exc.os_error)}") from None
     except (aiohttp.ClientConnectionError, aiohttp.ClientPayloadError, OSError):
         raise LinkError(f"the connection to {where} was lost") from None

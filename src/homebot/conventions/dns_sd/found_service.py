@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import ipaddress
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+from homebot.addresses import parse_address
 from homebot.devices.identity import identifiers
 
 __all__ = ["FoundService", "facts_of", "identifiers_of", "name_of", "printable", "usable_addresses"]
@@ -126,11 +126,13 @@ def usable_addresses(found: Iterable[str], *, with_loopback: bool) -> tuple[str,
     """
     ranked: dict[str, int] = {}
     for text in found:
-        try:
-            address = ipaddress.ip_address(text)
-        except ValueError:
-            continue
-        if address.is_multicast or address.is_unspecified or (address.is_loopback and not with_loopback):
+        address = parse_address(text)
+        if (
+            address is None
+            or address.is_multicast
+            or address.is_unspecified
+            or (address.is_loopback and not with_loopback)
+        ):
             continue
         if address.version == 6 and address.is_link_local and "%" not in text:
             continue

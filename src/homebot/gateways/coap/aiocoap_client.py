@@ -19,10 +19,13 @@ import aiocoap
 import aiocoap.error
 import anyio
 import anyio.lowlevel
+from aiocoap.message import UndecidedRemote
 from aiocoap.numbers.codes import Code
+from aiocoap.util import hostportjoin, hostportsplit
 
 from homebot.connect_errors import connect_problem
 from homebot.errors import LinkError, RefusedError, UsageError, WireError
+from homebot.gateways.address_guard import AddressGuard, OwnAddressError
 from homebot.gateways.coap.settings import CoapCredentials
 
 __all__ = ["CoapAnswer", "CoapClient", "GroupAnswer"]
@@ -90,11 +93,17 @@ class CoapClient:
     Args:
         context: aiocoap's.
         patience: Seconds to wait for a response.
+        guard: The guard of this computer's addresses; None for addresses that the owner configured.
     """
 
-    def __init__(self, context: aiocoap.Context, patience: float) -> None:
+    def __init__(self, context: aiocoap.Context, patience: float, guard: AddressGuard | None = None) -> None:
         self._context = context
         self._patience = patience
+        self._guard = guard
+
+    def guarded_by(self, guard: AddressGuard | None) -> CoapClient:
+        """Return the same endpoint with another guard."""
+        return CoapClient(self._context, self._patience, guard)
 
     @classmethod
     @asynccontextmanager
@@ -221,6 +230,10 @@ class CoapClient:
     async def _begun(self, message: aiocoap.Message) -> aiocoap.interfaces.Request:
         """Begin a request; the look-up of a name is waited for here, so that it can be cancelled."""
         with anyio.fail_after(self._patience):
+            if self._guard is not None and isinstance(message.remote, UndecidedRemote):
+                host, port = hostportsplit(message.remote.hostinfo)
+                address = await self._guard.resolve(host, port or 0)
+                message.remote = UndecidedRemote(message.remote.scheme, hostportjoin(address, port))
             await self._context.find_remote_and_interface(message)
         return self._context.request(message, handle_blockwise=False)
 
@@ -312,6 +325,8 @@ def _translated(uri: str) -> Iterator[None]:
         raise LinkError(f"{uri} does not answer") from exc
     except (aiocoap.error.NotObservable, aiocoap.error.ObservationCancelled) as exc:
         raise RefusedError(f"observing {uri}", "it cannot be observed") from exc
+    except OwnAddressError as exc:
+        raise exc.refusal_of(uri) from None
     except (aiocoap.error.NetworkError, aiocoap.error.LibraryShutdown, OSError) as exc:
         cause = exc if isinstance(exc, OSError) else exc.__cause__  # which the library's text does not tell
         reason = connect_problem(cause) if isinstance(cause, OSError) else str(exc)

@@ -164,7 +164,10 @@ class MatterGateway(Gateway):
         """
         from homebot.gateways.http_client import HttpClient  # noqa: PLC0415 - only where it runs
 
-        async with HttpClient() as client, client.websocket(self._settings.url, max_bytes=MAX_FRAME_BYTES) as socket:
+        async with (
+            HttpClient(guard=None) as client,
+            client.websocket(self._settings.url, max_bytes=MAX_FRAME_BYTES) as socket,
+        ):
             link = MatterServerLink(socket, self._take_nodes, self._take_event, self._take_invalid)
             self._connecting = link
             await link.run()

@@ -18,12 +18,12 @@ from anyio.abc import TaskGroup
 from structlog.typing import FilteringBoundLogger
 from yarl import URL
 
-from homebot.addresses import is_loopback
 from homebot.clock import Clock
 from homebot.conventions.long_json import is_longer_than
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
 from homebot.devices.gateway_messages import Command
 from homebot.errors import RefusedError, UnableError, WireError
+from homebot.gateways.address_guard import AddressGuard, guard_for
 from homebot.gateways.announced.device_runner import problems_of
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
@@ -43,8 +43,7 @@ from homebot.gateways.things.http_credentials import read_logins
 from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, login_at
 from homebot.gateways.things.thing_device import describe_thing
 from homebot.isolation import run_as, ungrouped
-from homebot.wot import Form, Thing, read_thing
-from homebot.wot.thing import change_forms
+from homebot.wot import Thing, read_thing
 
 __all__ = ["DirectorySession"]
 
@@ -94,7 +93,7 @@ class DirectorySession:
         self._log = log
         self._random = random
         self._logins = read_logins(settings.credentials)
-        self._is_local = is_loopback(URL(settings.url).host or "")
+        self._guard: AddressGuard | None = AddressGuard()
         self._known: dict[str, bytes] = {}
         self._invalid: dict[str, bytes] = {}
         self._followed: dict[str, ListedThing] = {}
@@ -110,7 +109,8 @@ class DirectorySession:
             RefusedError: It does not let homebot in.
             WireError: It breaks the rules.
         """
-        async with HttpClient(login=login_at(URL(self._settings.url), self._logins)) as client:
+        self._guard = await guard_for(URL(self._settings.url).host)
+        async with HttpClient(guard=None, login=login_at(URL(self._settings.url), self._logins)) as client:
             reader = DirectoryReader(self._settings.url, client, self._read)
             await self._listen(reader)
             while True:
@@ -228,7 +228,7 @@ class DirectorySession:
             self._lists_soon.set()
             return key
         try:
-            thing = self._usable(read_thing(document, f"{self._settings.url}/"))
+            thing = read_thing(document, f"{self._settings.url}/")
         except WireError as exc:
             self._devices.reject(key, text, f"{key[:100]}: {exc}")
             if len(self._invalid) >= _MAX_INVALID:
@@ -259,7 +259,7 @@ class DirectorySession:
         followed = ListedThing(
             thing,
             device,
-            HttpThingPort(thing, self._logins),
+            HttpThingPort(thing, self._logins, self._guard),
             self._devices,
             self._clock,
             self._log,
@@ -279,18 +279,6 @@ class DirectorySession:
         followed = self._followed.pop(key, None)
         if followed is not None:
             followed.stop()
-
-    def _usable(self, thing: Thing) -> Thing:
-        """Return *thing* without forms that lead to this computer itself, unless the directory is here as well."""
-
-        def usable(form: Form) -> Form | None:
-            try:
-                host = URL(form.href).host or ""
-            except ValueError:
-                return None
-            return None if is_loopback(host) and not self._is_local else form
-
-        return change_forms(thing, usable)
 
 
 def _unusable_text(schemes: set[str]) -> str:

@@ -17,6 +17,7 @@ from pydantic import SecretStr
 from yarl import URL
 
 from homebot.errors import PeerError, RefusedError
+from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.http_address import parse_url
 from homebot.gateways.http_client import HttpAnswer, HttpClient
 from homebot.gateways.http_login import HttpLogin
@@ -49,12 +50,14 @@ class HttpThingPort:
     Args:
         thing: The thing.
         logins: The credentials that are known, of whatever host.
+        guard: The guard of this computer's addresses; None if its own directory lists the thing.
     """
 
     binding = HTTP_BINDING
 
-    def __init__(self, thing: Thing, logins: Sequence[ThingLogin]) -> None:
+    def __init__(self, thing: Thing, logins: Sequence[ThingLogin], guard: AddressGuard | None) -> None:
         self._thing = thing
+        self._guard = guard
         self._logins = logins
         self._clients: dict[HttpLogin | None, HttpClient] = {}
         self._stack = AsyncExitStack()
@@ -159,7 +162,7 @@ class HttpThingPort:
         login, url = self._login(form)
         client = self._clients.get(login)
         if client is None:
-            made = HttpClient(login=login)
+            made = HttpClient(guard=self._guard, login=login)
             client = self._clients[login] = await self._stack.enter_async_context(made)
         return client, url
 

@@ -18,6 +18,7 @@ from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
+from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import DriverHost, FoundService, first_answer
 from homebot.gateways.drivers.shelly.rpc_link import RpcLink, wants_password
@@ -67,7 +68,7 @@ class ShellySession:
             RefusedError: It wants a password, or another one.
             WireError: It is no Shelly, or breaks the rules.
         """
-        async with HttpClient(max_bytes=MAX_ANSWER_BYTES) as client:
+        async with HttpClient(guard=AddressGuard(self._service.addresses), max_bytes=MAX_ANSWER_BYTES) as client:
             origin, about = await self._probe(client)
             if "gen" not in about and "type" in about:
                 await self._watch_first_generation(client, origin, about)

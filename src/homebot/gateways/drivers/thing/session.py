@@ -17,6 +17,7 @@ from yarl import URL
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, clean_text, parse_json
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import DriverHost, FoundService, first_answer
 from homebot.gateways.drivers.thing.driver import WEB_THING
@@ -72,6 +73,7 @@ class ThingSession:
         self._host = host
         self._must_describe = must_describe
         self._host_name = _name_of(service)
+        self._guard = AddressGuard(service.addresses)
         self._own_hosts = frozenset(one.lower() for one in (self._host_name, *service.addresses) if one)
         self._logins = tuple(self._known_as(one) for one in read_logins(settings.credentials))
         self._device: ThingDevice | None = None
@@ -115,7 +117,7 @@ class ThingSession:
         changed = description
         try:
             with ungrouped():
-                async with HttpThingPort(thing, self._logins) as port, anyio.create_task_group() as tasks:
+                async with HttpThingPort(thing, self._logins, self._guard) as port, anyio.create_task_group() as tasks:
                     self._device = ThingDevice(thing, device, port, self._host, self._settings.poll_every)
                     tasks.start_soon(run_as, "a thing", self._device.run)
                     changed = await self._until_changed(description)
@@ -158,7 +160,7 @@ class ThingSession:
 
     async def _read(self, url: str) -> _ReadDescription:
         login = login_at(parse_url(url), self._logins)
-        async with HttpClient(login=login, max_bytes=MAX_ANNOUNCEMENT_BYTES) as client:
+        async with HttpClient(guard=self._guard, login=login, max_bytes=MAX_ANNOUNCEMENT_BYTES) as client:
             answer = await client.get(url, accept=_ACCEPTED)
         if "json" not in answer.content_type and answer.content_type:
             raise WireError(f"{shown_url(URL(url))} has {answer.content_type[:60]!a}, no Thing Description")

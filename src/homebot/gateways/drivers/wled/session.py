@@ -18,6 +18,7 @@ from homebot.conventions.payload import as_fields, parse_object
 from homebot.conventions.wled import Fields, WledStrip, effect_names, preset_names
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import DriverHost, FoundService, first_answer
 from homebot.gateways.http_address import http_origin
@@ -55,7 +56,8 @@ class WledSession:
     def __init__(self, service: FoundService, host: DriverHost) -> None:
         self._service = service
         self._host = host
-        self._client = HttpClient(max_bytes=MAX_BYTES, time_limit=ANSWER_WITHIN)
+        guard = AddressGuard(service.addresses)
+        self._client = HttpClient(guard=guard, max_bytes=MAX_BYTES, time_limit=ANSWER_WITHIN)
         self._origin = ""
         self._strip: WledStrip | None = None
         self._effects: tuple[str, ...] = ()
