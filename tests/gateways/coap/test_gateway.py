@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from urllib.parse import quote
 
 import aiocoap
 import anyio
 import pytest
+from aiocoap import resource
 from tests.gateways.coap.watched import watched_gateway
 from tests.patience import PATIENCE
 from tests.ports import reserve_datagram_port
@@ -124,6 +126,58 @@ async def test_a_registration_that_is_not_renewed_ends_with_its_lifetime() -> No
         await watcher.sighting(lambda one: one.key == "ghost" and one.kind != "removed")
         gone = await watcher.sighting(lambda one: one.kind == "removed")
         assert gone.why == "its registration was not renewed for 1 s"
+
+
+@pytest.mark.parametrize("name", ["other", "{uri}", "{uri}/td"])
+async def test_a_configured_device_is_never_renamed_or_removed_by_a_registration(name: str) -> None:
+    """Here by a program on this computer, which may register for other addresses."""
+    address = f"127.0.0.1:{reserve_datagram_port()}"
+    async with device() as lamp, watched_gateway(serve_directory=address, devices=[lamp.uri]) as watcher:
+        await watcher.sighting(lambda one: one.key == lamp.uri and bool(one.parts))
+        ep = quote(name.format(uri=lamp.uri), safe="")
+        registered = f"coap://{address}/rd?ep={ep}&lt=1&base={lamp.uri}"
+        assert (await post(registered, b"</on>;rt=light")).code.dotted == "2.01"
+        await anyio.sleep(2.5)  # the lease is over
+        assert watcher.gateway.devices.keys == (lamp.uri,)
+        assert (await watcher.tell(lamp.uri, "on_off", True)).success
+        await watcher.reported("on_off", True)
+
+
+async def test_a_device_whose_links_end_with_a_comma_is_used() -> None:
+    """Small devices print a comma after each link."""
+    async with served_links(b"</3303/0/5700>;ct=0;obs,") as uri, watched_gateway(devices=[uri]) as watcher:
+        found = await watcher.sighting(lambda one: bool(one.parts))
+        assert found.parts[0].service_type == "temperature_sensor"
+        await watcher.reported("temperature", 21.5)
+
+
+async def test_the_doctor_names_a_device_that_breaks_the_rules() -> None:
+    async with served_links(b"<<") as uri, watched_gateway(devices=[uri]) as watcher:
+        await watcher.sighting(lambda one: one.key == uri)
+        (problem,) = (await watcher.health()).troubles
+        assert problem == f"{uri}: a link begins with <, got '<<'"
+
+
+@asynccontextmanager
+async def served_links(links: bytes) -> AsyncIterator[str]:
+    """Serve a thermometer whose list of links is *links*."""
+
+    class Core(resource.Resource):  # type: ignore[misc] # the library has no types
+        async def render_get(self, _: aiocoap.Message) -> aiocoap.Message:
+            return aiocoap.Message(payload=links, content_format=40)
+
+    class Temperature(resource.Resource):  # type: ignore[misc] # likewise
+        async def render_get(self, _: aiocoap.Message) -> aiocoap.Message:
+            return aiocoap.Message(payload=b"21.5", content_format=0)
+
+    site, port = resource.Site(), reserve_datagram_port()
+    site.add_resource([".well-known", "core"], Core())
+    site.add_resource(["3303", "0", "5700"], Temperature())
+    context = await aiocoap.Context.create_server_context(site, bind=("127.0.0.1", port), transports=["udp6"])
+    try:
+        yield f"coap://127.0.0.1:{port}"
+    finally:
+        await context.shutdown()
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
+from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
 from homebot.graph import Graph, Node
@@ -49,6 +50,11 @@ class Watcher:
         return await client.call(
             Command(key=key, part="", capability=capability, value=Value.of(value)), timeout=PATIENCE
         )
+
+    async def health(self) -> HealthResponse:
+        """Return what the doctor shows of the gateway."""
+        client = self._node.create_client(GetHealth, self.gateway.names.health)
+        return await client.call(HealthRequest(), timeout=PATIENCE)
 
 
 @asynccontextmanager

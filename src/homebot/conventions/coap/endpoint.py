@@ -14,6 +14,7 @@ from homebot.devices.identity import identifiers
 from homebot.errors import WireError
 
 __all__ = [
+    "CONFIGURED",
     "SCHEMES",
     "CoapEndpoint",
     "authority_of",
@@ -26,6 +27,8 @@ __all__ = [
 
 SCHEMES = frozenset({"coap", "coaps", "coap+tcp", "coaps+tcp"})
 
+CONFIGURED = "the configuration"
+
 _COAP_PORT = 5683
 _FACTS = {"d": "sector", "et": "endpoint_type"}
 
@@ -37,12 +40,14 @@ class CoapEndpoint:
     """A host with one or more devices.
 
     Attributes:
-        key: The key of its first device: its name in a resource directory, else its address.
+        key: The key of its first device: its name in a resource directory, else its address. A name has no slash.
         base: Its address: ``coap://192.168.1.20``.
         name: What people call it, where that is known.
         description: The address of its Thing Description, where that is known.
         is_registered: Whether it is in a resource directory, which says when it is gone.
-        is_static: Whether it is in the configuration.
+        source: Its directory, or the path of its registration at homebot's own; :data:`CONFIGURED`, or empty for one
+            that answered by itself. Its key belongs to it until it is gone.
+        is_foreign: Whether another host named its address.
         lifetime: Seconds after which its registration ends; 0 where that is not known.
         facts: What its registration says of it.
         identifiers: What it is known by beyond this gateway.
@@ -53,10 +58,16 @@ class CoapEndpoint:
     name: str = ""
     description: str = ""
     is_registered: bool = False
-    is_static: bool = False
+    source: str = ""
+    is_foreign: bool = False
     lifetime: float = 0.0
     facts: Mapping[str, str] = field(default_factory=dict)
     identifiers: tuple[str, ...] = ()
+
+    @property
+    def is_static(self) -> bool:
+        """True if it is in the configuration."""
+        return self.source == CONFIGURED
 
 
 def endpoint_at(host: str, port: int) -> CoapEndpoint:
@@ -71,7 +82,7 @@ def static_endpoint(uri: str) -> CoapEndpoint:
     parts = urlsplit(uri)
     base = f"{parts.scheme}://{parts.netloc}"
     has_path = parts.path not in {"", "/"}
-    return CoapEndpoint(uri.rstrip("/"), base, description=uri if has_path else "", is_static=True)
+    return CoapEndpoint(uri.rstrip("/"), base, description=uri if has_path else "", source=CONFIGURED)
 
 
 def endpoint_of_link(link: WebLink) -> CoapEndpoint:
@@ -86,7 +97,7 @@ def endpoint_of_link(link: WebLink) -> CoapEndpoint:
         raise WireError(f"the registration {link.target[:60]!a} has no ep")
     lifetime = link.get("lt")
     return CoapEndpoint(
-        key=clean_text(f"{name}@{sector}" if sector else name, 200),
+        key=clean_text(f"{name}@{sector}" if sector else name, 200).replace("/", "%2F"),  # no address, nor below one
         base=_checked_base(base, name),
         name=clean_text(name),
         is_registered=True,

@@ -9,7 +9,9 @@ import itertools
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from urllib.parse import unquote, urlsplit
 
+from homebot.addresses import is_loopback, parse_address
 from homebot.conventions.coap.endpoint import CoapEndpoint, endpoint_of_link
 from homebot.conventions.coap.link_format import WebLink
 from homebot.conventions.payload import shown
@@ -57,7 +59,7 @@ class EndpointRegistration:
     @property
     def endpoint(self) -> CoapEndpoint:
         """The endpoint that it is about."""
-        return endpoint_of_link(self.link)
+        return replace(endpoint_of_link(self.link), source=self.path)
 
 
 class DirectoryRegistry:
@@ -90,9 +92,10 @@ class DirectoryRegistry:
 
         Raises:
             WireError: It breaks the rules; says which.
-            RefusedError: There are too many, or another host has one of that name.
+            RefusedError: There are too many, it is for the address of another host, or that has one of that name.
         """
         checked = self.check({"base": base, **parameters})
+        _check_source(checked, source)
         if len(links) > MAX_LINKS_OF_ONE:
             raise WireError(f"{len(links)} links are too many for one endpoint; the limit is {MAX_LINKS_OF_ONE}")
         _check_targets(checked["base"], links)
@@ -126,13 +129,14 @@ class DirectoryRegistry:
 
         Raises:
             WireError: It breaks the rules: neither name nor sector can be changed.
-            RefusedError: It is that of another host than *source*.
+            RefusedError: It is that of another host than *source*, or is to be.
             KeyError: There is none.
         """
         before = self._of(path, source)
         if not {"ep", "d"}.isdisjoint(parameters):
             raise WireError("ep and d cannot be changed")
         checked = self.check({**before.parameters, **parameters})
+        _check_source(checked, source)
         renewed = replace(before, parameters=checked, expires_at=now + float(checked["lt"]))
         self._by_path[path] = renewed
         return renewed
@@ -185,6 +189,22 @@ class DirectoryRegistry:
             what = f"the registration of {shown(found.parameters['ep'])}"
             raise RefusedError(what, "it is another host's", FORBIDDEN)
         return found
+
+
+def _check_source(parameters: Mapping[str, str], source: str) -> None:
+    """Check that a registration is for the host that it comes from.
+
+    Only a program on this computer may register other hosts: it is a commissioning tool of RFC 9176, section 5.
+
+    Raises:
+        RefusedError: It is for another host.
+    """
+    base = unquote(urlsplit(parameters["base"]).hostname or "")
+    address, zone = parse_address(base), base.partition("%")[2]
+    is_own = address is not None and address == parse_address(source) and zone in {"", source.partition("%")[2]}
+    if not is_own and not is_loopback(source):
+        problem = f"a registration speaks for its own address {source}, not for {shown(parameters['base'])}"
+        raise RefusedError(f"the registration of {shown(parameters['ep'])}", problem, FORBIDDEN)
 
 
 def _check_targets(base: str, links: tuple[WebLink, ...]) -> None:

@@ -18,7 +18,7 @@ from homebot.gateways.announced.published_device import PublishedDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.isolation import error_text, first_cause, run_as
 
-__all__ = ["LISTED_WITHIN", "DeviceRunner", "problems_of"]
+__all__ = ["LISTED_WITHIN", "MAX_PROBLEMS", "DeviceRunner", "problems_of"]
 
 FAILED = "device.failed"
 CRASHED = "device.crashed"

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import aclosing
+from dataclasses import replace
 from functools import partial
 from random import Random
 from typing import TYPE_CHECKING, Final
+from urllib.parse import urlsplit
 
 import anyio
 
@@ -21,6 +23,7 @@ from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoi
 from homebot.conventions.coap.link_format import parse_links
 from homebot.conventions.uri import resolve_uri
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
+from homebot.gateways.address_guard import guard_for
 from homebot.isolation import run_as, ungrouped
 from homebot.wot.coap.content_formats import LINK_FORMAT
 
@@ -68,6 +71,7 @@ class DirectoryClient:
         self._take = take
         self._reject = reject
         self._report = report
+        self._is_here = False
 
     async def run(self) -> None:
         """Follow the directory until cancelled."""
@@ -83,6 +87,7 @@ class DirectoryClient:
             await anyio.sleep(retries.fail(RETRY))
 
     async def _follow(self) -> None:
+        self._is_here = await guard_for(urlsplit(self._uri).hostname) is None
         lookup = await self._find_lookup()
         await self._read(lookup)
         with ungrouped():
@@ -132,7 +137,7 @@ class DirectoryClient:
         endpoints: dict[str, CoapEndpoint] = {}
         for link in links:
             try:
-                endpoint = endpoint_of_link(link)
+                endpoint = replace(endpoint_of_link(link), source=self._uri, is_foreign=not self._is_here)
             except WireError as exc:
                 self._reject(payload[:100], str(exc))
                 continue

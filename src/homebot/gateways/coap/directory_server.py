@@ -1,7 +1,8 @@
 """A resource directory on aiocoap, for devices that register at homebot itself; RFC 9176.
 
-What breaks the rules is answered with 4.00, and charged to its host; what is too much with 5.03; who changes or ends
-the registration of another host gets 4.03. Of a device that registers simply, without a body, the links are asked for.
+What breaks the rules is answered with 4.00, and charged to its host; what is too much with 5.03. A host that registers
+another address than its own, or changes or ends the registration of another host, gets 4.03 and is charged. Of a
+device that registers simply, without a body, the links are asked for.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ class DirectoryServer:
     Args:
         clock: The clock to live by.
         found: Gets each endpoint that registers, or renews its registration.
-        gone: Gets the key of each endpoint whose registration ended, and why.
+        gone: Gets each endpoint whose registration ended, and why.
         admits: Says whether a request of a host is to be read.
         reject: Gets what broke the rules: the host, the bytes and the reason.
 
@@ -58,7 +59,7 @@ class DirectoryServer:
         clock: Clock,
         *,
         found: Callable[[CoapEndpoint], None],
-        gone: Callable[[str, str], None],
+        gone: Callable[[CoapEndpoint, str], None],
         admits: Callable[[str], bool],
         reject: Callable[[str, bytes, str], None],
     ) -> None:
@@ -109,7 +110,7 @@ class DirectoryServer:
     def expire(self) -> None:
         """End the registrations whose lifetime is over."""
         for one in self.registry.expire(self._clock.monotonic()):
-            self._gone(one.endpoint.key, f"its registration was not renewed for {one.parameters['lt']} s")
+            self._gone(one.endpoint, f"its registration was not renewed for {one.parameters['lt']} s")
             self._notify()
 
     def answer(self, request: aiocoap.Message, path: str) -> aiocoap.Message:
@@ -130,7 +131,10 @@ class DirectoryServer:
             self._reject(host, request.payload[:200], str(exc))
             return aiocoap.Message(code=Code.BAD_REQUEST, payload=str(exc)[:200].encode())
         except RefusedError as exc:
-            return aiocoap.Message(code=Code.FORBIDDEN if exc.code == FORBIDDEN else Code.SERVICE_UNAVAILABLE)
+            if exc.code != FORBIDDEN:
+                return aiocoap.Message(code=Code.SERVICE_UNAVAILABLE)
+            self._reject(host, request.payload[:200], str(exc))
+            return aiocoap.Message(code=Code.FORBIDDEN)
         except KeyError:
             return aiocoap.Message(code=Code.NOT_FOUND)
 
@@ -147,7 +151,7 @@ class DirectoryServer:
             self._found(self.registry.renew(path, query, host, now).endpoint)
             return aiocoap.Message(code=Code.CHANGED)
         if path and request.code == Code.DELETE:
-            self._gone(self.registry.remove(path, host).endpoint.key, "it took back its registration")
+            self._gone(self.registry.remove(path, host).endpoint, "it took back its registration")
             self._notify()
             return aiocoap.Message(code=Code.DELETED)
         return aiocoap.Message(code=Code.METHOD_NOT_ALLOWED)

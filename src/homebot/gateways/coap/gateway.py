@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, ClassVar
@@ -17,6 +19,7 @@ from homebot.conventions.coap.link_format import parse_links
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, UnableError, UsageError, WireError
 from homebot.extras import check_extra
+from homebot.gateways.announced.device_runner import MAX_PROBLEMS
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.coap.directory_client import DirectoryClient
@@ -62,11 +65,12 @@ class CoapGateway(Gateway):
     def __init__(self, node: Node, settings: CoapGatewaySettings, context: GatewayContext | None = None) -> None:
         super().__init__(node, settings, context)
         self._settings = settings
-        self.devices = PublishedDevices(self, self._perform, settings, max_devices=settings.max_devices)
+        self.devices = PublishedDevices(
+            self, self._perform, settings, max_devices=settings.max_devices, find_problems=self._problems
+        )
         self._random = self.context.random or Random()  # noqa: S311 - for pauses
         self._describing = anyio.CapacityLimiter(DESCRIBED_AT_ONCE)
         self._sessions: dict[str, tuple[EndpointSession, anyio.CancelScope]] = {}
-        self._registered_at: dict[str, str] = {}
         self._keys_at: dict[str, set[str]] = {}
         self._ways: dict[str, str] = {}
         self._tried: set[str] = set()
@@ -169,16 +173,19 @@ class CoapGateway(Gateway):
             report=partial(self._report, uri),
         )
 
+    def _problems(self) -> Iterator[str]:
+        known = (session for session, _ in self._sessions.values())
+        return islice((f"{one.endpoint.key}: {one.problem}" for one in known if one.problem), MAX_PROBLEMS)
+
     def _take_registered(self, directory: str, endpoints: tuple[CoapEndpoint, ...]) -> None:
         """Take the whole list of a directory: what is missing in it is registered there no longer."""
         listed = {one.key for one in endpoints}
-        gone = [key for key, source in self._registered_at.items() if source == directory and key not in listed]
-        for key in gone:
-            del self._registered_at[key]
-            self._gone(key, f"its registration at {directory} ended")
+        known = [session.endpoint for session, _ in self._sessions.values()]
+        for one in known:
+            if one.source == directory and one.key not in listed:
+                self._gone(one, f"its registration at {directory} ended")
         for one in endpoints:
-            if self._registered_at.setdefault(one.key, directory) == directory:
-                self._found(one)
+            self._found(one)
 
     async def _serve_directory(self) -> None:
         """Be a resource directory; where its address is taken, try again now and then."""
@@ -240,7 +247,7 @@ class CoapGateway(Gateway):
     def _found(self, endpoint: CoapEndpoint) -> None:
         """Begin to work with an endpoint, or note that it gave a sign of life."""
         known = self._sessions.get(endpoint.key)
-        if known is not None and known[0].endpoint == endpoint:
+        if known is not None and (known[0].endpoint == endpoint or known[0].endpoint.source != endpoint.source):
             if not endpoint.is_registered:  # a directory lists also what is silent
                 known[0].seen()
             return
@@ -252,13 +259,16 @@ class CoapGateway(Gateway):
         self._begin(endpoint)
 
     def _may_begin(self, endpoint: CoapEndpoint) -> bool:
-        """Return whether a new endpoint is worked with: each address once, and a registered name before an address."""
-        same = tuple(self._keys_at.get(authority_of(endpoint.base), ()))
-        if same and not endpoint.is_registered:
+        """Return whether a new endpoint is worked with.
+
+        Each address is once. The configuration comes first, then a registered name, then an address that answered.
+        """
+        same = [self._sessions[key][0].endpoint for key in self._keys_at.get(authority_of(endpoint.base), ())]
+        if any(one.is_static for one in same) or (same and not endpoint.is_registered):
             return False
-        for key in same:
-            if not self._sessions[key][0].endpoint.is_registered:
-                self._gone(key, f"it registered itself as {endpoint.key}")
+        for one in same:
+            if not one.is_registered:
+                self._gone(one, f"it registered itself as {endpoint.key}")
         if len(self._sessions) < self._settings.max_devices:
             return True
         self.devices.counters.devices_refused += 1
@@ -300,12 +310,12 @@ class CoapGateway(Gateway):
             await session.run()
             self._forget(session.endpoint.key)
 
-    def _gone(self, key: str, why: str) -> None:
-        known = self._sessions.get(key)
-        if known is None:
+    def _gone(self, endpoint: CoapEndpoint, why: str) -> None:
+        known = self._sessions.get(endpoint.key)
+        if known is None or known[0].endpoint.source != endpoint.source:
             return
         session, scope = known
-        self._forget(key)
+        self._forget(endpoint.key)
         scope.cancel()
         for one in session.keys:
             self.devices.remove(one, why)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from random import Random
 from typing import TYPE_CHECKING, Final
+from urllib.parse import unquote, urlsplit
 
 import anyio
 from structlog.typing import FilteringBoundLogger
@@ -18,6 +19,7 @@ from homebot.conventions.payload import parse_object
 from homebot.conventions.uri import resolve_uri
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError
+from homebot.gateways.address_guard import AddressGuard, guard_for
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_device import PublishedDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
@@ -61,6 +63,7 @@ class EndpointSession:
 
     Attributes:
         endpoint: The endpoint.
+        problem: The rule that it broke, or its refusal; empty while it is used, or does not answer.
     """
 
     def __init__(
@@ -83,6 +86,7 @@ class EndpointSession:
         self._poll_every = poll_every
         self._random = random
         self._describing = describing
+        self.problem = ""
         self._things: dict[str, ThingDevice] = {}
         self._seen = anyio.Event()
 
@@ -109,6 +113,7 @@ class EndpointSession:
                 self._log.info("coap.device_lost", endpoint=self.endpoint.key, reason=str(exc)[:200])
                 if isinstance(exc, WireError):
                     self._devices.reject(self.endpoint.key, exc.frame, str(exc))
+                self.problem = str(exc) if isinstance(exc, PeerError) else ""
                 self._report_lost(exc)
             if not self._things and not self.endpoint.is_registered and not self.endpoint.is_static:
                 return
@@ -131,7 +136,9 @@ class EndpointSession:
 
     async def _run_once(self) -> None:
         async with self._describing:
+            self._client = self._client.guarded_by(await self._guard())
             described = await self._describe()
+        self.problem = ""
         before = set(self._things)
         self._things = {device.key: self._thing(device, thing) for device, thing in described}
         for key in before - set(self._things):
@@ -142,6 +149,12 @@ class EndpointSession:
                     tasks.start_soon(run_as, "a CoAP device", thing.run)
                 if not any(device.parts for device, _ in described):
                     tasks.start_soon(run_as, "the check of a CoAP device", partial(self._check, described[0][0]))
+
+    async def _guard(self) -> AddressGuard | None:
+        """Return the guard of this computer; only an endpoint on it may lead to it, unless another host named that."""
+        if self.endpoint.is_foreign:
+            return AddressGuard()
+        return await guard_for(unquote(urlsplit(self.endpoint.base).hostname or ""))
 
     def _thing(self, device: GatewayDevice, thing: Thing) -> ThingDevice:
         host = PublishedDevice(self._devices, device.key, self._clock, self._log)
