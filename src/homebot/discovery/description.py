@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from homebot.devices import DevicePart, Fact, KeyValue
+from homebot.devices import DevicePart, Fact, KeyValue, Sighting
 from homebot.devices.device_types import wanted_types
 from homebot.devices.names import OWNER, TAG
+from homebot.devices.words import SIREN, matching_words
 from homebot.discovery.endpoints import Addresses, addresses
 from homebot.discovery.merging.part_ids import PartIds
 from homebot.discovery.merging.parts import MergedParts, main_part, merge_parts
@@ -63,10 +64,10 @@ def describe_device(
         owner: Where rooms are, as the owner states; None where nothing is stated.
     """
     ordered = sorted(sources, key=preference) if len(sources) > 1 else sources
-    merged = merge_parts(ordered, topics, known_ids)
+    first = ordered[0].sighting
+    merged = _with_sirens(merge_parts(ordered, topics, known_ids), first)
     parts = merged.believed
     main = main_part(parts)
-    first = ordered[0].sighting
     is_single = len(ordered) == 1
     believed = ordered if is_single else [source for source in ordered if not source.is_claimed] or ordered
     area, outer_areas = first.area if first.area or is_single else _area(believed), NO_AREAS
@@ -85,6 +86,28 @@ def describe_device(
         addresses=addresses(ordered, main),
         merged=merged,
     )
+
+
+_RELAYS: Final = frozenset({"plug", "switch"})
+
+
+def _with_sirens(merged: MergedParts, sighting: Sighting) -> MergedParts:
+    """Return *merged* with the type ``siren`` for each relay that is one by its name: all switches on sounds none.
+
+    The name and the model of the device count for its only relay.
+    """
+    relays = [number for number, one in enumerate(merged.parts) if one.part.service_type in _RELAYS]
+    if not relays:
+        return merged
+    about = (sighting.name, *[one.value for one in sighting.metadata if one.key == "model"])
+    parts = list(merged.parts)
+    for number in relays:
+        part = parts[number].part
+        names = (part.name, *about) if len(relays) == 1 else (part.name,)
+        if not part.category and any(matching_words(name, SIREN) for name in names):
+            siren = part.with_checked(service_type="siren", advertised="", guessed=True)
+            parts[number] = parts[number].with_checked(part=siren)
+    return merged._replace(parts=tuple(parts))
 
 
 _VALUES: Final = ("area", "name", "tag", "taught_area")
