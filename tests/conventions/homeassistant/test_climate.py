@@ -243,11 +243,9 @@ BOTH = {
 @pytest.mark.parametrize(
     ("modes", "expected"),
     [
-        ([], "b/t/set"),
         (["heat"], "b/t/set"),
         (["heat_cool"], "b/low/set"),
         (["heat_cool", "off"], "b/t/set"),
-        (["heat_cool", "None"], "b/t/set"),
         (["heat_cool", "no mode"], "b/low/set"),
     ],
 )
@@ -260,8 +258,25 @@ def test_of_a_single_target_and_a_pair_the_mode_says_which_is_told(modes: list[s
     assert [(one.topic, one.payload) for one in codec.write("cooling_setpoint", 25.0)] == [(high, b"25.0")]
 
 
+@pytest.mark.parametrize("modes", [[], ["heat_cool", "None"]])
+@pytest.mark.parametrize("name", ["heating_setpoint", "cooling_setpoint"])
+def test_of_a_single_target_and_a_pair_none_is_told_while_the_mode_is_unknown(modes: list[str], name: str) -> None:
+    """The single target may be what it heats to, whoever wants it to cool to that."""
+    codec = climate(BOTH).codec
+    for mode in modes:
+        codec.read("b/mode", mode.encode(), retained=False)
+    with pytest.raises(RefusedError, match="its mode is unknown"):
+        codec.write(name, 25.0)
+
+
+def test_without_modes_the_pair_counts() -> None:
+    codec = climate({key: value for key, value in BOTH.items() if not key.startswith("mode")}).codec
+    assert [one.topic for one in codec.write("cooling_setpoint", 25.0)] == ["b/high/set"]
+
+
 def test_a_mode_that_is_not_said_is_the_one_that_it_was_told() -> None:
     codec = climate({key: value for key, value in BOTH.items() if key != "mode_state_topic"}).codec
+    codec.write("thermostat_mode", "heat")
     assert [one.topic for one in codec.write("heating_setpoint", 21.0)] == ["b/t/set"]
     codec.write("thermostat_mode", "heat_cool")
     assert [one.topic for one in codec.write("heating_setpoint", 21.0)] == ["b/low/set"]
@@ -271,6 +286,7 @@ def test_a_mode_that_is_not_said_is_the_one_that_it_was_told() -> None:
 
 def test_a_mode_that_it_says_counts_and_not_the_one_that_it_was_told() -> None:
     codec = climate(BOTH).codec
+    codec.read("b/mode", b"heat", retained=False)
     codec.write("thermostat_mode", "heat_cool")
     assert [one.topic for one in codec.write("heating_setpoint", 21.0)] == ["b/t/set"]
 

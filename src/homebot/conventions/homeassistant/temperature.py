@@ -121,14 +121,15 @@ def add_temperatures(entity: Entity, config: DiscoveryConfig, modes: tuple[str, 
 
     A single target is a ``heating_setpoint`` where it can heat or does not say what it can, and a ``cooling_setpoint``
     where it can cool. Of a pair the lower one heats and the upper one cools. Where there is both, the pair counts in
-    the mode ``heat_cool``, and the single one in any other, also while the mode is unknown.
+    the mode ``heat_cool``, and the single one in any other. While the mode is unknown none is commanded: the single one
+    may be what it heats to. Without modes the pair counts.
     """
     thermometer = read_thermometer(config)
     limits = thermometer.limits(config, 7.0, 35.0)
     measured = source_of(config, "current_temperature")
     has_pair = any(_is_there(config, end) for end in _ENDS.values())
     by_single = _by_single(modes)
-    if has_pair and _is_there(config, _SINGLE):
+    if has_pair and modes and _is_there(config, _SINGLE):
         _add_both(entity, config, modes, mode, limits, by_single)
     else:
         for name, key in _ENDS.items() if has_pair else ((name, _SINGLE) for name in by_single):
@@ -229,11 +230,13 @@ class _Targets:
 
     def write(self, name: str, value: PlainValue, _transition: float) -> Publications:
         number = self.limits.number(require_number(name, value, *self.limits.bounds, "°C"))
+        if self.mode.mode is None:
+            raise RefusedError(
+                f"{name} {number:g}", "its mode is unknown, and with it the setpoint; set its mode first"
+            )
         command = self.commands.get(self._key(name))
         if command is None:
-            raise RefusedError(
-                f"{name} in mode {self.mode.mode or 'unknown'}", "there is no such setpoint in that mode"
-            )
+            raise RefusedError(f"{name} in mode {self.mode.mode}", "there is no such setpoint in that mode")
         return command.publish(number)
 
     def _key(self, name: str) -> str:
