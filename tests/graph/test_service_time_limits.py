@@ -202,11 +202,10 @@ async def test_a_node_that_ends_ends_its_handlers_and_tells_their_callers(graph:
             tasks.start_soon(call)
         await anyio.sleep(1)
     assert (ended, handler.ends) == ([1, 1, 1], [("cancelled", 1)] * 3)
-    assert graph.handler_tasks == {}
     assert graph.service_counts.late_answers == 0
 
 
-async def test_a_caller_is_answered_in_time_by_a_handler_that_takes_long_to_be_closed(
+async def test_closing_a_service_answers_the_caller_at_once_also_if_the_handler_takes_long_to_end(
     server: Node, client: TriggerClient
 ) -> None:
     async def stubborn(_request: TriggerRequest) -> SuccessResponse:
@@ -224,7 +223,7 @@ async def test_a_caller_is_answered_in_time_by_a_handler_that_takes_long_to_be_c
         tasks.start_soon(close)
         with pytest.raises(ServiceGoneError):
             await client.call(ASK, timeout=2)
-        assert now() == 2
+        assert now() == 1
     await client.wait_for_handlers()
     assert now() == 10
 
@@ -414,14 +413,3 @@ async def test_a_handler_whose_caller_gave_up_may_wait_for_its_own_caller_s_serv
     assert await client.call(ASK) == answer("first")
     await to_other.wait_for_handlers()
     assert outcomes == ["called", answer("again")]
-
-
-async def test_a_burst_leaves_only_a_few_tasks_behind(graph: Graph, server: Node, client: TriggerClient) -> None:
-    server.create_service(Trigger, "/s", Slow(), concurrent=True)
-    async with anyio.create_task_group() as tasks:
-        for _ in range(100):
-            tasks.start_soon(client.call, ASK)
-        await anyio.wait_all_tasks_blocked()
-        assert len(graph.handler_tasks) == 100
-    await anyio.wait_all_tasks_blocked()
-    assert len(graph.handler_tasks) == 8

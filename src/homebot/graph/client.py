@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable
+from inspect import isawaitable
 from typing import Generic, NoReturn, TypeVar
 from weakref import WeakSet
 
@@ -19,10 +19,8 @@ from homebot.errors import (
     TypeMismatchError,
 )
 from homebot.graph.endpoint import EndpointInfo, EntityKind
-from homebot.graph.handler_steps import RemainingSteps
-from homebot.graph.handler_tasks import HandlerRun
+from homebot.graph.handler_run import HandlerRun
 from homebot.graph.service import Service, ServiceSlot
-from homebot.isolation import is_cancelled
 from homebot.messages.message import Message, ServiceType
 
 __all__ = ["Client"]
@@ -52,7 +50,7 @@ class Client(Generic[RequestT, ResponseT]):
         self._slot = slot
         self._on_close: Callable[[], None] | None = on_close
         self._closed = False
-        self._left_at_work: WeakSet[HandlerRun] | None = None
+        self._left_at_work: WeakSet[HandlerRun] = WeakSet()
         self._request_type = service_type.Request
         self._response_type = service_type.Response
 
@@ -81,18 +79,19 @@ class Client(Generic[RequestT, ResponseT]):
         self,
         request: RequestT,
         timeout: float = DEFAULT_TIMEOUT,  # noqa: ASYNC109
-        cancel_with_caller: bool = False,  # noqa: FBT001, FBT002  # keyword-only would cost every call 15 ns
+        *,
+        cancel_with_caller: bool = False,
     ) -> ResponseT:
         """Return the server's response to *request*.
 
-        The time limit ends the call, not the work: the handler goes on, and its late answer is dropped and counted. The
-        same holds when the caller is cancelled.
+        The time limit, or a cancellation of the caller, ends the call and not the work: the handler continues, and its
+        late answer is dropped and counted.
 
         Args:
             request: What to ask.
             timeout: Seconds that the server may take, its waiting line included.
             cancel_with_caller: Whether the handler is cancelled when the time limit passes or the caller is cancelled;
-                it then runs in the caller's task. To be given by name.
+                it then runs in the caller's task.
 
         Raises:
             ServiceUnavailableError: There is no server, or too many calls wait for it (at once, without waiting).
@@ -108,37 +107,25 @@ class Client(Generic[RequestT, ResponseT]):
             raise ServiceUnavailableError(self.info.name)
         if type(request) is not self._request_type:
             self._reject(request)
-        if server.is_busy:
-            timeout = await self._take_turn(server, timeout)
-        else:
-            server.is_busy = server.is_exclusive
-        outcome: object = None
+        if server.room < 1:
+            timeout = await self._wait_in_line(server, timeout)
         try:
-            outcome = server.callback(request)
-            if type(outcome) is not self._response_type:
-                outcome = server.tasks.begin(server, outcome, cancel_with_caller)
-                if type(outcome) is RemainingSteps:
-                    outcome = await self._finish(server, outcome, timeout)
+            outcome: object = server.callback(request)
         except BaseException as exc:
-            if _is_end_of_call(exc, has_waited=type(outcome) is RemainingSteps):
-                raise
+            server.call_next()
             raise server.failed(exc) from exc
-        finally:
-            if server.line:
-                server.end_turn()
-            else:
-                server.is_busy = server.room < 1
+        if isawaitable(outcome):
+            run = HandlerRun(server, outcome)
+            outcome = await self._outcome_of(run, timeout, is_bound=cancel_with_caller or server.cancel_with_caller)
+        else:
+            server.call_next()
         if type(outcome) is self._response_type:
             return outcome
-        if type(outcome) is HandlerRun:
-            outcome = await outcome.wait(timeout, self._note_left)
-            if type(outcome) is self._response_type:
-                return outcome
         raise _no_response(self.info.name, outcome)
 
     async def wait_for_handlers(self) -> None:
-        """Wait until no handler works any more on a call of this client that ran out of time."""
-        for run in list(self._left_at_work or ()):
+        """Wait for the end of all handlers that still work on abandoned calls of this client."""
+        for run in list(self._left_at_work):
             await run.wait_for_end()
 
     def close(self) -> None:
@@ -151,47 +138,34 @@ class Client(Generic[RequestT, ResponseT]):
                 on_close()
             slot.wake()
 
-    async def _take_turn(self, server: Service[RequestT, ResponseT], timeout: float) -> float:  # noqa: ASYNC109
-        """Wait in the server's line; return what is left of *timeout*."""
-        now = asyncio.get_running_loop().time
-        started = now()
-        try:
-            async with asyncio.timeout(timeout):
-                await server.take_turn()
-        except TimeoutError:
-            raise ServiceTimeoutError(self.info.name, timeout) from None
-        return timeout - (now() - started)
+    async def _wait_in_line(self, server: Service[RequestT, ResponseT], timeout: float) -> float:  # noqa: ASYNC109
+        """Wait for room at the server; return the rest of *timeout*."""
+        deadline = anyio.current_time() + timeout
+        with anyio.move_on_after(timeout):
+            await server.wait_in_line()
+            return deadline - anyio.current_time()
+        raise ServiceTimeoutError(self.info.name, timeout)
 
-    def _note_left(self, run: HandlerRun) -> None:
-        if self._left_at_work is None:
-            self._left_at_work = WeakSet()
-        self._left_at_work.add(run)
+    async def _outcome_of(self, run: HandlerRun, timeout: float, *, is_bound: bool) -> object:  # noqa: ASYNC109
+        """Return the response of the handler, or the ServiceError that ended the call.
 
-    async def _finish(
-        self,
-        server: Service[RequestT, ResponseT],
-        rest: RemainingSteps,
-        timeout: float,  # noqa: ASYNC109  # as call()
-    ) -> object:
-        """Run a handler that waits to its end in this task; return its response, or what ended the call.
-
-        Handing that ServiceError back keeps it apart from an error that the handler raised.
+        Args:
+            run: The call.
+            timeout: Seconds.
+            is_bound: Whether the handler ends with this call. It also does if the serving node does not run.
         """
-        try:
-            async with asyncio.timeout(timeout) as deadline:
-                server.watch(deadline)
-                try:
-                    return await rest
-                except (TimeoutError, GeneratorExit) as exc:
-                    if rest.is_closed:
-                        raise
-                    return server.failed(exc)
-                finally:
-                    server.unwatch(deadline)
-        except TimeoutError:
-            if server.is_closed:
-                return ServiceGoneError(self.info.name)
-            return ServiceTimeoutError(self.info.name, timeout)
+        with anyio.move_on_after(timeout):
+            if is_bound or not run.server.start(run.serve):
+                await run.serve_in_callers_task()
+                return run.outcome.result()
+            try:
+                return await run.wait_for_outcome()
+            finally:
+                if not run.has_ended:
+                    self._left_at_work.add(run)
+        return (
+            ServiceGoneError(self.info.name) if run.server.is_closed else ServiceTimeoutError(self.info.name, timeout)
+        )
 
     def _reject(self, request: object) -> NoReturn:
         raise TypeMismatchError(
@@ -201,14 +175,6 @@ class Client(Generic[RequestT, ResponseT]):
     def _check_open(self) -> None:
         if self._closed:
             raise ClosedError(f"the client of {self.info.node} for {self.info.name} is closed")
-
-
-def _is_end_of_call(error: BaseException, *, has_waited: bool) -> bool:
-    """Return whether *error*, out of a handler in this task, ends the task or throws the call away."""
-    if isinstance(error, asyncio.CancelledError):
-        task = asyncio.current_task()
-        return is_cancelled() or (task is not None and task.cancelling() > 0)
-    return isinstance(error, GeneratorExit) and has_waited
 
 
 def _no_response(service: str, outcome: object) -> ServiceError:

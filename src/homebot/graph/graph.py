@@ -5,7 +5,6 @@ It does the ROS master's job. One graph belongs to one event loop; nothing here 
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -14,7 +13,6 @@ from homebot.clock import Clock, LoopClock
 from homebot.errors import DuplicateNameError, TypeMismatchError
 from homebot.graph.endpoint import EndpointIndex, EndpointInfo, EntityKind, GraphChange
 from homebot.graph.failures import Failures
-from homebot.graph.handler_tasks import HandlerTask
 from homebot.graph.mailbox import Mailbox
 from homebot.graph.service import ServiceSlot
 from homebot.graph.service_counts import ServiceCounts
@@ -41,7 +39,6 @@ class Graph:
         clock: That clock.
         failures: The exceptions that callbacks of its nodes let through.
         service_counts: What became of service calls that did not end as they should.
-        handler_tasks: The tasks that handlers of services run in.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:
@@ -54,7 +51,6 @@ class Graph:
         self._limit = LogLimit(self.clock)
         self.failures = Failures(self.clock)
         self.service_counts = ServiceCounts(self.clock)
-        self.handler_tasks: dict[asyncio.Task[Any], HandlerTask] = {}
         self._epoch = self.clock.now() - self.clock.monotonic()
 
     def steady_now(self) -> float:

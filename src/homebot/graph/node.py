@@ -37,7 +37,6 @@ from homebot.errors import ClosedError, DuplicateNameError, UsageError
 from homebot.graph.client import Client
 from homebot.graph.endpoint import GraphEntity
 from homebot.graph.graph import Graph
-from homebot.graph.handler_tasks import HandlerTasks
 from homebot.graph.mailbox import BoundedQueue
 from homebot.graph.parameters import Parameter, ParameterDescriptor, ParameterSet, Value
 from homebot.graph.publisher import Publisher
@@ -95,7 +94,6 @@ class Node:
         self._waiting: list[Callable[[], Coroutine[object, object, None]]] = []
         self._entities: dict[int, GraphEntity] = {}
         self._closed = False
-        self._handler_tasks = HandlerTasks(graph.handler_tasks)
         graph.add_node(self)
         self._events = self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
         self.parameters = ParameterSet(
@@ -225,7 +223,7 @@ class Node:
             callback,
             concurrent=concurrent,
             cancel_with_caller=cancel_with_caller,
-            tasks=self._handler_tasks,
+            start=self._start_handler,
             on_close=on_close,
             reports=ServiceReports(self.full_name, name, self.graph.failures, self.graph.service_counts),
         )
@@ -321,7 +319,6 @@ class Node:
             raise UsageError(f"the node {self.full_name} is already running")
         self._tasks = anyio.create_task_group()
         await self._tasks.__aenter__()
-        self._handler_tasks.open(self._start)
         waiting, self._waiting = self._waiting, []
         for function in waiting:
             self._tasks.start_soon(self._run, function, name=self.full_name)
@@ -333,7 +330,6 @@ class Node:
         tasks, self._tasks = self._tasks, None
         if tasks is None:
             return None
-        self._handler_tasks.close()
         tasks.cancel_scope.cancel()
         try:
             return await tasks.__aexit__(exc_type, exc, traceback)
@@ -352,6 +348,13 @@ class Node:
             self._waiting.append(function)
         else:
             self._tasks.start_soon(self._run, function, name=self.full_name)
+
+    def _start_handler(self, serve: Callable[[], Coroutine[object, object, None]]) -> bool:
+        """Start a task that needs no isolation; return False if the node does not run."""
+        if self._tasks is None:
+            return False
+        self._tasks.start_soon(serve, name=self.full_name)
+        return True
 
     async def _run(self, function: Callable[[], Coroutine[object, object, None]]) -> None:
         """Run one of the node's tasks in a scope of its own: closing the node ends its tasks, not who runs the node."""

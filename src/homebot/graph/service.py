@@ -1,15 +1,15 @@
 """The answering end of a service; a client calls its handler (:mod:`homebot.graph.client`).
 
-A handler runs in a task of the node that serves (:mod:`homebot.graph.handler_tasks`): it is not cancelled with its
-caller, and goes on when the caller's time limit has passed. Its late answer is dropped and counted. Without
-``concurrent`` one handler is at work at a time: the next call begins when it has ended. The others wait in line.
+A plain function is called in its caller's task. A handler that waits runs in a task of the serving node
+(:mod:`homebot.graph.handler_run`): it continues after its caller's time limit, and its late answer is dropped and
+counted. Without ``concurrent`` one handler is at work at a time; further calls wait in line.
 """
 
 from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any, Generic, TypeAlias, TypeVar
 
 from homebot.errors import (
@@ -20,18 +20,20 @@ from homebot.errors import (
     UsageError,
 )
 from homebot.graph.endpoint import EndpointInfo, EntityKind
-from homebot.graph.handler_steps import may_wait
-from homebot.graph.handler_tasks import HandlerRun, HandlerTasks
+from homebot.graph.handler_run import HandlerRun, calling_runs
 from homebot.graph.service_counts import ServiceReports
 from homebot.isolation import crash_of, error_text
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["Handler", "Service", "ServiceSlot"]
+__all__ = ["Handler", "Service", "ServiceSlot", "StartHandler"]
 
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
 
 Handler: TypeAlias = Callable[[RequestT], ResponseT | Awaitable[ResponseT]]
+
+StartHandler: TypeAlias = Callable[[Callable[[], Coroutine[object, object, None]]], bool]
+"""Starts a task of the serving node; returns False if the node does not run."""
 
 MAX_AT_WORK = 1000  # handlers of a concurrent service that wait, their callers' time limits passed or not
 MAX_WAITING = 1000  # callers in line
@@ -80,12 +82,11 @@ class Service(Generic[RequestT, ResponseT]):
 
     Attributes:
         info: The endpoint as the graph shows it.
-        callback: What answers a request.
-        outlives_callers: Whether a handler may go on when its caller has left.
-        tasks: The tasks that handlers run in.
-        room: How many more handlers may begin to work in tasks; where there is none, further calls wait in line.
+        callback: The function that answers a request.
+        cancel_with_caller: Whether handlers end with their callers.
+        start: Starts the task of a handler.
+        room: Number of further handlers that may begin to wait; without room, calls wait in line.
         is_exclusive: Whether one call is served at a time.
-        is_busy: Whether the next call must wait in line.
         is_closed: Whether it stopped serving.
         line: The calls that wait for their turn.
     """
@@ -99,40 +100,37 @@ class Service(Generic[RequestT, ResponseT]):
         *,
         concurrent: bool,
         cancel_with_caller: bool,
-        tasks: HandlerTasks,
+        start: StartHandler,
         on_close: Callable[[], None],
         reports: ServiceReports,
     ) -> None:
         """Take what :meth:`homebot.graph.Node.create_service` gives; not for use by hand."""
         self.info = EndpointInfo(EntityKind.SERVICE, node, name, service_type.ros_type)
         self.callback = callback
-        self.outlives_callers = may_wait(callback) and not cancel_with_caller
-        self.tasks = tasks
+        self.cancel_with_caller = cancel_with_caller
+        self.start = start
         self.room = MAX_AT_WORK if concurrent else 1
         self.is_exclusive = not concurrent
-        self.is_busy = False
         self.is_closed = False
         self.line: deque[asyncio.Future[None]] = deque()
         self._reports = reports
         self._on_close: Callable[[], None] | None = on_close
         self._runs: dict[HandlerRun, None] = {}  # in the order of beginning, so that runs are alike
-        self._owner: object = None
-        self._deadlines: set[asyncio.Timeout] = set()
 
     @property
     def service_name(self) -> str:
         """Full name of the service."""
         return self.info.name
 
-    async def take_turn(self) -> None:
-        """Wait until there is room for another call, then hold it; :meth:`end_turn` gives it back.
+    async def wait_in_line(self) -> None:
+        """Wait until there is room for another call; the caller begins its handler before it waits again.
 
         Raises:
             UsageError: The call comes from this service's own handler, which would wait for itself.
             ServiceUnavailableError: 1,000 calls wait already.
             ServiceGoneError: The server was closed meanwhile.
         """
-        if self.is_exclusive and self._is_called_by_itself():
+        if self.is_exclusive and any(run.server is self for run in calling_runs()):
             raise UsageError(f"the handler of {self.service_name} calls itself; create it with concurrent=True")
         if len(self.line) >= MAX_WAITING:
             self._reports.report_refusal()
@@ -146,52 +144,34 @@ class Service(Generic[RequestT, ResponseT]):
                 self.line.remove(turn)
             elif not turn.cancelled():
                 self.room += 1
-                self.end_turn()
+                self.call_next()
             raise
         self.room += 1
         if self.is_closed:
             raise ServiceGoneError(self.service_name)
-        self._owner = None
 
-    def end_turn(self) -> None:
-        """Hand the service to the next in line, if there is room."""
+    def call_next(self) -> None:
+        """Reserve the free room for the next call in line."""
         while self.line and self.room > 0:
             turn = self.line.popleft()
             if not turn.done():
-                self.room -= 1  # given back when the turn is taken
-                self._owner = turn
+                self.room -= 1  # returned when the caller wakes up
                 turn.set_result(None)
                 return
-        self.is_busy = self.room < 1
 
     def add_run(self, run: HandlerRun) -> None:
-        """Count a handler that is at work in a task."""
+        """Count a handler at work."""
         self._runs[run] = None
-        self._owner = run.task
         self.room -= 1
 
     def remove_run(self, run: HandlerRun) -> None:
-        """Note that a handler has ended."""
+        """Remove a handler that has ended."""
         del self._runs[run]
-        self._owner = None
         self.room += 1
-        if self.line:
-            self.end_turn()
-        else:
-            self.is_busy = self.room < 1
-
-    def watch(self, deadline: asyncio.Timeout) -> None:
-        """Remember the limit of a call whose handler waits in its caller's task: closing the server ends it at once."""
-        self._owner = asyncio.current_task()
-        self._deadlines.add(deadline)
-
-    def unwatch(self, deadline: asyncio.Timeout) -> None:
-        """Forget *deadline*: its call ended."""
-        self._owner = None
-        self._deadlines.discard(deadline)
+        self.call_next()
 
     def failed(self, error: BaseException, *, has_caller: bool = True) -> ServiceFailedError:
-        """Return what the caller gets for the handler's *error*; one that is no answer counts as a failure too."""
+        """Return the error for the caller of a handler that raised *error*; an unexpected one counts as a failure."""
         crash = crash_of(self.info.node, error)
         if not isinstance(error, HomebotError):
             self._reports.report_failure(crash, has_caller=has_caller)
@@ -202,21 +182,21 @@ class Service(Generic[RequestT, ResponseT]):
         return failure
 
     def drop(self, outcome: object) -> None:
-        """Count an *outcome* of a handler that nobody waits for any more; to have been closed is none."""
+        """Count a late *outcome*; the end of a closed service is none."""
         if isinstance(outcome, ServiceGoneError):
             return
         cause = outcome.__cause__ if isinstance(outcome, ServiceFailedError) else None
         self._reports.report_late(cause if isinstance(cause, HomebotError) else None)
 
     def seconds_without_caller(self) -> float:
-        """Return how long the oldest handler has been at work whose caller has left; 0 where there is none."""
+        """Return the age of the oldest handler whose caller has left, or 0."""
         now = asyncio.get_running_loop().time()
         return next((now - run.began for run in self._runs if run.outcome.done()), 0.0)
 
     def close(self) -> None:
         """Stop serving: handlers at work are cancelled, and calls under way end with ServiceGoneError.
 
-        A handler that closes its own server goes on to its answer. Twice is fine.
+        A handler that closes its own server still answers. Twice is fine.
         """
         if self.is_closed:
             return
@@ -224,23 +204,14 @@ class Service(Generic[RequestT, ResponseT]):
         on_close, self._on_close = self._on_close, None  # it holds us: both would stay in memory
         if on_close is not None:
             on_close()
-        if self._runs:
-            current = self.tasks.current()
-            for run in tuple(self._runs):
-                if run.task is not current:
-                    run.task.scope.cancel()
-        now = asyncio.get_running_loop().time() if self._deadlines else 0.0
-        for deadline in self._deadlines:
-            if not deadline.expired():
-                deadline.reschedule(now)
+        own = next(calling_runs(), None)
+        for run in tuple(self._runs):
+            if run is not own:
+                run.scope.cancel()
+                if not run.outcome.done():
+                    run.outcome.set_result(ServiceGoneError(self.service_name))
         while self.line:
             turn = self.line.popleft()
             if not turn.done():
                 self.room -= 1
                 turn.set_result(None)
-
-    def _is_called_by_itself(self) -> bool:
-        """Return whether the handler at work waits for the current task: it would wait for itself."""
-        if self._owner is None:  # its first step runs right now, so that it called
-            return True
-        return any(one is self._owner for one in self.tasks.waiting_for_current())

@@ -1,0 +1,135 @@
+"""One call of a service whose handler waits: its task, its caller and its outcome."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Iterator
+from contextlib import suppress
+from contextvars import ContextVar
+from inspect import iscoroutine
+from typing import TYPE_CHECKING, Any, final
+
+import anyio
+
+from homebot.errors import ServiceGoneError
+from homebot.isolation import is_cancelled, is_end_of, uncancel
+
+if TYPE_CHECKING:
+    from homebot.graph.service import Service
+
+__all__ = ["HandlerRun", "calling_runs"]
+
+_current: ContextVar[HandlerRun | None] = ContextVar("_current", default=None)
+
+
+@final
+class HandlerRun:
+    """A handler that waits, from the call to its end.
+
+    Attributes:
+        server: The service.
+        began: The event loop's time at the call.
+        scope: Cancelling it ends the handler.
+        outcome: The response or a :class:`homebot.errors.ServiceError`; cancelled if the caller left first.
+        task: The task that runs the handler, or None before it has started.
+        has_ended: Whether the handler has ended.
+    """
+
+    def __init__(self, server: Service[Any, Any], handler: Awaitable[object]) -> None:
+        loop = asyncio.get_running_loop()
+        self.server = server
+        self.began = loop.time()
+        self.scope = anyio.CancelScope()
+        self.outcome: asyncio.Future[object] = loop.create_future()
+        self.task: asyncio.Task[Any] | None = None
+        self._handler = handler
+        self._parent = _run_of_current_task()
+        self.has_ended = False
+        self._end_event: anyio.Event | None = None
+        server.add_run(self)
+
+    async def serve(self) -> None:
+        """Run the handler in the current task, which belongs to the serving node."""
+        await self._run(is_callers_task=False)
+        if self.task is not None and self.task.cancelling() and not is_cancelled():
+            with suppress(asyncio.CancelledError):  # by the handler, with its last step
+                await asyncio.sleep(0)
+            uncancel()
+
+    async def serve_in_callers_task(self) -> None:
+        """Run the handler in the task of its caller: it is cancelled with it."""
+        await self._run(is_callers_task=True)
+
+    async def wait_for_outcome(self) -> object:
+        """Return the outcome; a cancelled caller leaves the handler at work."""
+        try:
+            return await self.outcome
+        except BaseException:
+            if self.has_ended and not self.outcome.cancelled():  # it ended before the cancelled caller had its turn
+                self.server.drop(self.outcome.result())
+            self.outcome.cancel()
+            raise
+
+    async def wait_for_end(self) -> None:
+        """Wait until the handler has ended."""
+        if not self.has_ended:
+            self._end_event = self._end_event or anyio.Event()
+            await self._end_event.wait()
+
+    @property
+    def parent(self) -> HandlerRun | None:
+        """The handler that waits for this one, or None if the caller is no handler or has left."""
+        return None if self.outcome.done() else self._parent
+
+    async def _run(self, *, is_callers_task: bool) -> None:
+        self.task = asyncio.current_task()
+        token = _current.set(self)
+        outcome: object = ServiceGoneError(self.server.service_name)
+        try:
+            with self.scope:
+                if self.server.is_closed or is_cancelled():
+                    self._discard_handler()
+                else:
+                    outcome = await self._handler
+        except BaseException as exc:
+            if is_end_of(self.task, exc) or (is_callers_task and _is_cancelled_by_asyncio(exc)):
+                raise
+            if isinstance(exc, asyncio.CancelledError):
+                uncancel()
+            outcome = self.server.failed(exc, has_caller=not self.outcome.done())
+        finally:
+            _current.reset(token)
+            self._end(outcome)
+
+    def _end(self, outcome: object) -> None:
+        self.has_ended = True
+        if self._end_event is not None:
+            self._end_event.set()
+        if self.outcome.done():
+            self.server.drop(outcome)
+        else:
+            self.outcome.set_result(outcome)
+        self.server.remove_run(self)
+
+    def _discard_handler(self) -> None:
+        if iscoroutine(self._handler):
+            self._handler.close()
+
+
+def calling_runs() -> Iterator[HandlerRun]:
+    """Yield the handler that runs in the current task, the handler that waits for that one, and so on."""
+    run = _run_of_current_task()
+    while run is not None:
+        yield run
+        run = run.parent
+
+
+def _run_of_current_task() -> HandlerRun | None:
+    """A task that a handler started has its context, but is not the handler's own."""
+    run = _current.get()
+    return run if run is not None and run.task is asyncio.current_task() else None
+
+
+def _is_cancelled_by_asyncio(error: BaseException) -> bool:
+    task = asyncio.current_task()
+    return isinstance(error, asyncio.CancelledError) and task is not None and task.cancelling() > 0
