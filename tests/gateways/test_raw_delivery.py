@@ -201,3 +201,24 @@ def test_a_part_that_is_described_anew_takes_over_its_texts() -> None:
     before.keep(message(2), 2.0, is_event=True)
     now.take_over(before)
     assert [one.payload for one in now.missed_by(0.0, 3.0)] == [b"1", b"2"]
+
+
+async def test_a_retained_message_that_repeats_the_last_is_delivered_once() -> None:
+    """A broker sends it on each new link; a new listener has not heard it, and another payload is news."""
+    house = House()
+    _, _, inbox = house.listen("app")
+
+    async def deliver(payload: int, *, retained: bool) -> None:
+        told = message(payload).model_copy(update={"retained": retained})
+        await house.listeners.deliver(told, wait_if_full=False)
+
+    await deliver(1, retained=True)
+    await deliver(1, retained=True)
+    await deliver(1, retained=False)
+    assert payloads(inbox) == [1, 1]
+    await deliver(1, retained=True)
+    await deliver(2, retained=True)
+    assert payloads(inbox) == [2]
+    _, _, late = house.listen("other")
+    await deliver(2, retained=True)
+    assert payloads(late) == [2]

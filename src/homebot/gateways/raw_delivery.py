@@ -65,6 +65,7 @@ class RawDelivery:
         self._mirrored: dict[str, str] = {}
         self._askers: dict[str, _Asker] = {}
         self._no_wait_until: dict[str, float] = {}
+        self._delivered: dict[str, int] = {}  # the hash of the last payload, by address
 
     def has(self, address: str, listener: str) -> bool:
         """Return whether the node *listener*, as it is now on the graph, asked for *address* before."""
@@ -101,6 +102,7 @@ class RawDelivery:
             publisher = self._by_topic[topic] = self._node.create_publisher(RawMessage, topic, _RAW_QOS)
         if publisher not in self.by_address[address]:
             self.by_address[address].append(publisher)
+            self._delivered.pop(address, None)
         if asker is not None:
             asker.addresses.add(address)
         return publisher
@@ -117,14 +119,21 @@ class RawDelivery:
         """Forget *address* if nobody listens to it."""
         if not self.by_address.get(address, True):
             del self.by_address[address]
+            self._delivered.pop(address, None)
 
     async def deliver(self, message: RawMessage, *, wait_if_full: bool) -> None:
         """Hand *message* to who listens to its address.
 
+        A retained one that repeats the last is left out: a broker sends it on each new link, although no device spoke.
+
         With *wait_if_full* it waits a moment for a full inbox rather than losing its oldest. A listener that let that
         pass is not waited for again for a minute: one that hangs must not hold up the others for long.
         """
-        for publisher in tuple(self.by_address.get(message.address, ())):
+        publishers, content = self.by_address.get(message.address), hash(message.payload)
+        if not publishers or (message.retained and self._delivered.get(message.address) == content):
+            return
+        self._delivered[message.address] = content
+        for publisher in tuple(publishers):
             try:
                 if wait_if_full and publisher.is_full and self._may_wait(publisher.topic_name):
                     with anyio.move_on_after(FULL_INBOX_WAIT):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 import tempfile
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
@@ -44,12 +45,14 @@ class MosquittoBroker:
     Args:
         credentials: Passwords by user name.
         policy: Not asked; its rule is in the list of what is allowed.
+        settings: Further lines of its configuration.
     """
 
     host: Final = "127.0.0.1"
 
-    def __init__(self, *, credentials: Mapping[str, str], policy: object) -> None:
+    def __init__(self, *, credentials: Mapping[str, str], policy: object, settings: str = "") -> None:
         del policy
+        self._settings = settings
         self._folder = Path(tempfile.mkdtemp(prefix="mosquitto-"))
         self._credentials = credentials
         self._process: subprocess.Popen[bytes] | None = None
@@ -65,6 +68,7 @@ class MosquittoBroker:
         (folder / "mosquitto.conf").write_text(
             f"listener {self.port} {self.host}\nuser root\nallow_anonymous false\npassword_file {folder}/passwords\n"
             f"acl_file {folder}/acl\npersistence true\npersistence_location {folder}/\nmax_queued_messages 100000\n"
+            + self._settings
         )
         await self.start()
         return self
@@ -92,6 +96,13 @@ class MosquittoBroker:
         del abrupt
         await self.stop()
         await self.start()
+
+    async def until_saved(self) -> None:
+        """Wait until it has written down what it knew before this call; its settings make it do so by itself."""
+        file, began = self._folder / "mosquitto.db", time.time()
+        with anyio.fail_after(PATIENCE):
+            while not file.exists() or file.stat().st_mtime <= began:  # noqa: ASYNC110 - another process writes it
+                await anyio.sleep(0.05)
 
     async def start(self) -> None:
         """Start it, and wait until it answers."""

@@ -19,7 +19,6 @@ from tests.ports import reserve_port
 
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.client import MqttClient
-from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.options import MqttOptions, MqttProtocol, MqttWill
 from homebot.mqtt.packets import (
     Connack,
@@ -42,7 +41,7 @@ async def test_login_and_will_reach_the_broker(client_kind: ClientKind) -> None:
     async def script(peer: Peer) -> None:
         connect = await peer.login()
         assert (connect.client_id, connect.username, connect.password) == ("hub", "anna", b"pw")
-        assert connect.keep_alive == (30 if client_kind is NativeClient else 22), "paho needs two intervals"
+        assert connect.keep_alive == 30
         assert connect.will is not None
         assert (connect.will.topic, connect.will.payload, connect.will.qos, connect.will.retain) == (
             "w",

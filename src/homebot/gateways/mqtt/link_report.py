@@ -21,6 +21,7 @@ ANSWER_WAIT = 2.0
 """Seconds for which the start of homebot waits for a broker that does not answer; the gateway goes on trying."""
 
 _MAX_NAMES = 10
+_DOWN = frozenset({LinkPhase.WAITING, LinkPhase.REFUSED})
 
 MAX_LOSSES = 5
 """Lines about a lost link in ten seconds."""
@@ -63,10 +64,10 @@ class LinkReport:
         async for state in self._connection.states():
             if state.phase is LinkPhase.CONNECTED:
                 self._connected()
-            elif state.phase in {LinkPhase.WAITING, LinkPhase.REFUSED}:
-                self._down(state)
+            elif state.phase in _DOWN or (self._was_up and state.phase is LinkPhase.CONNECTING):
+                self._down(state)  # the next try follows a loss at once, and may take ten seconds
+            self._was_up = state.phase is LinkPhase.CONNECTED
             if state.phase is not LinkPhase.CONNECTING:
-                self._was_up = state.phase is LinkPhase.CONNECTED
                 self._tried.set()
 
     def _connected(self) -> None:

@@ -1,9 +1,9 @@
 """The MQTT client port on aiomqtt 2 and the paho client below it.
 
-A thin adapter: aiomqtt connects, logs in and says good-bye; paho publishes, subscribes, looks after the keep-alive and
-calls back. What comes is cut into packets by the native client's reader, which takes the messages: paho needs eight
-times as long for one, and answers one of QoS 2 before anybody has it. It takes the answers to subscriptions too, for
-each filter of which paho makes an object. All other packets are paho's.
+A thin adapter: aiomqtt connects, logs in and says good-bye; paho publishes, subscribes and calls back. The native
+client's reader cuts what comes into packets, and takes the messages: paho needs eight times as long for one, and
+answers one of QoS 2 before anybody has it. It takes the answers to subscriptions too, for each filter of which paho
+makes an object. All other packets are paho's. The keep-alive is that of every link.
 It closes what the two leave open: a message is acknowledged only when it was taken, a refused publish is an error,
 callers that wait for an answer hear at once that the link dropped, and what waits is bounded.
 
@@ -194,7 +194,8 @@ class _AiomqttLink(ClientLink):
         if code.is_failure:
             self.cut(login_error(code.value))
             return
-        self._begin(values.grant_of(self.grant.protocol, flags, properties))
+        keep_alive = getattr(properties, "ServerKeepAlive", 0) or self._options.keep_alive
+        self._begin(values.grant_of(self.grant.protocol, flags, properties), keep_alive)
         self._then_connect(client, userdata, flags, code, properties)
 
     def _on_disconnect(
@@ -205,7 +206,8 @@ class _AiomqttLink(ClientLink):
         elif code.value == ReasonCode.SUCCESS:
             self._lose(LinkError("closed"))  # by us: the good-bye is still on its way
         else:
-            reason = LinkError(_ENDS.get(code.value, "the broker closed the connection"))
+            is_unreadable = code.value == ReasonCode.PROTOCOL_ERROR
+            reason = LinkError(UNREADABLE if is_unreadable else "the broker closed the connection")
             self.cut(reason if self._is_granted else early_end(reason, self._options))
         success = PahoReason(PacketTypes.DISCONNECT)  # or aiomqtt keeps an error that nobody reads
         self._then_disconnect(client, userdata, flags, success, properties)
@@ -220,8 +222,3 @@ class _AiomqttLink(ClientLink):
 
 _ONLY_OURS: Final = frozenset({PacketType.SUBACK, PacketType.UNSUBACK})
 _ANSWERS: Final = _ONLY_OURS | {PacketType.PUBACK}
-
-_ENDS: Final[dict[int, str]] = {
-    ReasonCode.PROTOCOL_ERROR: UNREADABLE,
-    ReasonCode.KEEP_ALIVE_TIMEOUT: "the broker stopped responding",
-}

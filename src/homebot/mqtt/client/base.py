@@ -15,6 +15,7 @@ from homebot.clock import Clock, LoopClock
 from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
 from homebot.logger import get_logger
 from homebot.mqtt.client.incoming import Frame, FrameReader
+from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
 from homebot.mqtt.client.port import MqttSubscription, PublishResult, SessionGrant
 from homebot.mqtt.client.receiver import Receiver
 from homebot.mqtt.client.refusals import reason_text
@@ -35,6 +36,7 @@ _IN_FLIGHT: Final = 100
 
 _PUBLISH: Final = PacketType.PUBLISH
 _PUBREL: Final = PacketType.PUBREL
+_PINGREQ: Final = b"\xc0\x00"  # of every version
 _TLS_ALERT: Final = 0x15  # RFC 8446, section 5.1
 _IN_TLS: Final = "the server there uses TLS; is the address mqtts://?"
 _NO_MQTT: Final = "the server there is not an MQTT broker"
@@ -220,6 +222,7 @@ class ClientLink(ABC):
         self._gone = anyio.Event()
         self._drained: anyio.Event | None = None
         self._heard_at = self._loop.time()
+        self._check: asyncio.TimerHandle | None = None  # of the keep-alive
 
     @property
     def is_alive(self) -> bool:
@@ -313,9 +316,10 @@ class ClientLink(ABC):
             WireError: It does not follow the protocol.
         """
 
-    def _begin(self, grant: SessionGrant, *, open_publishes: int = 0) -> None:
+    def _begin(self, grant: SessionGrant, keep_alive: int, *, open_publishes: int = 0) -> None:
         """Begin after a login that succeeded; *open_publishes* of an earlier link take up places."""
         self.grant = grant
+        self._check_signs_of_life(KeepAlive(keep_alive, self._options.timeout, self._loop.time()))
         self._is_granted = True
         self._window = SendWindow(min(grant.receive_maximum, _IN_FLIGHT) - open_publishes)
         self._receiver.begin_link(grant)
@@ -324,11 +328,25 @@ class ClientLink(ABC):
         if self._lost is not None:
             return
         self._lost = reason
+        if self._check is not None:
+            self._check.cancel()
         self._receiver.end_link(reason)
         self._requests.fail(str(reason))
         self._window.close(f"publish failed, the link is lost: {reason}")
         self._gone.set()
         self.drained()
+
+    def _check_signs_of_life(self, keep_alive: KeepAlive) -> None:
+        keep_alive.heard_at = self._heard_at
+        match keep_alive.check(self._loop.time()):
+            case LifeSign.LOST:
+                self.cut(LinkError("the broker stopped responding"))
+                return
+            case LifeSign.PING:
+                self._put(_PINGREQ)
+            case LifeSign.WAIT:
+                pass
+        self._check = self._loop.call_at(keep_alive.due, self._check_signs_of_life, keep_alive)
 
     def _check_alive(self) -> None:
         if self._lost is not None:

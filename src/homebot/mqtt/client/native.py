@@ -15,7 +15,6 @@ from homebot.clock import Clock
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.mqtt.client.base import BaseClient, ClientLink
 from homebot.mqtt.client.incoming import Frame
-from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
 from homebot.mqtt.client.packet_values import (
     connect_packet,
     disconnect_packet,
@@ -39,7 +38,6 @@ from homebot.mqtt.packets import (
     Disconnect,
     Packet,
     PacketType,
-    Pingreq,
     ProtocolVersion,
     Publish,
     Subscribe,
@@ -107,8 +105,6 @@ class ClientProtocol(ClientLink):
         self._version: Final = ProtocolVersion.V5 if self._is_v5 else ProtocolVersion.V311
         self._greeting: asyncio.Future[None] = self._loop.create_future()
         self._unfinished: set[int] = set()  # handshakes of an earlier link that take up a place each
-        self._keep_alive: KeepAlive | None = None
-        self._check: asyncio.TimerHandle | None = None
 
     async def open(self, dial: Dial) -> None:
         """Open a link that brings its bytes here, say CONNECT, and wait for the answer.
@@ -217,30 +213,14 @@ class ClientProtocol(ClientLink):
             return
         session = session_of(packet, self._version)
         seconds = packet.properties.server_keep_alive or self._options.keep_alive
-        self._keep_alive = KeepAlive(seconds, self._options.timeout, self._loop.time())
         again = self._requests.begin_link(resumed=session.resumed)
         self._unfinished = {each.packet_id for each in again if each.packet_id is not None}
-        self._begin(session, open_publishes=len(again))
+        self._begin(session, seconds, open_publishes=len(again))
         self._greeting.set_result(None)
         for each in again:
             self._send(each)
-        self._check = self._loop.call_at(self._keep_alive.due, self._check_signs_of_life, self._keep_alive)
-
-    def _check_signs_of_life(self, keep_alive: KeepAlive) -> None:
-        keep_alive.heard_at = self._heard_at
-        match keep_alive.check(self._loop.time()):
-            case LifeSign.LOST:
-                self.cut(LinkError("the broker stopped responding"))
-                return
-            case LifeSign.PING:
-                self._send(Pingreq())
-            case LifeSign.WAIT:
-                pass
-        self._check = self._loop.call_at(keep_alive.due, self._check_signs_of_life, keep_alive)
 
     def _lose(self, reason: LinkError | RefusedError) -> None:
-        if self._check is not None:
-            self._check.cancel()
         if not self._greeting.done():
             early = isinstance(reason, LinkError)
             self._greeting.set_exception(ClosedEarlyError(str(reason)) if early else reason)

@@ -55,7 +55,6 @@ class PahoSocket:
         self._handshake: asyncio.Task[None] | None = None
         self._is_over = self._is_publishing = False
         self._unread = bytearray()  # at most one packet
-        self._tick: asyncio.TimerHandle | None = None
         client.tls_set_context(self)  # type: ignore[arg-type] # it has what paho asks of a context
         client.on_socket_open, client.on_socket_register_write = self._on_open, self._on_register_write
         client.on_socket_close = client.on_socket_unregister_write = None
@@ -89,8 +88,6 @@ class PahoSocket:
     def end(self) -> None:
         """End with the link: send nothing more, and close a connection that is still being made."""
         self._is_over = True
-        if self._tick is not None:
-            self._tick.cancel()
         if self._handshake is not None:
             self._handshake.cancel()
 
@@ -153,7 +150,6 @@ class PahoSocket:
     def _begin(self) -> None:
         if not self._is_over:
             self.is_open = True
-            self._keep_alive()
 
     def _on_register_write(self, client: paho.Client, userdata: Any, sock: Any) -> None:
         if not self._is_publishing:
@@ -162,8 +158,3 @@ class PahoSocket:
     def _flush(self) -> None:
         if not self._is_over:
             self._client.loop_write()
-
-    def _keep_alive(self) -> None:
-        self._client.loop_misc()
-        if not self._is_over:
-            self._tick = self._loop.call_later(min(1.0, self._client.keepalive / 8), self._keep_alive)

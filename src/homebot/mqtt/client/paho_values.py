@@ -33,8 +33,6 @@ __all__ = [
 MOST_QOS: Final = 1
 """The highest QoS to publish with."""
 
-_KEEP_ALIVE: Final = 0.75  # paho finds a dead link out within two intervals; the port promises one and a half
-
 # The libraries log what a peer makes them log, without a limit; the facts are in our errors and events.
 _NULL_LOGGER: Final = logging.getLogger("homebot.mqtt.silence")
 _NULL_LOGGER.disabled = True
@@ -63,7 +61,7 @@ def settings_of(options: MqttOptions, version: MqttVersion) -> dict[str, Any]:
         "clean_session": None if is_v5 else clean,
         "clean_start": clean if is_v5 else paho.MQTT_CLEAN_START_FIRST_ONLY,
         "timeout": options.timeout,
-        "keepalive": int(options.keep_alive * _KEEP_ALIVE),
+        "keepalive": options.keep_alive,
         "max_inflight_messages": 0,  # the window here is the bound
         # No TopicAliasMaximum: paho does not resolve aliases.
         "properties": properties_of(

@@ -1,0 +1,49 @@
+"""The gateway's reports of its link to the broker; in virtual time."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from tests.gateways.mqtt.conftest import House, MakeHouse, settled
+
+from homebot.devices import GatewayState
+from homebot.graph import qos_profile_latched
+from homebot.mqtt.client.memory_transport import MemorySocket
+from homebot.mqtt.client.transport import TransportUser
+
+pytestmark = pytest.mark.virtual_time
+
+
+def freeze(house: House) -> None:
+    """Let the broker go on accepting connections and answer nothing any more, as a process that is stopped does."""
+    dial = house.broker.dial
+
+    def dial_frozen(host: str, port: int, user: TransportUser) -> MemorySocket:
+        socket = dial(host, port, user)
+        house.broker.links[-1].freeze()
+        return socket
+
+    house.broker.links[-1].freeze()
+    house.broker.dial = dial_frozen  # type: ignore[method-assign]
+
+
+@pytest.mark.parametrize("at", [0.0, 1.0, 29.9, 30.1])
+async def test_a_frozen_broker_is_reported_within_one_and_a_half_intervals(make_house: MakeHouse, at: float) -> None:
+    """The loss is reported when it is known, and not when the next try to connect has failed, too."""
+    async with make_house() as house:
+        states = house.watcher.create_subscription(
+            GatewayState, house.gateway.names.state, qos_profile=qos_profile_latched
+        )
+        assert (await states.receive()).state == "active"
+        await anyio.sleep(at)
+        freeze(house)
+        began = anyio.current_time()
+        with anyio.fail_after(46.0):
+            assert (await states.receive()).state == "unavailable"
+        assert anyio.current_time() - began <= 41.0
+
+
+async def test_a_gateway_that_stops_has_lost_nothing(make_house: MakeHouse, capsys: pytest.CaptureFixture[str]) -> None:
+    async with make_house():
+        await settled()
+    assert "lost the connection" not in capsys.readouterr().out
