@@ -8,12 +8,14 @@ import os
 import re
 from collections.abc import Callable, Collection
 from ipaddress import ip_address
+from pathlib import Path
 from typing import Protocol, TypeAlias
 from urllib.parse import urlsplit
 
 from homebot.errors import ConfigError, WireError
 
 __all__ = [
+    "DEFAULT_CONFIG",
     "DEFAULT_DOOR",
     "Command",
     "Commands",
@@ -34,6 +36,9 @@ __all__ = [
     "unused_option",
     "whole",
 ]
+
+DEFAULT_CONFIG = Path("homebot.toml")
+"""The configuration of `homebot run` in the working directory, and of the clients there."""
 
 DEFAULT_BROKER = "mqtt://localhost:1883"
 DEFAULT_DOOR = ("127.0.0.1", 9090)
@@ -251,11 +256,12 @@ def _add_door_options(parser: argparse.ArgumentParser, default: str | None) -> N
         metavar="HOST:PORT",
         type=door_address,
         default=default,
-        help=f"address of its rosbridge server (default: HOMEBOT_DOOR, else {DEFAULT_DOOR[0]}:{DEFAULT_DOOR[1]})",
+        help="address of its rosbridge server (default: [door] of homebot.toml in this folder, else HOMEBOT_DOOR, else "
+        f"{DEFAULT_DOOR[0]}:{DEFAULT_DOOR[1]})",
     )
     door.add_argument(
         "--token-file",
         metavar="FILE",
         default=default,
-        help="file with its access token (default: the token in HOMEBOT_DOOR_TOKEN, if set)",
+        help="file with its access token (default: that of [door], else the token in HOMEBOT_DOOR_TOKEN, if set)",
     )

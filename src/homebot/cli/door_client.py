@@ -8,13 +8,11 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import socket
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import Final, NamedTuple
 
 from websockets.client import ClientProtocol
@@ -24,8 +22,8 @@ from websockets.http11 import Response
 from websockets.protocol import State
 from websockets.uri import parse_uri
 
-from homebot.cli.arguments import DEFAULT_DOOR, door_of_environment
-from homebot.errors import ConfigError, LinkError, PeerError, RefusedError, ServiceTimeoutError, WireError
+from homebot.cli.door_address import door_of
+from homebot.errors import LinkError, PeerError, RefusedError, ServiceTimeoutError, WireError
 
 __all__ = ["DoorClient", "ReceivedMessage", "open_door", "with_client"]
 
@@ -59,8 +57,8 @@ def with_client(options: argparse.Namespace, command: Callable[[DoorClient], int
     Raises:
         HomebotError: Nobody answers, the server does not let us in, or the command failed.
     """
-    host, port = options.door or door_of_environment() or DEFAULT_DOOR
-    with open_door(host, port, _token(options.token_file)) as door:
+    address = door_of(options)
+    with open_door(address.host, address.port, address.token, address.source) as door:
         try:
             return command(door)
         except KeyError as exc:  # answers are read as they come, without a model that would check them
@@ -68,8 +66,14 @@ def with_client(options: argparse.Namespace, command: Callable[[DoorClient], int
 
 
 @contextmanager
-def open_door(host: str, port: int, token: str = "") -> Iterator[DoorClient]:
+def open_door(host: str, port: int, token: str = "", source: str = "") -> Iterator[DoorClient]:
     """Connect to the homebot that listens on *host* and *port*.
+
+    Args:
+        host: Its host.
+        port: Its port.
+        token: The token to show; empty for none.
+        source: The file that names the address, for errors; empty for none.
 
     Raises:
         LinkError: Nobody answers there, or it is no homebot.
@@ -79,7 +83,8 @@ def open_door(host: str, port: int, token: str = "") -> Iterator[DoorClient]:
     try:
         connection = socket.create_connection((host, port), _OPEN_TIMEOUT)
     except OSError as exc:
-        raise LinkError(f"no homebot is running on {where}; start one with `homebot run`") from exc
+        by = f", which {source} names" if source else ""
+        raise LinkError(f"no homebot is running on {where}{by}; start one with `homebot run`") from exc
     with connection:
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         client = DoorClient(connection, where)
@@ -329,14 +334,3 @@ def _with_hint(problem: str) -> str:
 
 def _begin(text: bytes) -> str:
     return text.decode(errors="replace")[:60]
-
-
-def _token(file: str | None) -> str:
-    if file is None:
-        return os.environ.get("HOMEBOT_DOOR_TOKEN", "")
-    try:
-        return Path(file).read_text(encoding="utf-8").strip()
-    except OSError as exc:
-        raise ConfigError("--token-file", file, f"cannot be read: {exc.strerror}") from exc
-    except ValueError as exc:
-        raise ConfigError("--token-file", file, "is not text in UTF-8") from exc

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import base64
 import binascii
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TypedDict, cast
 
 from homebot.cli.door_client import DoorClient
 from homebot.cli.records import EntityRecord
+from homebot.cli.table import printable
+from homebot.devices.names import RUNTIME_HEALTH
 from homebot.errors import PeerError
 from homebot.similar import did_you_mean
 
@@ -16,6 +18,7 @@ __all__ = [
     "MessageTypeRecord",
     "Schema",
     "entities",
+    "home_name",
     "is_hidden",
     "message_schema",
     "no_such_topic",
@@ -30,6 +33,19 @@ def entities(door: DoorClient, *, kind: str = "", name: str = "", node: str = ""
     """Return what is on the graph, sorted by name; an empty text means any."""
     found = door.call("/rosapi/endpoints", {"kind": kind, "name": name, "node": node})
     return cast("list[EntityRecord]", found["endpoints"])
+
+
+def home_name(door: DoorClient) -> Callable[[], str]:
+    """Ask what the home is called, and return what waits for the answer: empty if homebot does not say."""
+    response = door.begin_call(RUNTIME_HEALTH)
+
+    def name() -> str:
+        try:
+            return printable(str(response().get("home", "")))
+        except PeerError:  # without the right to read, or before there was such a service
+            return ""
+
+    return name
 
 
 def is_hidden(entity: EntityRecord) -> bool:

@@ -84,6 +84,7 @@ class HealthResponse(Message):
         troubles: What is wrong with it now, in words; empty where nothing is.
         failures: What failed in it.
         notes: What it cannot do the way it is set up, in words; nothing is wrong.
+        home: Of the runtime: the name of the home.
     """
 
     counts: tuple[Count, ...]
@@ -91,6 +92,7 @@ class HealthResponse(Message):
     troubles: tuple[str, ...] = ()
     failures: tuple[PartFailure, ...] = ()
     notes: tuple[str, ...] = ()
+    home: str = ""
 
 
 GetHealth = ServiceType("homebot/srv/GetHealth", HealthRequest, HealthResponse)

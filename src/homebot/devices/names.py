@@ -42,6 +42,7 @@ __all__ = [
     "READ_RECORDING",
     "RELEASE_LEASE",
     "RENEW_LEASE",
+    "RUNTIME_HEALTH",
     "RUNTIME_NODE",
     "SEND_TEXT",
     "SPLIT_DEVICE",
@@ -80,6 +81,7 @@ DEVICE_CHANGES = "/discovery/changes"
 DEVICE_STATES = "/discovery/states"
 DEVICE_SETTINGS = "/discovery/settings"
 DISCOVERY_HEALTH = "/discovery/health"
+RUNTIME_HEALTH = "/homebot/health"
 EXPORT_INDEX = "/discovery/export_index"
 OWNER_REQUESTS = "/discovery/owner_requests"
 PERFORM_COMMAND = "/control/perform"

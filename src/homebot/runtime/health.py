@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
+from homebot.devices.names import RUNTIME_HEALTH
 from homebot.graph import Graph, Node
 from homebot.messages.builtin_interfaces import Time
 from homebot.production_loop import LoopWatch
 from homebot.runtime.supervisor import Supervisor
 
 __all__ = ["RuntimeHealth"]
-
-HEALTH = "/homebot/health"
 
 _LONG = 300.0
 """Seconds that a handler may work on when its caller has left; commissioning a device takes three minutes."""
@@ -23,19 +22,21 @@ class RuntimeHealth:
 
     Args:
         node: The node that answers.
+        home: The name of the home.
         supervisor: Knows which components crashed.
         watch: Knows what blocked the event loop; None where nobody watches it.
         lost_lines: Returns how many lines of the log were lost.
     """
 
     def __init__(
-        self, node: Node, supervisor: Supervisor, watch: LoopWatch | None, lost_lines: Callable[[], int]
+        self, node: Node, home: str, supervisor: Supervisor, watch: LoopWatch | None, lost_lines: Callable[[], int]
     ) -> None:
         self._graph: Graph = node.graph
+        self._home = home
         self._supervisor = supervisor
         self._watch = watch
         self._lost_lines = lost_lines
-        node.create_service(GetHealth, HEALTH, self._answer)
+        node.create_service(GetHealth, RUNTIME_HEALTH, self._answer)
 
     def _answer(self, _request: HealthRequest) -> HealthResponse:
         crashes = self._supervisor.crashes.values()
@@ -55,6 +56,7 @@ class RuntimeHealth:
             counts=Count.each(counts),
             troubles=tuple(self._problems()),
             failures=tuple(self._failures()),
+            home=self._home,
         )
 
     def _problems(self) -> Iterator[str]:

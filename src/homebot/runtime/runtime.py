@@ -202,7 +202,7 @@ class Runtime:
         stack.callback(self._installation.close)
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
-        RuntimeHealth(main, self.supervisor, self._loop_watch, self._lost_lines)
+        RuntimeHealth(main, self._plan.home, self.supervisor, self._loop_watch, self._lost_lines)
         RecorderStarter(main, self._run_facts)
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)

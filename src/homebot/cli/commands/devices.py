@@ -11,6 +11,7 @@ from homebot.cli.arguments import add_broker_option, set_client_command
 from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import all_devices, house_time, unapproved
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.graph_queries import home_name
 from homebot.cli.records import DeviceRecord
 from homebot.cli.terminal import print_table
 from homebot.cli.time_format import ago
@@ -69,13 +70,18 @@ class _UnknownTypeError(UsageError):
 
 
 def _print_table(door: DoorClient, options: argparse.Namespace) -> None:
+    home = home_name(door)
     now = house_time(door)
     waiting = unapproved(door)
     rows = _all(door, options.type, lambda device: _row(device, now, waiting))
     if rows:
         print_table(_HEAD, rows, if_any=_IF_ANY, if_room=_IF_ROOM, in_colour="AVAILABILITY")
+        count = "1 device" if len(rows) == 1 else f"{len(rows):,} devices"
     else:
-        print(f"no device offers {options.type} now" if options.type else "no device discovered yet")
+        count = f"no device offers {options.type} now" if options.type else "no device discovered yet"
+    where = home()
+    if where or not rows:
+        print(f"{count}{f' in {where}' if where else ''}")
 
 
 def _print_json(door: DoorClient, options: argparse.Namespace) -> None:

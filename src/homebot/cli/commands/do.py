@@ -11,6 +11,7 @@ from homebot.cli.arguments import set_client_command
 from homebot.cli.command_records import CommandDevicesRecord
 from homebot.cli.device_json import json_text
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.graph_queries import home_name
 from homebot.cli.table import printable
 from homebot.devices.names import COMMAND_DEVICES
 from homebot.errors import PeerError
@@ -25,7 +26,7 @@ _EXAMPLES = """\
   homebot do 'Front door' unlock --ask-code
 
 Exit code 0 means that every device did as it was told, or was so already; 1 that one did not. Of several devices the
-last line has the worst outcome.
+last line has the worst outcome. The name of the home is that of the homebot that was asked.
 """
 
 _WIDEST: Final = 1000
@@ -58,13 +59,14 @@ def _do(options: argparse.Namespace) -> int:
     request = _request(options)
 
     def run(door: DoorClient) -> int:
+        home = home_name(door)
         answer = cast("CommandDevicesRecord", door.call(COMMAND_DEVICES, request, _LONGEST))
         if options.json:
             print(json_text(answer))
         elif not answer["results"]:
             raise PeerError(answer["message"])
         else:
-            _print(answer)
+            _print(answer, home())
         return 0 if answer["success"] else 1
 
     return with_client(options, run)
@@ -87,14 +89,16 @@ def _request(options: argparse.Namespace) -> dict[str, object]:
     }
 
 
-def _print(answer: CommandDevicesRecord) -> None:
-    for one in answer["results"]:
-        print(f"{printable(one['name'])}: {printable(one['result']['text'], _WIDEST)}")
+def _print(answer: CommandDevicesRecord, home: str) -> None:
     count = len(answer["results"])
+    where = f" in {home}" if home else ""
+    for one in answer["results"]:
+        place = where if count == 1 else ""
+        print(f"{printable(one['name'])}{place}: {printable(one['result']['text'], _WIDEST)}")
     if count > 1:
         done = sum(one["result"]["outcome"] in {"confirmed", "already_so"} for one in answer["results"])
         worst = f"; worst outcome: {answer['outcome'].replace('_', ' ')}" if done < count else ""
-        print(f"{done} of {count} succeeded{worst}")
+        print(f"{done} of {count}{where} succeeded{worst}")
 
 
 def _seconds(text: str) -> float:

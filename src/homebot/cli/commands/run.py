@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from homebot.cli.arguments import app, door_address, door_of_environment, positive, set_command
+from homebot.cli.arguments import DEFAULT_CONFIG, app, door_address, door_of_environment, positive, set_command
 from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, Table, load_config, parse_config
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 __all__ = ["add_arguments", "configuration", "run", "with_tokens"]
 
 COMMAND_LINE = "command line"
-DEFAULT_CONFIG = Path("homebot.toml")
 THESIS_ROOT = "home425"
 APPS_OF_THE_SIMULATED_HOUSE = ("light_service",)
 """In a real house no app runs that nobody named: the light service switches off every lamp that is on."""

@@ -1,0 +1,88 @@
+"""The address and the token of the running homebot that a client command connects to.
+
+As `homebot run` listens: `--door`, else the table ``[door]`` of the ``homebot.toml`` in the working directory, else
+HOMEBOT_DOOR, else the default. The token of that table is sent to that homebot alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from homebot.cli.arguments import DEFAULT_CONFIG, DEFAULT_DOOR, door_of_environment
+from homebot.errors import ConfigError
+from homebot.file_access import why_not_trusted
+from homebot.toml_file import TomlTable, read_toml
+
+__all__ = ["DoorAddress", "door_of"]
+
+_LOOPBACK: Final = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # noqa: S104 - what listens everywhere is reached here
+
+
+class DoorAddress(NamedTuple):
+    """The place of a door.
+
+    Attributes:
+        host: Its host.
+        port: Its port.
+        token: The token to show; empty for none.
+        source: The file that says so; empty for the command line and the environment.
+    """
+
+    host: str
+    port: int
+    token: str
+    source: str = ""
+
+
+def door_of(options: argparse.Namespace) -> DoorAddress:
+    """Return the door that *options*, a configuration beside or the environment name.
+
+    Raises:
+        ConfigError: The configuration, the variable or a file with a token cannot be used.
+    """
+    table = {} if options.door else _table(DEFAULT_CONFIG)
+    source = str(DEFAULT_CONFIG) if table.keys() & {"host", "port"} else ""
+    host, port = options.door or (_address(table) if source else door_of_environment() or DEFAULT_DOOR)
+    if options.token_file is not None:
+        return DoorAddress(host, port, _read_token(Path(options.token_file), "--token-file"), source)
+    return DoorAddress(host, port, _token(table) or os.environ.get("HOMEBOT_DOOR_TOKEN", ""), source)
+
+
+def _table(path: Path) -> TomlTable:
+    """Return the table ``[door]`` of the file *path*; an empty one if there is no such file or table."""
+    if not path.exists():
+        return {}
+    table = read_toml(path).get("door", {})
+    if problem := why_not_trusted(path):
+        raise ConfigError(str(path), "", f"says where homebot is, so others must not be able to change it: {problem}")
+    if not isinstance(table, dict):
+        raise ConfigError(str(path), "door", "must be a table, [door]")
+    return table
+
+
+def _address(table: TomlTable) -> tuple[str, int]:
+    host, port = table.get("host", DEFAULT_DOOR[0]), table.get("port", DEFAULT_DOOR[1])
+    if not isinstance(host, str) or not host:
+        raise ConfigError(str(DEFAULT_CONFIG), "door.host", f"must be a host, got {host!r}")
+    if isinstance(port, bool) or not isinstance(port, int) or not 0 < port <= 65_535:
+        raise ConfigError(str(DEFAULT_CONFIG), "door.port", f"must be a port for clients, got {port!r}; give --door")
+    return _LOOPBACK.get(host, host), port
+
+
+def _token(table: TomlTable) -> str:
+    token, file = table.get("token", ""), table.get("token_file")
+    if isinstance(file, str):
+        return _read_token(DEFAULT_CONFIG.parent / file, f"{DEFAULT_CONFIG}: door.token_file")
+    return token if isinstance(token, str) else ""
+
+
+def _read_token(file: Path, source: str) -> str:
+    try:
+        return file.read_text(encoding="utf-8").partition("\n")[0].strip()
+    except OSError as exc:
+        raise ConfigError(source, str(file), f"cannot be read: {exc.strerror}") from exc
+    except ValueError as exc:
+        raise ConfigError(source, str(file), "is not text in UTF-8") from exc

@@ -1,0 +1,96 @@
+"""Where client commands connect to: the homebot of the configuration beside them, and no other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from homebot.cli import main
+from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
+from homebot.devices.names import RUNTIME_HEALTH
+from homebot.graph import Node
+
+Text = pytest.CaptureFixture[str]
+TOKEN = "hunter2"  # of the locked homebot
+NOWHERE = "127.0.0.1:1"
+OTHERS = "where homebot is, so others must not be able to change it"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working directory; the environment names a homebot that does not exist."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOMEBOT_DOOR", NOWHERE)
+    monkeypatch.delenv("HOMEBOT_DOOR_TOKEN", raising=False)
+    return tmp_path
+
+
+def nodes(*arguments: str) -> int:
+    return main([*arguments, "node", "list"])
+
+
+@pytest.mark.parametrize("host", ["", 'host = "127.0.0.1"\n', 'host = "0.0.0.0"\n'])
+def test_the_configuration_beside_says_which_homebot_is_meant(homebot: Any, folder: Path, host: str) -> None:
+    assert nodes() == 1
+    (folder / "homebot.toml").write_text(f"[door]\n{host}port = {homebot.port}\n[gateways.unheard]\nof = 1\n")
+    assert nodes() == 0
+    assert nodes("--door", NOWHERE) == 1
+
+
+def test_one_that_names_no_address_leaves_it_to_the_environment(
+    homebot: Any, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "homebot.toml").write_text('[home]\nname = "villa"\n[door]\nmax_calls = 5\n')
+    assert nodes() == 1
+    monkeypatch.setenv("HOMEBOT_DOOR", homebot.door)
+    assert nodes() == 0
+
+
+def test_its_token_is_sent_to_its_homebot_alone(locked_homebot: Any, folder: Path, capsys: Text) -> None:
+    port = locked_homebot.port
+    (folder / "secret").write_text(f"{TOKEN}\nmore\n")
+    for token in ('token_file = "secret"', f'token = "{TOKEN}"'):
+        (folder / "homebot.toml").write_text(f"[door]\nport = {port}\n{token}\n")
+        assert nodes() == 0
+        assert nodes("--door", locked_homebot.door) == 1
+        assert "--token-file" in capsys.readouterr().err
+    (folder / "wrong").write_text("wrong")
+    assert nodes("--token-file", "wrong") == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[door]\nport = 1\n", "no homebot is running on 127.0.0.1:1, which homebot.toml names; start one"),
+        ("[door]\nport = 0\n", "homebot.toml: door.port: must be a port for clients, got 0; give --door"),
+        ('[door]\nport = "x"\n', "homebot.toml: door.port: must be a port for clients, got 'x'"),
+        ("[door]\nhost = 1\n", "homebot.toml: door.host: must be a host, got 1"),
+        ("[door\n", "homebot.toml is invalid TOML"),
+        ("door = 1\n", "homebot.toml: door: must be a table, [door]"),
+        ('[door]\ntoken_file = "none"\n', "homebot.toml: door.token_file: none: cannot be read"),
+    ],
+)
+def test_what_cannot_be_used_is_told(folder: Path, capsys: Text, text: str, said: str) -> None:
+    (folder / "homebot.toml").write_text(text)
+    assert nodes() == 1
+    assert said in capsys.readouterr().err
+
+
+def test_one_that_others_may_change_is_not_followed(homebot: Any, folder: Path, capsys: Text) -> None:
+    """It would have the token of the environment sent to them."""
+    (folder / "homebot.toml").write_text(f"[door]\nport = {homebot.port}\n")
+    (folder / "homebot.toml").chmod(0o666)
+    assert nodes() == 1
+    assert OTHERS in capsys.readouterr().err
+
+
+def test_the_home_that_answered_is_named(homebot: Any, folder: Path, capsys: Text) -> None:
+    def health(_: HealthRequest) -> HealthResponse:
+        return HealthResponse(counts=(), home="villa")
+
+    homebot.do(lambda: Node(homebot.graph, "runtime").create_service(GetHealth, RUNTIME_HEALTH, health))
+    (folder / "homebot.toml").write_text(f"[door]\nport = {homebot.port}\n")
+    assert main(["devices"]) == 0
+    assert capsys.readouterr().out.splitlines()[-1].endswith(" in villa")
