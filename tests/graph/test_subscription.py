@@ -110,33 +110,8 @@ async def test_concurrent_callbacks_begin_in_order_each_in_a_task_of_its_own(nod
     done.set()
 
 
-async def test_lone_messages_of_a_concurrent_callback_take_no_new_tasks(node: Node) -> None:
-    """Two tasks take turns; one message that takes long costs one more."""
-    tasks: list[int] = []
-    gate = anyio.Event()
-
-    async def handle(message: String) -> None:
-        tasks.append(anyio.get_current_task().id)
-        if message.data == "slow":
-            await gate.wait()
-
-    publisher = node.create_publisher(String, "t")
-    node.create_subscription(String, "t", handle, concurrent=True)
-    await anyio.wait_all_tasks_blocked()  # it reads now: a message that lies there already gets a task of its own
-    for word in ("1", "2", "3", "4"):
-        publisher.publish(text(word))
-        await anyio.wait_all_tasks_blocked()
-    assert len(set(tasks)) == 2
-    for word in ("slow", "5", "6", "7"):
-        publisher.publish(text(word))
-        await anyio.wait_all_tasks_blocked()
-    gate.set()
-    assert len(set(tasks)) == 3
-
-
 @pytest.mark.parametrize("is_busy", [False, True])
 async def test_a_concurrent_subscription_ends_with_what_it_handles(graph: Graph, *, is_busy: bool) -> None:
-    """Neither the task that reads nor the one that stands by outlives it."""
     gate, done = anyio.Event(), list[str]()
 
     async def handle(message: String) -> None:

@@ -45,7 +45,7 @@ class Client(Generic[RequestT, ResponseT]):
         node: str,
         on_close: Callable[[], None],
     ) -> None:
-        """Take what :meth:`homebot.graph.Node.create_client` gives; not for use by hand."""
+        """Use :meth:`homebot.graph.Node.create_client` instead."""
         self.info = EndpointInfo(EntityKind.CLIENT, node, slot.name, service_type.ros_type)
         self._slot = slot
         self._on_close: Callable[[], None] | None = on_close
@@ -64,10 +64,10 @@ class Client(Generic[RequestT, ResponseT]):
         return self._slot.server is not None
 
     async def wait_for_service(self, timeout: float | None = None) -> bool:  # noqa: ASYNC109  # rclpy's spelling
-        """Wait until the service has a server; return False when *timeout* seconds pass first.
+        """Wait until the service has a server; return False after *timeout* seconds.
 
         Raises:
-            ClosedError: The client is closed, or was while it waited.
+            ClosedError: The client is closed.
         """
         with anyio.move_on_after(timeout):
             while self._slot.server is None:
@@ -88,7 +88,6 @@ class Client(Generic[RequestT, ResponseT]):
         late answer is dropped and counted.
 
         Args:
-            request: What to ask.
             timeout: Seconds that the server may take, its waiting line included.
             cancel_with_caller: Whether the handler is cancelled when the time limit passes or the caller is cancelled;
                 it then runs in the caller's task.
@@ -129,11 +128,11 @@ class Client(Generic[RequestT, ResponseT]):
             await run.wait_for_end()
 
     def close(self) -> None:
-        """Close the client. Twice is fine."""
+        """Close the client. Idempotent."""
         if not self._closed:
             self._closed = True
             slot, self._slot = self._slot, ServiceSlot(self._slot.name, self._slot.service_type)
-            on_close, self._on_close = self._on_close, None  # it holds us: both would stay in memory
+            on_close, self._on_close = self._on_close, None  # breaks a reference cycle
             if on_close is not None:
                 on_close()
             slot.wake()

@@ -1,7 +1,6 @@
-"""The message, or the timer, that a task acts upon now: the cause of the command that it gives next.
+"""The cause of the current task's next command: a message, a change or a timer.
 
-Whoever hands something to an application sets it: a live query, a raw message, a timer. Setting it makes nothing; a
-command reads it. A task that is started inherits it, as all context variables.
+Live queries, raw deliveries and timers set it before they call an application; commands read it. New tasks inherit it.
 """
 
 from __future__ import annotations
@@ -12,4 +11,4 @@ from typing import Final
 __all__ = ["CURRENT_CAUSE"]
 
 CURRENT_CAUSE: Final[ContextVar[object]] = ContextVar("homebot.current_cause", default=None)
-"""None where the task acts of its own accord."""
+"""None for a task that acts on its own."""

@@ -30,11 +30,11 @@ class EndpointInfo:
     """One entity on the graph.
 
     Attributes:
-        kind: What it is.
-        node: Full name of the node that owns it (its own name where it is a node).
-        name: Full name of its topic or service (of the node, where it is one).
+        kind: Its kind.
+        node: Full name of the owning node; for a node its own name.
+        name: Full name of its topic or service; for a node its own name.
         ros_type: Full ROS type name, empty for a node.
-        qos: What it offers or requests; None for nodes, services and clients.
+        qos: Offered or requested QoS; None for nodes, services and clients.
     """
 
     kind: EntityKind
@@ -45,11 +45,11 @@ class EndpointInfo:
 
 
 class GraphChange(NamedTuple):
-    """One entity came or went.
+    """An added or removed entity.
 
     Attributes:
         change: ``added`` or ``removed``.
-        entity: Which.
+        entity: The entity.
     """
 
     change: Literal["added", "removed"]
@@ -60,7 +60,7 @@ Entities: TypeAlias = dict[int, EndpointInfo]
 
 
 class GraphEntity(Protocol):
-    """Anything that a node makes and closes."""
+    """An entity that a node creates and closes."""
 
     @property
     def info(self) -> EndpointInfo:
@@ -68,7 +68,7 @@ class GraphEntity(Protocol):
         ...
 
     def close(self) -> None:
-        """Leave the graph. Twice is fine."""
+        """Leave the graph. Idempotent."""
         ...
 
 
@@ -76,7 +76,7 @@ class GraphEntity(Protocol):
 class EndpointIndex:
     """The descriptions of all entities, in the order in which they were added.
 
-    A search costs what the rarest of its terms has, not what the graph has.
+    The cost of a search is the number of entities with its rarest term.
     """
 
     def __init__(self) -> None:
@@ -87,7 +87,7 @@ class EndpointIndex:
         self._by_type: dict[EntityKind, dict[str, Entities]] = {kind: {} for kind in EntityKind}
 
     def add(self, entity: object, info: EndpointInfo) -> None:
-        """Show *entity* as *info*."""
+        """Add *entity* as *info*."""
         self._all[id(entity)] = info
         self._by_kind.setdefault(info.kind, {})[id(entity)] = info
         self._by_name.setdefault(info.name, {})[id(entity)] = info
@@ -95,7 +95,7 @@ class EndpointIndex:
         self._by_type[info.kind].setdefault(info.ros_type, {})[id(entity)] = info
 
     def remove(self, entity: object) -> EndpointInfo | None:
-        """Show *entity* no longer; return what it was shown as, or None where it was not."""
+        """Remove *entity*; return its description, or None if it is unknown."""
         info = self._all.pop(id(entity), None)
         if info is not None:
             _remove(self._by_kind, info.kind, entity)

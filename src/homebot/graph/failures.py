@@ -1,4 +1,4 @@
-"""Exceptions that callbacks of nodes let through: each costs its one message, and is logged and counted here."""
+"""Log and counters of unhandled exceptions in callbacks. Each costs only its message."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _OTHERS = "other callbacks"
 @final
 @dataclass(slots=True)
 class CallbackFailure:
-    """The number of times one callback failed, and the last error.
+    """The failures of one callback.
 
     Attributes:
         node: Full name of its node.
-        callback: Which one, in words: "handler of /topic".
-        count: How often since the graph was made, over all starts of the node.
-        last: The last error, in words.
-        at: When that was, in seconds since the Unix epoch.
+        callback: A description: "handler of /topic".
+        count: Number of failures since the graph was created.
+        last: The last error, as text.
+        at: Time of the last error, in seconds since the Unix epoch.
     """
 
     node: str
@@ -43,10 +43,7 @@ class CallbackFailure:
 class Failures:
     """The failed callbacks of all nodes of a graph; iterate over them.
 
-    The first 1,000 are told apart, all others are one.
-
-    Args:
-        clock: The time to go by.
+    The first 1,000 callbacks have entries of their own; all others share one.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -58,7 +55,7 @@ class Failures:
         return iter(self._failures.values())
 
     def record(self, node: str, callback: str, error: Exception, cost: str) -> None:
-        """Count one more *error* of *callback*; a line of the log says what it *cost*, at most one in 10 s for each."""
+        """Count an *error* of *callback* and log it with its *cost*, at most one line in 10 s for each callback."""
         failure = self._failure(node, callback)
         failure.count += 1
         failure.last = error_text(error)

@@ -1,6 +1,6 @@
-"""The computation graph: every node, topic and service of the process, and a stream of what comes and goes.
+"""The computation graph: every node, topic and service of the process, and a stream of changes.
 
-It does the ROS master's job. One graph belongs to one event loop; nothing here may be called from another thread.
+It has the role of the ROS master. A graph belongs to one event loop and is not thread-safe.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Graph"]
 
-WATCH_DEPTH = 10_000  # a house has some thousand entities; a watcher that is this far behind asks anew
+WATCH_DEPTH = 10_000  # a house has some thousand entities; a watcher with losses lists them again
 
 
 class Graph:
@@ -37,8 +37,8 @@ class Graph:
 
     Attributes:
         clock: That clock.
-        failures: The exceptions that callbacks of its nodes let through.
-        service_counts: What became of service calls that did not end as they should.
+        failures: Unhandled exceptions of callbacks.
+        service_counts: Counters of late answers and refused calls.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:
@@ -77,12 +77,12 @@ class Graph:
         return {name: slot.service_type.ros_type for name, slot in sorted(self._services.items()) if slot.server}
 
     def get_message_type(self, topic: str) -> type[Message] | None:
-        """Return what the topic with the full name *topic* carries, or None when nobody uses it."""
+        """Return the message type of *topic*, or None if it is unused."""
         found = self._topics.get(topic)
         return found.message_type if found else None
 
     def get_service_type(self, service: str) -> ServiceType[Any, Any] | None:  # either type may be any message
-        """Return the type of the service with the full name *service*, or None when nobody uses it."""
+        """Return the type of *service*, or None if it is unused."""
         slot = self._services.get(service)
         return slot.service_type if slot else None
 
@@ -97,7 +97,7 @@ class Graph:
         return self._endpoints.count_of(node)
 
     def get_message_types(self) -> tuple[type[Message], ...]:
-        """Return what the topics carry, each type once; costs what there are of types, not of topics."""
+        """Return the message types of all topics, each once. Cost: O(types)."""
         found: dict[type[Message], None] = {}
         for kind in (EntityKind.PUBLISHER, EntityKind.SUBSCRIPTION):
             for ros_type in self._endpoints.types(kind):
@@ -108,7 +108,7 @@ class Graph:
         return tuple(found)
 
     def get_service_types(self) -> tuple[ServiceType[Any, Any], ...]:  # as above
-        """Return the types of the services that have a server, each once; costs what there are of types."""
+        """Return the types of all served services, each once. Cost: O(types)."""
         first_endpoints = (
             self._endpoints.first_of_type(EntityKind.SERVICE, ros_type)
             for ros_type in self._endpoints.types(EntityKind.SERVICE)
@@ -121,20 +121,20 @@ class Graph:
         return tuple(sorted({info.name for kind in kinds for info in self._endpoints.of_type(kind, ros_type)}))
 
     def get_services_of_type(self, ros_type: str) -> tuple[EndpointInfo, ...]:
-        """Return the servers whose service is of the type with the full name *ros_type*, sorted by service."""
+        """Return the servers of services of type *ros_type*, sorted by service."""
         return tuple(sorted(self._endpoints.of_type(EntityKind.SERVICE, ros_type), key=lambda info: info.name))
 
     def handlers_without_caller(self) -> Iterator[tuple[str, float]]:
-        """Yield the services with a handler at work whose caller has left, and the seconds since the oldest began."""
+        """Yield services with handlers that run without a caller, and the age of the oldest in seconds."""
         for name, slot in sorted(self._services.items()):
             if slot.server is not None and (seconds := slot.server.seconds_without_caller()):
                 yield name, seconds
 
     @contextmanager
     def watch(self) -> Iterator[Mailbox[GraphChange]]:
-        """Give a stream of every change from now on: ``with graph.watch() as changes: async for change in changes``.
+        """Stream every change from now on: ``with graph.watch() as changes: async for change in changes``.
 
-        10,000 changes may wait; then the oldest is dropped and counted in ``changes.lost``.
+        At most 10,000 changes are queued; more drop the oldest, counted in ``changes.lost``.
         """
         changes: Mailbox[GraphChange] = Mailbox(WATCH_DEPTH)
         self._watchers.append(changes)
@@ -147,9 +147,9 @@ class Graph:
     # What follows is for nodes.
 
     async def watch_services(self) -> AsyncIterator[str | None]:
-        """Yield the full name of each service that comes, from the first step on; to be read to its end, in one task.
+        """Yield the full name of each new service. Read it to its end, in one task.
 
-        None comes at the beginning, and whenever more happened than could be remembered: any service may be a new one.
+        None means that any service may be new: at the beginning, and after lost changes.
         """
         with self.watch() as changes:
             yield None
@@ -164,10 +164,10 @@ class Graph:
                     yield change.entity.name
 
     def add_node(self, node: Node) -> None:
-        """Take *node* in.
+        """Add *node*.
 
         Raises:
-            DuplicateNameError: A node of this name is there.
+            DuplicateNameError: The name is used.
         """
         if node.full_name in self._nodes:
             raise DuplicateNameError(f"a node {node.full_name} is already running; give one of the two another name")
@@ -175,13 +175,13 @@ class Graph:
         self.add_endpoint(node, EndpointInfo(EntityKind.NODE, node.full_name, node.full_name))
 
     def remove_node(self, node: Node) -> None:
-        """Let *node* go."""
+        """Remove *node*."""
         if self._nodes.get(node.full_name) is node:
             del self._nodes[node.full_name]
             self.remove_endpoint(node)
 
     def topic(self, name: str, message_type: type[Message], node: str) -> Topic:
-        """Return the topic with the full name *name*, made when it is new.
+        """Return the topic with the full name *name*, created on first use.
 
         Raises:
             TypeMismatchError: It carries another type.
@@ -193,7 +193,7 @@ class Graph:
         return topic
 
     def release_topic(self, topic: Topic) -> None:
-        """Forget *topic* when nobody uses it."""
+        """Remove *topic* if it is unused."""
         if topic.is_unused and self._topics.get(topic.name) is topic:
             del self._topics[topic.name]
 
@@ -212,18 +212,18 @@ class Graph:
         return slot
 
     def release_service_slot(self, slot: ServiceSlot) -> None:
-        """Count one user less; the last one lets the name go."""
+        """Remove one user of *slot*, and the slot after its last user."""
         slot.users -= 1
         if slot.users == 0:
             self._services.pop(slot.name, None)
 
     def add_endpoint(self, entity: object, info: EndpointInfo) -> None:
-        """Show *entity* as *info* and notify the watchers."""
+        """Add *entity* as *info* and notify the watchers."""
         self._endpoints.add(entity, info)
         self._notify(GraphChange("added", info))
 
     def remove_endpoint(self, entity: object) -> None:
-        """Show *entity* no longer and notify the watchers. Twice is fine."""
+        """Remove *entity* and notify the watchers. Idempotent."""
         if (info := self._endpoints.remove(entity)) is not None:
             self._notify(GraphChange("removed", info))
 

@@ -1,4 +1,4 @@
-"""One call of a service whose handler waits: its task, its caller and its outcome."""
+"""A call of a service with a handler that waits: its task, its caller and its outcome."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""The bounded queue between whoever puts and the one task that reads.
+"""A bounded queue with any number of writers and one reading task.
 
-``put`` never blocks: a full mailbox drops its oldest item and counts it in ``lost``. One reader at a time, which yields
-to other tasks at least every 256 items. Not for use from other threads.
+``put`` never blocks: a full mailbox drops its oldest item and counts it in ``lost``. The reader yields to other tasks
+at least every 256 items. Not thread-safe.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ __all__ = ["TURN", "BoundedQueue", "KeyedQueue", "Mailbox", "Queue", "keyed_queu
 
 T = TypeVar("T")
 
-TURN = 256  # items read before other tasks get their turn, should the reader never wait
-MAX_KEYED_ITEMS = 100_000  # over all keys, which come from outside
+TURN = 256  # items read before a reader that never waits yields to other tasks
+MAX_KEYED_ITEMS = 100_000  # over all keys, which outside peers choose
 _FEW = 64
 
 
@@ -47,7 +47,7 @@ class BoundedQueue(Queue[T], Protocol):
     """A queue that keeps its own bounds."""
 
     def has_room_for(self, item: T, /) -> bool:
-        """Return whether :meth:`append` would take *item* without dropping another."""
+        """Return whether :meth:`append` accepts *item* without dropping another."""
         ...
 
 
@@ -55,11 +55,11 @@ class Mailbox(Generic[T]):
     """A bounded queue with one asynchronous reader.
 
     Attributes:
-        queue: The waiting items, oldest first. A publisher appends here itself, see ``Publisher.publish``.
-        waiting: Is empty when the queue is; to ask it takes a fraction of the time.
-        depth: How many items may wait; a keyed queue, or one that was given, keeps its own bounds.
-        waiter: Set while the reader waits for an item; whoever adds one calls :meth:`wake`.
-        senders: Those who wait for room; whoever removes an item calls :meth:`admit_senders` when there are any.
+        queue: The waiting items, oldest first. Publishers append directly, see ``Publisher.publish``.
+        waiting: Empty if and only if the queue is; faster to test.
+        depth: Maximum number of items; keyed and custom queues keep their own bounds.
+        waiter: Set while the reader waits; a writer then calls :meth:`wake`.
+        senders: Tasks that wait for room; after a removal, call :meth:`admit_senders`.
     """
 
     __slots__ = ("_closed", "_keyed", "_losses", "_turn", "depth", "queue", "senders", "waiter", "waiting")
@@ -67,7 +67,7 @@ class Mailbox(Generic[T]):
     def __init__(
         self, depth: int, key: Callable[[T], Hashable] | None = None, queue: BoundedQueue[T] | None = None
     ) -> None:
-        """Make an empty mailbox for *depth* items; with *key*, for *depth* items of each key; or with a *queue*."""
+        """Create a mailbox for *depth* items, or for *depth* items of each *key*, or with a custom *queue*."""
         self._losses = _Losses()
         keyed = None if key is None else keyed_queue(depth, key, self._losses.add)
         self._keyed: BoundedQueue[T] | None = keyed if queue is None else queue
@@ -81,7 +81,7 @@ class Mailbox(Generic[T]):
 
     @property
     def lost(self) -> int:
-        """Items dropped since the start because the mailbox was full; a queue that was given counts its own."""
+        """Number of items dropped because the mailbox was full; a custom queue counts its own."""
         return self._losses.count
 
     @lost.setter
@@ -89,7 +89,7 @@ class Mailbox(Generic[T]):
         self._losses.count = count
 
     def put(self, item: T) -> None:
-        """Add *item*; a full mailbox drops its oldest item first. After :meth:`close`: nothing happens."""
+        """Add *item*, dropping the oldest one of a full mailbox. A closed mailbox ignores it."""
         if self._closed:
             return
         if self._keyed is None and len(self.queue) >= self.depth:
@@ -99,7 +99,7 @@ class Mailbox(Generic[T]):
             self.wake()
 
     def take(self) -> T | None:
-        """Return the oldest item, or None when there is none now."""
+        """Remove and return the oldest item, or None if the mailbox is empty."""
         if not self.waiting:
             return None
         item = self.queue.popleft()
@@ -126,7 +126,7 @@ class Mailbox(Generic[T]):
         return item
 
     async def wait(self) -> None:
-        """Wait until an item is there.
+        """Wait for an item.
 
         Raises:
             ClosedError: The mailbox is closed and empty.
@@ -146,13 +146,13 @@ class Mailbox(Generic[T]):
                 self.waiter = None
 
     def has_room_for(self, item: T) -> bool:
-        """Return whether :meth:`put` would take *item* without dropping another; always so when closed."""
+        """Return whether :meth:`put` drops no item; always true when closed."""
         if self._closed:
             return True
         return len(self.queue) < self.depth if self._keyed is None else self._keyed.has_room_for(item)
 
     async def wait_for_change(self) -> None:
-        """Wait until an item was taken out or the mailbox was closed; whether there is room must be asked again."""
+        """Wait until an item is removed or the mailbox is closed; then test for room again."""
         sender = asyncio.get_running_loop().create_future()
         self.senders.append(sender)
         try:
@@ -163,16 +163,15 @@ class Mailbox(Generic[T]):
             raise
 
     def wake(self) -> None:
-        """Let the waiting reader run."""
+        """Wake the waiting reader."""
         waiter, self.waiter = self.waiter, None
         if waiter is not None and not waiter.done():
             waiter.set_result(None)
 
     def admit_senders(self) -> None:
-        """Let all who wait for room look again, in the order they came.
+        """Wake all waiting senders, in the order of arrival.
 
-        All, not the first alone: that one may wait for another mailbox too, or for room under another key, and would
-        keep the place from the rest.
+        All of them, because the first may also wait for another mailbox or another key.
         """
         while self.senders:
             sender = self.senders.popleft()
@@ -185,13 +184,13 @@ class Mailbox(Generic[T]):
         self._losses.count += 1
 
     def close(self) -> None:
-        """End the mailbox: what waits can still be read, nothing more comes in. Twice is fine."""
+        """Accept no more items; queued ones can still be read. Idempotent."""
         self._closed = True
         self.wake()
         self.admit_senders()
 
     def clear(self) -> None:
-        """Let go of all that waits; that is no loss."""
+        """Discard all items without counting them as lost."""
         while self.waiting:
             self.queue.popleft()
         self.admit_senders()
@@ -207,7 +206,7 @@ class Mailbox(Generic[T]):
 
 
 class _Losses:
-    """The losses of a mailbox, apart from it: its queue counts here without holding it in a cycle."""
+    """The loss counter of a mailbox, a separate object so that its queue forms no reference cycle."""
 
     __slots__ = ("count",)
 
@@ -221,11 +220,10 @@ class _Losses:
 class KeyedQueue(Generic[T]):
     """A queue that keeps the newest ``depth`` items of each key, all in order of arrival.
 
-    An item that would be one too many for its key drops the oldest item of that key. At most 100,000 items wait at
-    once, whatever their keys; one more drops the oldest item of all.
+    A full key drops its oldest item. At most 100,000 items wait over all keys; one more drops the oldest of all.
 
     Attributes:
-        items: Where they lie, by a number or by their key.
+        items: The items by sequence number, or by key for depth 1.
     """
 
     def __init__(self, depth: int, key: Callable[[T], Hashable], on_loss: Callable[[T], None] | None) -> None:
@@ -233,7 +231,7 @@ class KeyedQueue(Generic[T]):
         self._key = key
         self._on_loss = on_loss
         self.items: OrderedDict[Hashable, T] = OrderedDict()
-        # Of a key there are mostly one or two, and a deque begins with room for 64.
+        # Most keys have one or two items, and a deque allocates room for 64.
         self._make_numbers: Callable[[], list[int] | deque[int]] = list if depth <= _FEW else deque
         self._numbers: dict[Hashable, list[int] | deque[int]] = {}
         self._next = 0
@@ -259,7 +257,7 @@ class KeyedQueue(Generic[T]):
         self._next += 1
 
     def has_room_for(self, item: T) -> bool:
-        """Return whether :meth:`append` would take *item* without dropping another."""
+        """Return whether :meth:`append` accepts *item* without dropping another."""
         return len(self._numbers.get(self._key(item), ())) < self._depth and len(self.items) < MAX_KEYED_ITEMS
 
     def popleft(self) -> T:
@@ -273,7 +271,7 @@ class KeyedQueue(Generic[T]):
         return item
 
     def discard(self, key: Hashable) -> None:
-        """Forget every item of *key*."""
+        """Remove every item of *key*."""
         for number in self._numbers.pop(key, ()):
             del self.items[number]
 
@@ -285,7 +283,7 @@ class KeyedQueue(Generic[T]):
 
 
 class _NewestOfEach(KeyedQueue[T]):
-    """The same of depth 1, as nearly all keyed topics have it: the items lie under their keys."""
+    """A keyed queue of depth 1, the usual one: items by key."""
 
     def append(self, item: T) -> None:
         key, items = self._key(item), self.items
@@ -311,7 +309,7 @@ def keyed_queue(depth: int, key: Callable[[T], Hashable], on_loss: Callable[[T],
 
     Args:
         depth: At least 1.
-        key: Reads the key of an item.
-        on_loss: Is given each item that is dropped.
+        key: Returns the key of an item.
+        on_loss: Called with each dropped item.
     """
     return (_NewestOfEach if depth == 1 else KeyedQueue)(depth, key, on_loss)

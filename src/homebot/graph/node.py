@@ -9,16 +9,13 @@ and the asynchronous one::
     async for message in node.create_subscription(String, "chatter"):
         ...
 
-Callbacks and timers run inside ``async with node``; what is made before waits until then. Unless told otherwise a
-callback is called with one message at a time, in order. An exception in a callback costs that one message: it is logged
-and counted in ``graph.failures``, and the next message comes as usual. So do SystemExit, GeneratorExit, and a
-cancellation that is not the node's own but that of a task which the callback awaits.
+Callbacks and timers run inside ``async with node``; earlier ones start then. By default a callback receives one message
+at a time, in order. An exception in a callback (also SystemExit, GeneratorExit or a stray cancellation) costs its
+message: it is logged and counted in ``graph.failures``.
 
-An exception in one of the node's tasks ends the ``async with`` block: the node has crashed, and whoever runs it decides
-what happens next. The block raises that exception itself, or an exception group where there were several.
+An exception in one of the node's tasks ends the ``async with`` block, which raises it, or a group of several.
 
-It is longer than 400 lines because one class offers all that a node can do, as rclpy's does; each mechanism is in
-a file of its own.
+The class is long because it offers all operations of a node, as rclpy's does; each mechanism has its own file.
 """
 
 from __future__ import annotations
@@ -90,14 +87,14 @@ class Node:
         self.namespace = self.full_name.removesuffix(f"/{name}") or "/"
         self.log = get_logger(node=self.full_name)
         self._tasks: TaskGroup | None = None
-        self._scopes: dict[anyio.CancelScope, None] = {}  # in the order of starting, so that runs are alike
+        self._scopes: dict[anyio.CancelScope, None] = {}  # in order of start, for reproducible runs
         self._waiting: list[Callable[[], Coroutine[object, object, None]]] = []
         self._entities: dict[int, GraphEntity] = {}
         self._closed = False
         graph.add_node(self)
         self._events = self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
         self.parameters = ParameterSet(
-            self.full_name, parameters or {}, self._announce_parameter, self._take_check_failure
+            self.full_name, parameters or {}, self._announce_parameter, self._record_check_failure
         )
 
     def create_publisher(self, msg_type: type[MessageT], topic: str, qos_profile: QoSLike = 10) -> Publisher[MessageT]:
@@ -144,12 +141,12 @@ class Node:
         Args:
             msg_type: The message class.
             topic: The name; relative, absolute, or private (``~/name``).
-            callback: A function or coroutine function called with each message; without one, iterate.
+            callback: A function or coroutine function for each message; without one, iterate.
             qos_profile: The quality of service that is requested; a number is the depth of the queue.
             concurrent: Whether the callback may run several times at once, up to the depth of the queue.
-            from_node: Full name of the only node whose messages are wanted; empty for all nodes, `OTHERS` for all but
-                this one.
-            queue: A queue with rules of its own; by default one as deep as *qos_profile* says.
+            from_node: Full name of the only publishing node to receive; empty for all nodes, `OTHERS` for all but this
+                one.
+            queue: A custom queue; by default one of the depth of *qos_profile*.
 
         Raises:
             InvalidNameError: *topic* is not a legal name.
@@ -166,7 +163,7 @@ class Node:
             self._hide(subscription)
 
         def on_failure(error: BaseException) -> None:
-            self._take_failure(f"handler of {channel.name}", error, "its message is lost")
+            self._record_failure(f"handler of {channel.name}", error, "its message is lost")
 
         subscription = Subscription(
             channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close, on_failure, from_node, queue
@@ -189,15 +186,15 @@ class Node:
     ) -> Service[RequestT, ResponseT]:
         """Serve *srv_name*; only one node may.
 
-        A handler that waits runs in a task of this node, and goes on when its caller has given up. While the node does
-        not run it has no tasks: a handler then runs in the task of its caller and is cancelled with it.
+        A handler that waits runs in a task of this node and continues if its caller gives up. While the node does not
+        run, handlers run in the tasks of their callers and are cancelled with them.
 
         Args:
             srv_type: The service type.
             srv_name: The name; relative, absolute, or private (``~/name``).
-            callback: A function or coroutine function that takes a request and returns the response.
-            concurrent: Whether several calls may be served at once, up to 1,000; by default they wait in line.
-            cancel_with_caller: Whether a handler is cancelled when its caller gives up, as it only waits for others.
+            callback: A function or coroutine function from request to response.
+            concurrent: Whether up to 1,000 calls are served at once; by default they wait in line.
+            cancel_with_caller: Whether a handler ends with its caller, for handlers that only wait for others.
 
         Raises:
             InvalidNameError: *srv_name* is not a legal name.
@@ -258,14 +255,14 @@ class Node:
         self._check_open()
 
         def on_failure(error: BaseException) -> None:
-            self._take_failure(f"timer of {timer.period:g} s", error, "it continues")
+            self._record_failure(f"timer of {timer.period:g} s", error, "it continues")
 
         timer = Timer(timer_period_sec, callback, self.graph.clock, on_failure)
         self._start(timer.run)
         return timer
 
     def create_task(self, function: Callable[[], Coroutine[object, object, None]]) -> None:
-        """Run *function* as one of the node's tasks, from now or from when the node runs; it ends with the node."""
+        """Run *function* as a task of the node, from now or from the start of the node, until the node ends."""
         self._check_open()
         self._start(function)
 
@@ -282,13 +279,13 @@ class Node:
         return self.log
 
     def resolve_name(self, name: str, kind: str = "topic name") -> str:
-        """Return the full name that *name* means to this node."""
+        """Return the full name of *name*, as seen from this node."""
         return expand_name(name, self.name, self.namespace, kind)
 
     def lost_messages(self) -> Iterator[tuple[str, int]]:
-        """Yield the topics of which its open subscriptions lost messages, with how many.
+        """Yield topics with lost messages of open subscriptions, and their number.
 
-        Where only the newest is kept, of all or of each key, the others are not lost but outdated.
+        Messages replaced by newer ones on a topic of depth 1 are outdated, not lost.
         """
         for entity in self._entities.values():
             if isinstance(entity, Subscription) and entity.lost and entity.wants_all:
@@ -300,9 +297,9 @@ class Node:
         return self._closed
 
     def close(self) -> None:
-        """Leave the graph with everything the node made, and end its tasks.
+        """Close all entities of the node, leave the graph and end the tasks.
 
-        The body of an ``async with node`` around it goes on. Twice is fine.
+        The body of an enclosing ``async with node`` continues. Idempotent.
         """
         if self._closed:
             return
@@ -357,7 +354,7 @@ class Node:
         return True
 
     async def _run(self, function: Callable[[], Coroutine[object, object, None]]) -> None:
-        """Run one of the node's tasks in a scope of its own: closing the node ends its tasks, not who runs the node."""
+        """Run a task of the node in its own scope: closing the node ends its tasks, not the caller's."""
         scope = anyio.CancelScope()
         try:
             with scope:
@@ -368,21 +365,20 @@ class Node:
                 finally:
                     self._scopes.pop(scope, None)
         except asyncio.CancelledError:
-            # Nothing comes after this in the task, so that one that is to end may as well return. Else a cancellation
-            # that is not of the scope, but met the node's end, would end the block too.
+            # A task that ends anyway returns normally: a cancellation that met the node's end must not end the block.
             if not scope.cancel_called and not is_cancelled():
                 raise
 
-    def _take_failure(self, callback: str, error: BaseException, cost: str) -> None:
-        """Count what came out of a callback and is not meant for the task that ran it."""
+    def _record_failure(self, callback: str, error: BaseException, cost: str) -> None:
+        """Record the failure of a callback."""
         if isinstance(error, asyncio.CancelledError):
             uncancel()
         crash = crash_of(self.full_name, error)
         if self._closed and isinstance(crash, ClosedError):
-            return  # the node was closed under its hands
+            return  # the node was closed meanwhile
         self.graph.failures.record(self.full_name, callback, crash, cost)
 
-    def _take_check_failure(self, name: str, error: Exception) -> None:
+    def _record_check_failure(self, name: str, error: Exception) -> None:
         self.graph.failures.record(self.full_name, f"check of parameter {name}", error, "the value is refused")
 
     def _show(self, entity: GraphEntity) -> None:

@@ -1,8 +1,8 @@
 """The parameters of one node: declared, typed, checked, announced.
 
 As in ROS: a parameter must be declared, its type is that of its default and stays, and a start-up override replaces the
-default. Better than ROS: a whole number is welcome where a real one is declared. An empty list fits any array; as a
-default it declares an array of strings.
+default. Unlike ROS, a double accepts integers. An empty list fits any array; as a default it declares an array of
+strings.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ class ParameterDescriptor(NamedTuple):
     """The constraints on a parameter.
 
     Attributes:
-        description: For people.
+        description: Text for users.
         read_only: Whether it keeps its start-up value.
-        minimum: Least number allowed, or None.
-        maximum: Greatest number allowed, or None.
+        minimum: Least allowed number, or None.
+        maximum: Greatest allowed number, or None.
     """
 
     description: str = ""
@@ -63,8 +63,8 @@ class ParameterSet:
     Args:
         node: Full name of the node, for messages.
         overrides: Start-up values by name; they replace the defaults at declaration.
-        on_event: Called with each parameter that was declared or changed.
-        on_failure: Called with the name of a parameter and what a check of it raised.
+        on_event: Called with each declared or changed parameter.
+        on_failure: Called with the name of a parameter and the exception of its check.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class ParameterSet:
         self._checks: list[Callable[[Parameter], str | None]] = []
 
     def declare(self, name: str, default: Value, descriptor: ParameterDescriptor | None = None) -> Parameter:
-        """Declare a parameter and return it with the value it starts with.
+        """Declare a parameter and return it with its start-up value.
 
         Raises:
             ParameterError: It is declared already, or the start-up value does not fit.
@@ -110,7 +110,7 @@ class ParameterSet:
         return Parameter(name, self._find(name).value)
 
     def set(self, name: str, value: Value) -> Parameter:
-        """Give *name* a new value and return it; the same value again changes and announces nothing.
+        """Set *name* to a new value and return it; an equal value is not announced.
 
         Raises:
             ParameterError: It is not declared, read-only, of another type, out of its range, or refused by a check.
@@ -130,9 +130,9 @@ class ParameterSet:
         return tuple(sorted(self._declared))
 
     def add_on_set_callback(self, check: Callable[[Parameter], str | None]) -> None:
-        """Ask *check* before any value is taken; it answers with the reason to refuse, or None.
+        """Call *check* before each change; it returns the reason for a refusal, or None.
 
-        A check that raises refuses the value.
+        An exception refuses the value.
         """
         self._checks.append(check)
 
@@ -164,7 +164,7 @@ class ParameterSet:
         for check in reversed(self._checks):
             try:
                 reason = check(parameter)
-            except BaseException as exc:  # noqa: BLE001 - setting is not to pay for checking
+            except BaseException as exc:  # noqa: BLE001 - a failing check refuses the value
                 crash = crash_of(self._node, exc)
                 self._on_failure(parameter.name, crash)
                 reason = f"its check failed ({error_text(crash)})"
@@ -179,7 +179,7 @@ _NUMBERS |= {"bool[]": 6, "integer[]": 7, "double[]": 8, "string[]": 9}
 
 
 def _converted(value: Value, kind: str) -> Value:
-    """Return *value* with lists as tuples, and with whole numbers as real ones where *kind* is real."""
+    """Return *value* with lists as tuples, and integers as floats if *kind* is a double."""
     if isinstance(value, list):
         value = tuple(value)
     if kind == "double" and type(value) is int:
@@ -200,7 +200,7 @@ def _kind_of(value: Value) -> str:
 
 
 def _kind_of_one(value: object) -> str:
-    """Return the kind of a single value, empty where it has none: a whole number beyond 64 bits, for example."""
+    """Return the kind of a single value, or an empty string, as for an integer beyond 64 bits."""
     if type(value) is int and not -(2**63) <= value < 2**63:
         return ""
     return _KINDS.get(type(value), "")

@@ -21,7 +21,7 @@ MessageT = TypeVar("MessageT", bound=Message)
 
 
 class Publisher(Generic[MessageT]):
-    """Publishes messages of one type on one topic, in order, without ever blocking.
+    """Publishes messages of one type on one topic, in order, without blocking.
 
     Attributes:
         info: The endpoint as the graph shows it.
@@ -39,7 +39,7 @@ class Publisher(Generic[MessageT]):
         clock: Clock,
         on_close: Callable[[], None],
     ) -> None:
-        """Take what :meth:`homebot.graph.Node.create_publisher` gives; not for use by hand."""
+        """Use :meth:`homebot.graph.Node.create_publisher` instead."""
         self.info = EndpointInfo(EntityKind.PUBLISHER, node, topic, message_type.ros_type, qos)
         self.qos = qos
         self.subscription_count = 0
@@ -61,7 +61,7 @@ class Publisher(Generic[MessageT]):
 
     def reaches(self, node: str) -> bool:
         """Return whether the node with the full name *node* has a matched subscription."""
-        for one in self._subscriptions:  # noqa: SIM110 - a generator would cost each raw command more
+        for one in self._subscriptions:  # noqa: SIM110 - faster than a generator
             if one.info.node == node:
                 return True
         return False
@@ -75,9 +75,9 @@ class Publisher(Generic[MessageT]):
         return False
 
     def publish(self, message: MessageT) -> None:
-        """Hand *message* to every matched subscription; never blocks.
+        """Queue *message* for every matched subscription; never blocks.
 
-        A subscription whose queue is full drops its oldest message and counts the loss.
+        A full queue drops its oldest message and counts the loss.
 
         Raises:
             TypeMismatchError: *message* is not exactly of the topic's type.
@@ -90,7 +90,7 @@ class Publisher(Generic[MessageT]):
             return
         if self._history is not None:
             self._history.append(message)
-        # Written out rather than calling Mailbox.put: these loops are what a delivery costs.
+        # Inlined Mailbox.put: these loops are the cost of a delivery.
         if self._is_keyed:  # its queues keep their own bounds
             for mailbox in self._mailboxes:
                 mailbox.queue.append(message)
@@ -106,14 +106,13 @@ class Publisher(Generic[MessageT]):
                 mailbox.wake()
 
     async def send(self, message: MessageT) -> bool:
-        """Publish *message* when every RELIABLE subscription has room for it; for what must not be dropped.
+        """Publish *message* when every RELIABLE subscription has room for it (keyed: room for its key).
 
-        On a keyed topic that is room for one more message of its key. Waits without limit, until the reader reads or
-        either end is closed: use a time limit if the reader may hang. The order of several waiting senders is not
-        defined.
+        Waits without limit until the reader reads or either end is closed. The order of several waiting senders is
+        undefined.
 
         Returns:
-            Whether it had to wait, in which time subscriptions may have come or gone.
+            Whether it waited; subscriptions may have changed meanwhile.
 
         Raises:
             TypeMismatchError, ClosedError: As :meth:`publish`.
@@ -128,36 +127,36 @@ class Publisher(Generic[MessageT]):
         return has_waited
 
     def dispose(self, key: Hashable) -> None:
-        """Forget what is kept for late joiners under *key*; a keyed TRANSIENT_LOCAL topic needs it to stay bounded."""
+        """Drop the history of *key*, so that a keyed TRANSIENT_LOCAL topic stays bounded."""
         if isinstance(self._history, KeyedQueue):
             self._history.discard(key)
 
     def close(self) -> None:
-        """Leave the topic; what was kept for late joiners goes too. Twice is fine."""
+        """Leave the topic and drop the history. Idempotent."""
         if not self._closed:
             self._closed = True
             self._is_plain = False
             self._history = None
             mailboxes = self._mailboxes
-            on_close, self._on_close = self._on_close, None  # it holds us: both would stay in memory
+            on_close, self._on_close = self._on_close, None  # breaks a reference cycle
             if on_close is not None:
                 on_close()
             for mailbox in mailboxes:
                 mailbox.admit_senders()
 
     def connect(self, subscriptions: tuple[Subscription[MessageT], ...]) -> None:
-        """Take *subscriptions* as the ones to publish to; called by the topic."""
+        """Publish to *subscriptions* from now on; called by the topic."""
         self._subscriptions = subscriptions
         self._mailboxes = tuple(subscription.mailbox for subscription in subscriptions)
         self.subscription_count = len(subscriptions)
 
     def replay(self, subscription: Subscription[MessageT]) -> None:
-        """Put what is kept into *subscription*, oldest first; called by the topic for a late joiner."""
+        """Queue the history for *subscription*, oldest first; called by the topic."""
         mailbox = subscription.mailbox
         lost = mailbox.lost
         for item in self._kept():
             mailbox.put(item)
-        mailbox.lost = lost  # to ask for less history than is kept is no loss
+        mailbox.lost = lost  # a shorter queue than the history is no loss
 
     def _publish_expiring(self, message: MessageT) -> None:
         if self._closed:

@@ -1,4 +1,4 @@
-"""Quality of service: what a publisher offers, what a subscription requests, and whether the two fit.
+"""Quality of service: offers of publishers, requests of subscriptions, and their matching.
 
 Names, defaults and rules are those of ROS 2 (rclpy ``qos.py``, rmw ``qos_profiles.h``) and DDS.
 """
@@ -28,7 +28,7 @@ __all__ = [
     "to_qos_profile",
 ]
 
-KEEP_ALL_LIMIT = 65_536  # a household process must not grow without end, also where somebody asks for "all"
+KEEP_ALL_LIMIT = 65_536  # bounds KEEP_ALL
 
 
 class HistoryPolicy(IntEnum):
@@ -49,14 +49,14 @@ class ReliabilityPolicy(IntEnum):
 
 
 class DurabilityPolicy(IntEnum):
-    """The rule that decides whether late joiners get what was published before."""
+    """The rule that decides whether late joiners receive earlier messages."""
 
     TRANSIENT_LOCAL = 1
     VOLATILE = 2
 
 
 class LivelinessPolicy(IntEnum):
-    """The rule that decides who asserts that a publisher is alive."""
+    """The way a publisher asserts that it is alive."""
 
     AUTOMATIC = 1
     MANUAL_BY_TOPIC = 3
@@ -109,7 +109,7 @@ qos_profile_latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_
 
 
 def to_qos_profile(qos: QoSLike) -> QoSProfile:
-    """Return the profile that *qos* means; a whole number is KEEP_LAST of that depth.
+    """Return the profile for *qos*; an integer means KEEP_LAST of that depth.
 
     Raises:
         QosError: The number is below 1.
@@ -118,9 +118,9 @@ def to_qos_profile(qos: QoSLike) -> QoSProfile:
 
 
 def qos_incompatibilities(offered: QoSProfile, requested: QoSProfile) -> tuple[str, ...]:
-    """Return why a publisher that offers *offered* cannot serve a subscription that requests *requested*.
+    """Return the reasons why *offered* does not satisfy *requested*; empty if they match.
 
-    An empty tuple means that they fit. History, depth and lifespan never matter.
+    History, depth and lifespan do not take part in matching.
     """
     problems = []
     if offered.reliability is ReliabilityPolicy.BEST_EFFORT and requested.reliability is ReliabilityPolicy.RELIABLE:

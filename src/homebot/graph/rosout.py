@@ -23,8 +23,7 @@ class RosoutFeed:
     """A structlog processor that publishes each line on ``/rosout`` and passes it on unchanged, from any thread.
 
     Args:
-        node: The node that publishes; made in the thread of its event loop. Once it is closed, lines pass without being
-            published.
+        node: The publishing node, created in the thread of its event loop. After its end, lines pass unpublished.
     """
 
     def __init__(self, node: Node) -> None:
@@ -59,5 +58,5 @@ class RosoutFeed:
 
 
 def _text(value: object) -> str:
-    """Return *value* as text that a message may carry: a lone surrogate, as from an odd file name, becomes ``?``."""
+    """Return *value* as valid UTF-8 text; lone surrogates, as from odd file names, become ``?``."""
     return str(value).encode(errors="replace").decode()

@@ -40,13 +40,13 @@ MAX_WAITING = 1000  # callers in line
 
 
 class ServiceSlot:
-    """A service name: its type, its one server, its clients; it exists while anybody uses it.
+    """A service name with its type, its server and its number of users; it exists while it is used.
 
     Attributes:
         name: Full name.
         service_type: The type of its requests and responses.
-        server: Who serves now, or None.
-        users: Clients and server together.
+        server: The server, or None.
+        users: Number of clients and servers.
     """
 
     def __init__(self, name: str, service_type: ServiceType[Any, Any]) -> None:
@@ -54,21 +54,21 @@ class ServiceSlot:
         self.service_type = service_type
         self.server: Service[Any, Any] | None = None
         self.users = 0
-        self._waiters: dict[asyncio.Future[None], None] = {}  # in the order of coming, so that runs are alike
+        self._waiters: dict[asyncio.Future[None], None] = {}  # in order of arrival, for reproducible runs
 
     def set_server(self, server: Service[Any, Any] | None) -> None:
-        """Make *server* the one that serves, and wake whoever waits for a change."""
+        """Set the server and wake all waiting clients."""
         self.server = server
         self.wake()
 
     def wake(self) -> None:
-        """Let everybody in :meth:`wait_for_change` look again."""
+        """Wake all tasks in :meth:`wait_for_change`."""
         for waiter in self._waiters:
             if not waiter.done():
                 waiter.set_result(None)
 
     async def wait_for_change(self) -> None:
-        """Wait until a server or a client came or went."""
+        """Wait until a server or client is added or removed."""
         waiter = asyncio.get_running_loop().create_future()
         self._waiters[waiter] = None
         try:
@@ -104,7 +104,7 @@ class Service(Generic[RequestT, ResponseT]):
         on_close: Callable[[], None],
         reports: ServiceReports,
     ) -> None:
-        """Take what :meth:`homebot.graph.Node.create_service` gives; not for use by hand."""
+        """Use :meth:`homebot.graph.Node.create_service` instead."""
         self.info = EndpointInfo(EntityKind.SERVICE, node, name, service_type.ros_type)
         self.callback = callback
         self.cancel_with_caller = cancel_with_caller
@@ -115,7 +115,7 @@ class Service(Generic[RequestT, ResponseT]):
         self.line: deque[asyncio.Future[None]] = deque()
         self._reports = reports
         self._on_close: Callable[[], None] | None = on_close
-        self._runs: dict[HandlerRun, None] = {}  # in the order of beginning, so that runs are alike
+        self._runs: dict[HandlerRun, None] = {}  # in order of start, for reproducible runs
 
     @property
     def service_name(self) -> str:
@@ -189,19 +189,19 @@ class Service(Generic[RequestT, ResponseT]):
         self._reports.report_late(cause if isinstance(cause, HomebotError) else None)
 
     def seconds_without_caller(self) -> float:
-        """Return the age of the oldest handler whose caller has left, or 0."""
+        """Return the age in seconds of the oldest handler without a caller, or 0."""
         now = asyncio.get_running_loop().time()
         return next((now - run.began for run in self._runs if run.outcome.done()), 0.0)
 
     def close(self) -> None:
         """Stop serving: handlers at work are cancelled, and calls under way end with ServiceGoneError.
 
-        A handler that closes its own server still answers. Twice is fine.
+        A handler that closes its own server still answers. Idempotent.
         """
         if self.is_closed:
             return
         self.is_closed = True
-        on_close, self._on_close = self._on_close, None  # it holds us: both would stay in memory
+        on_close, self._on_close = self._on_close, None  # breaks a reference cycle
         if on_close is not None:
             on_close()
         own = next(calling_runs(), None)

@@ -1,4 +1,4 @@
-"""Counts of service calls that did not end as they should, on the whole graph."""
+"""Counters of late answers and refused calls of all services."""
 
 from __future__ import annotations
 
@@ -21,12 +21,9 @@ ANSWER_LATE = "graph.answer_late"
 class ServiceCounts:
     """Counters of all services of a graph.
 
-    Args:
-        clock: The time to go by.
-
     Attributes:
-        late_answers: Answers, errors among them, that came when their caller had left; they were dropped.
-        refused_calls: Calls that were refused because too many wait for the service.
+        late_answers: Number of responses and errors that were dropped because their caller had left.
+        refused_calls: Number of calls refused because the waiting line was full.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -35,7 +32,7 @@ class ServiceCounts:
         self._limit = LogLimit(clock)
 
     def count_late(self, node: str, service: str, error: HomebotError | None) -> None:
-        """Count a late answer; a line of the log says which *error* it is, at most one in 10 s for each service."""
+        """Count a late answer and log an *error*, at most one line in 10 s for each service."""
         self.late_answers += 1
         held_back = self._limit.allows(service) if error is not None else None
         if error is None or held_back is None:
@@ -50,13 +47,13 @@ class ServiceCounts:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class ServiceReports:
-    """Takes the reports of one service.
+    """Records the failures and late answers of one service.
 
     Attributes:
         node: Full name of the serving node.
         service: Full name of the service.
-        failures: Counts failures of its handlers.
-        counts: Counts the rest.
+        failures: Counters of handler failures.
+        counts: Counters of late answers and refusals.
     """
 
     node: str
@@ -65,14 +62,14 @@ class ServiceReports:
     counts: ServiceCounts
 
     def report_failure(self, error: Exception, *, has_caller: bool) -> None:
-        """Take an *error* of the handler that is no answer; *has_caller* says whether the caller gets it."""
+        """Record an unexpected *error* of the handler; *has_caller* if a caller receives it."""
         cost = "its caller gets the error" if has_caller else "its caller had left"
         self.failures.record(self.node, f"handler of {self.service}", error, cost)
 
     def report_late(self, error: HomebotError | None) -> None:
-        """Take note of an answer, the *error* or a response, that came when its caller had left."""
+        """Record a late answer: an *error*, or None for a response."""
         self.counts.count_late(self.node, self.service, error)
 
     def report_refusal(self) -> None:
-        """Take note of a call that was refused because too many wait in line."""
+        """Record a call refused because the line was full."""
         self.counts.refused_calls += 1

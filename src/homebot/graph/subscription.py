@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Hashable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Final, Generic, TypeAlias, TypeVar, final
@@ -30,23 +31,23 @@ Callback: TypeAlias = Callable[[MessageT], Awaitable[None] | None]
 @final
 @dataclass(frozen=True, slots=True)
 class Expiring(Generic[T]):
-    """A queued message whose publisher gave it a lifespan.
+    """A queued message with a lifespan.
 
     Attributes:
         message: The message.
-        expires_at: Reading of the monotonic clock from which on it is not delivered.
+        expires_at: Monotonic time after which it is not delivered.
     """
 
     message: T
     expires_at: float
 
     def __getattr__(self, name: str) -> object:
-        """Return a field of the message, so that its key is read as that of a message without a lifespan."""
+        """Return a field of the message, so that keys are read as from a bare message."""
         return getattr(self.message, name)
 
 
 OTHERS: Final = "others"
-"""In the place of the name of a node: all but the one that subscribes, as by ROS's ``ignore_local_publications``."""
+"""As `from_node`: every node but the subscribing one (ROS: ``ignore_local_publications``)."""
 
 
 class Subscription(Generic[MessageT]):
@@ -55,12 +56,12 @@ class Subscription(Generic[MessageT]):
     Attributes:
         info: The endpoint as the graph shows it.
         qos: The quality of service that it requests.
-        from_node: The full name of the only node whose messages it receives; empty for all nodes, :data:`OTHERS` for
-            all but its own.
+        from_node: Full name of the only publishing node that it receives; empty for all nodes, :data:`OTHERS` for all
+            but its own.
         mailbox: The waiting messages.
         incompatible_qos_count: The number of publishers that offer less than it requests.
         expired: The number of messages not delivered because their lifespan had passed.
-        unbegun: The number of messages that were taken out, each by a task that has not begun to handle it.
+        unbegun: The number of received messages whose tasks have not started.
     """
 
     def __init__(
@@ -75,7 +76,7 @@ class Subscription(Generic[MessageT]):
         from_node: str = "",
         queue: BoundedQueue[MessageT | Expiring[MessageT]] | None = None,
     ) -> None:
-        """Take what :meth:`homebot.graph.Node.create_subscription` gives; not for use by hand."""
+        """Use :meth:`homebot.graph.Node.create_subscription` instead."""
         self.info = EndpointInfo(EntityKind.SUBSCRIPTION, node, topic, message_type.ros_type, qos)
         self.qos = qos
         self.from_node = from_node
@@ -86,7 +87,7 @@ class Subscription(Generic[MessageT]):
         self._on_close: Callable[[], None] | None = on_close
         self._on_failure = on_failure
         self._closed = False
-        self._is_abandoned = False  # what called back has ended, so nobody reads the rest
+        self._is_abandoned = False  # the callback loop has ended and unread messages are useless
         self._clock = clock
         self.mailbox: Mailbox[MessageT | Expiring[MessageT]] = Mailbox(
             qos.queue_depth, key_of(message_type) if queue is None else None, queue
@@ -104,11 +105,11 @@ class Subscription(Generic[MessageT]):
 
     @property
     def wants_all(self) -> bool:
-        """True if each message counts, and not only the newest, of all or of each key."""
+        """True if every message counts, not only the newest one (of each key)."""
         return self.qos.queue_depth > 1 and not self._is_keyed
 
     def take(self) -> MessageT | None:
-        """Return the oldest waiting message, or None when there is none now."""
+        """Remove and return the oldest queued message, or None."""
         while (item := self.mailbox.take()) is not None:
             if not isinstance(item, Expiring):
                 return item
@@ -140,10 +141,10 @@ class Subscription(Generic[MessageT]):
             raise StopAsyncIteration from None
 
     def close(self) -> None:
-        """Leave the topic and end the iteration once the queue is read empty. Twice is fine."""
+        """Leave the topic and end the iteration after the last queued message. Idempotent."""
         if not self._closed:
             self._closed = True
-            # The callback holds the subscription: kept, the two would stay in memory with all unread messages.
+            # The callback refers to the subscription: without this the cycle keeps all unread messages in memory.
             on_close, self._on_close = self._on_close, None
             if on_close is not None:
                 on_close()
@@ -152,12 +153,12 @@ class Subscription(Generic[MessageT]):
                 self.mailbox.clear()
 
     async def run_in_turn(self, callback: Callback[MessageT]) -> None:
-        """Call *callback* with every message until the subscription is closed; the node's task does this.
+        """Call *callback* with one message at a time until the subscription is closed.
 
-        The next message waits until the callback is done. A callback that fails costs its message.
+        A failing callback costs its message.
         """
         mailbox = self.mailbox
-        take, waiting, senders = mailbox.queue.popleft, mailbox.waiting, mailbox.senders
+        pop, waiting, senders = mailbox.queue.popleft, mailbox.waiting, mailbox.senders
         task = asyncio.current_task()
         try:
             while True:
@@ -165,7 +166,7 @@ class Subscription(Generic[MessageT]):
                 for _ in range(TURN):
                     if not waiting:
                         break
-                    item = take()
+                    item = pop()
                     if senders:
                         mailbox.admit_senders()
                     if type(item) is Expiring:
@@ -178,7 +179,7 @@ class Subscription(Generic[MessageT]):
                         result = callback(message)
                         if result is not None:
                             await result
-                    except BaseException as exc:  # whatever comes out of it, but what ends this task
+                    except BaseException as exc:  # every failure but the end of this task
                         if is_end_of(task, exc):
                             raise
                         self._on_failure(exc)
@@ -190,24 +191,24 @@ class Subscription(Generic[MessageT]):
             self._abandon()
 
     async def run_concurrently(self, callback: Callback[MessageT]) -> None:
-        """Call *callback* as :meth:`run_in_turn`, but each message in a task of its own, ``depth`` of them at most."""
+        """Call *callback* in one task for each message, at most ``depth`` of them at a time."""
         try:
             await _ConcurrentRun(self, callback, self._on_failure).run()
         finally:
             self._abandon()
 
-    async def run_batches(self, take: Callable[[Iterator[MessageT]], None]) -> None:
-        """Call *take* with the messages that wait, until the subscription is closed; other tasks run in between.
+    async def run_batches(self, handle: Callable[[Iterator[MessageT]], None]) -> None:
+        """Call *handle* with an iterator over the queued messages, until the subscription is closed.
 
-        It takes them one by one, at least one, so that what it leaves still waits, and is given to it again. Where it
-        fails, that costs the message that it took last.
+        *handle* consumes at least one message; unread ones stay queued for the next call. A failure costs the message
+        read last.
         """
         mailbox, task = self.mailbox, asyncio.current_task()
         try:
             while True:
                 await mailbox.wait()
                 try:
-                    take(self._waiting())
+                    handle(self._waiting())
                 except BaseException as exc:  # as of a callback
                     if is_end_of(task, exc):
                         raise
@@ -220,11 +221,11 @@ class Subscription(Generic[MessageT]):
             self._abandon()
 
     def _waiting(self) -> Iterator[MessageT]:
-        """Yield the messages that wait; each is taken when it is asked for."""
+        """Yield the queued messages, each removed when it is requested."""
         mailbox = self.mailbox
-        take, waiting, senders = mailbox.queue.popleft, mailbox.waiting, mailbox.senders
+        pop, waiting, senders = mailbox.queue.popleft, mailbox.waiting, mailbox.senders
         while waiting:
-            item = take()
+            item = pop()
             if senders:
                 mailbox.admit_senders()
             if type(item) is not Expiring:
@@ -233,7 +234,7 @@ class Subscription(Generic[MessageT]):
                 yield message
 
     def _abandon(self) -> None:
-        """Note that what called back has ended, so that nobody reads the rest."""
+        """Mark the callback loop as ended; a closed subscription drops its unread messages."""
         self._is_abandoned = True
         if self._closed:
             self.mailbox.clear()
@@ -246,12 +247,7 @@ class Subscription(Generic[MessageT]):
 
 
 class _ConcurrentRun(Generic[MessageT]):
-    """Calls back with the messages of a subscription side by side, as many at a time as it may have queued.
-
-    The task that takes a message handles it, while another one goes on to read. So a lone message, as nearly all are,
-    waits for no task to begin; and no task is made for it, as one that has handled a message stands by to read on when
-    the next comes. Those that lie there already get their tasks in one go, and begin in their order.
-    """
+    """Runs a callback in one task for each message, at most as many at a time as may be queued."""
 
     def __init__(
         self,
@@ -260,68 +256,35 @@ class _ConcurrentRun(Generic[MessageT]):
         on_failure: Callable[[BaseException], None],
     ) -> None:
         self._subscription = subscription
-        self._mailbox = subscription.mailbox
         self._callback = callback
         self._on_failure = on_failure
         self._limit = asyncio.Semaphore(subscription.qos.queue_depth)
-        self._tasks = anyio.create_task_group()
-        self._standby: asyncio.Future[None] | None = None
-        self._has_ended = False
 
     async def run(self) -> None:
-        """Run until the subscription is closed and all is handled."""
-        async with self._tasks:
-            self._tasks.start_soon(self._read)
-
-    async def _read(self) -> None:
-        while True:
-            await self._limit.acquire()  # before the message is taken: until then it waits where losses are counted
-            is_first = not self._mailbox.queue
-            try:
-                await self._mailbox.wait()  # here, because each wake-up goes through all that wait
-                message = await self._subscription.receive()
-            except ClosedError:
-                self._has_ended = True
-                self._wake_standby()
-                return
-            if not is_first or self._mailbox.queue:
-                self._subscription.unbegun += 1
-                self._tasks.start_soon(self._begin, message)
-                continue
-            if not self._wake_standby():
-                self._tasks.start_soon(self._read)
-            await self._handle(message)
-            if self._has_ended or self._standby is not None:
-                return
-            self._standby = asyncio.get_running_loop().create_future()
-            await self._standby
-
-    async def _begin(self, message: MessageT) -> None:
-        self._subscription.unbegun -= 1
-        await self._handle(message)
+        """Run until the subscription is closed and all messages are handled."""
+        async with anyio.create_task_group() as tasks:
+            with suppress(ClosedError):
+                while True:
+                    await self._limit.acquire()  # first: until then messages wait in the queue that counts losses
+                    message = await self._subscription.receive()
+                    self._subscription.unbegun += 1
+                    tasks.start_soon(self._handle, message)
 
     async def _handle(self, message: MessageT) -> None:
+        self._subscription.unbegun -= 1
         task = asyncio.current_task()
         try:
             result = self._callback(message)
             if result is not None:
                 await result
-        except BaseException as exc:  # whatever comes out of it, but what ends this task
+        except BaseException as exc:  # every failure but the end of this task
             if is_end_of(task, exc):
                 raise
             self._on_failure(exc)
         finally:
             self._limit.release()
 
-    def _wake_standby(self) -> bool:
-        """Let the task that stands by read on; return whether there was one."""
-        standby, self._standby = self._standby, None
-        if standby is None or standby.done():  # it was cancelled
-            return False
-        standby.set_result(None)
-        return True
-
 
 def key_of(message_type: type[MessageT]) -> Callable[[MessageT | Expiring[MessageT]], Hashable] | None:
-    """Return what reads the key of a queued message; None where the topic is not keyed."""
+    """Return the key function for queued messages, or None without a key field."""
     return None if message_type.key_field is None else attrgetter(message_type.key_field)

@@ -1,7 +1,7 @@
 """A callback at a steady rate.
 
 As in ROS: each call is due one period after the last *due* time, so that the rate does not drift, and periods that pass
-while the callback still runs are skipped, not made up for.
+while the callback still runs are skipped.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Timer:
         clock: Clock,
         on_failure: Callable[[BaseException], None],
     ) -> None:
-        """Take what :meth:`homebot.graph.Node.create_timer` gives; not for use by hand."""
+        """Use :meth:`homebot.graph.Node.create_timer` instead."""
         self.period = period
         self.skipped = 0
         self._callback = callback
@@ -44,7 +44,7 @@ class Timer:
 
     @property
     def period(self) -> float:
-        """Seconds between two calls, above 0; may be changed at any time, and holds from the next call on."""
+        """Seconds between two calls, above 0; a change takes effect after the next call."""
         return self._period
 
     @period.setter
@@ -59,13 +59,13 @@ class Timer:
         return self._cancelled
 
     def cancel(self) -> None:
-        """Stop for good; a callback under way is finished. Twice is fine."""
+        """Stop for good; a running callback finishes. Idempotent."""
         self._cancelled = True
         if self._scope is not None:
             self._scope.cancel()
 
     async def run(self) -> None:
-        """Call the callback until cancelled; the node's task does this. One call that fails is no end."""
+        """Call the callback until cancelled; failures do not end the timer."""
         task = asyncio.current_task()
         due = self._clock.monotonic() + self.period
         while not self._cancelled:
@@ -79,7 +79,7 @@ class Timer:
                 result = self._callback()
                 if result is not None:
                     await result
-            except BaseException as exc:  # whatever comes out of it, but what ends this task
+            except BaseException as exc:  # every failure but the end of this task
                 if is_end_of(task, exc):
                     raise
                 self._on_failure(exc)

@@ -1,4 +1,4 @@
-"""One topic: who publishes, who subscribes, and which of them fit."""
+"""One topic: its publishers, its subscriptions, and their QoS matching."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ QOS_INCOMPATIBLE = "graph.qos_incompatible"
 
 
 class Topic:
-    """A named channel of one message type; it exists while somebody publishes or subscribes.
+    """A named channel of one message type; it exists while it has publishers or subscriptions.
 
     Attributes:
         name: Full name.
-        message_type: What it carries; a second type is refused.
-        publishers: Everybody who publishes.
-        subscriptions: Everybody who subscribes.
+        message_type: Type of all its messages; a second type is refused.
+        publishers: All publishers.
+        subscriptions: All subscriptions.
     """
 
     def __init__(self, name: str, message_type: type[Message], limit: LogLimit) -> None:
-        """Make an unused topic; *limit* keeps one who subscribes again and again from flooding the log."""
+        """Create an unused topic; *limit* bounds the log lines about mismatches."""
         self._limit = limit
         self.name = name
         self.message_type = message_type
@@ -39,7 +39,7 @@ class Topic:
 
     @property
     def is_unused(self) -> bool:
-        """True if nobody publishes or subscribes any more."""
+        """True without publishers and subscriptions."""
         return not self.publishers and not self.subscriptions
 
     def check_type(self, message_type: type[Message], node: str) -> None:
@@ -54,7 +54,7 @@ class Topic:
             )
 
     def add_publisher(self, publisher: Publisher[Any]) -> None:
-        """Connect *publisher* with every subscription that fits."""
+        """Connect *publisher* with every matching subscription."""
         self.publishers.append(publisher)
         for subscription in self.subscriptions:
             if _is_wanted(publisher, subscription):
@@ -62,7 +62,7 @@ class Topic:
         self._connect(publisher)
 
     def add_subscription(self, subscription: Subscription[Any]) -> None:
-        """Connect *subscription* with every publisher that fits, and replay what they keep for late joiners."""
+        """Connect *subscription* with every matching publisher and replay their history."""
         self.subscriptions.append(subscription)
         for publisher in self.publishers:
             if not _is_wanted(publisher, subscription) or self._report_mismatch(publisher, subscription):
@@ -72,13 +72,13 @@ class Topic:
             self._connect(publisher)
 
     def remove_publisher(self, publisher: Publisher[Any]) -> None:
-        """Disconnect *publisher*; one that is not there is fine."""
+        """Disconnect *publisher* if it is connected."""
         if publisher in self.publishers:
             self.publishers.remove(publisher)
         publisher.connect(())
 
     def remove_subscription(self, subscription: Subscription[Any]) -> None:
-        """Disconnect *subscription*; one that is not there is fine."""
+        """Disconnect *subscription* if it is connected."""
         if subscription in self.subscriptions:
             self.subscriptions.remove(subscription)
             for publisher in self.publishers:
@@ -88,7 +88,7 @@ class Topic:
         publisher.connect(tuple(one for one in self.subscriptions if _fit(publisher, one)))
 
     def _report_mismatch(self, publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
-        """Log at both ends that the two do not fit; return whether that is so."""
+        """Log a QoS mismatch for both ends; return whether there is one."""
         problems = qos_incompatibilities(publisher.qos, subscription.qos)
         if not problems:
             return False
