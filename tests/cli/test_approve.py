@@ -28,7 +28,8 @@ def index_node(graph: Graph) -> Node:
     """A directory with a lamp, a lock and a double switch, and the control layer's services that are asked here."""
     node = Node(graph, "discovery")
     index = DeviceIndex(forget_after=1000.0)
-    lock = Part(id="l", service_type="door_lock", capabilities=(Capability(name="lock", settable=True),))
+    capability = Capability(name="lock", settable=True)
+    lock = Part(id="l", service_type="door_lock", capabilities=(capability,), writes=("door/set",))
     index.observe(sighting(0, "Lamp", ""), NOW)
     index.observe(sighting(1, "Front door", "Hall").model_copy(update={"parts": (lock,)}), NOW)
     gangs = tuple(
@@ -62,9 +63,9 @@ def approved(text: str) -> dict[str, object]:
 
 def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
     waits = "approval waits for it: it can hurt, and is not driven before `homebot approve DEVICE`"
-    note = "note on control: 1 device waits for approval, and only locks, closes or stops until then"
+    note = "note on control: 1 device waits for approval, and nothing is sent before"
     _, listed = run("devices")
-    assert "front_door door_lock Hall unknown mqtt fresh, unapproved now" in listed
+    assert "front_door door_lock Hall unknown mqtt door/set fresh, unapproved now" in listed
     assert listed.count("unapproved") == 1
     assert waits in run("show", "Front door")[1]
     assert "always asks its type is door_lock" in run("show", "Front door")[1]
@@ -76,8 +77,11 @@ def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
     assert approved(run("devices", "--json")[1]) == {"front_door": False, "lamp": None, "double_switch": None}
     assert approved(run("find", "--json", "lock")[1]) == {"front_door": False}
     assert approved(f"[{run('show', '--json', 'Front door')[1]}]") == {"front_door": False}
-    assert run("approve", "front door") == (0, "front_door is approved")
-    assert run("approve", "front door") == (0, "front_door is approved; it was not waiting for that")
+    assert run("approve", "front door") == (0, "front_door is approved\nl: lock to door/set")
+    assert run("approve", "front door") == (
+        0,
+        "front_door is approved; it was not waiting for that\nl: lock to door/set",
+    )
     assert "unapproved" not in run("devices")[1]
     _, shown = run("show", "Front door")
     assert waits not in shown

@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.devices import Device, Sighting
-from homebot.devices.always_ask import is_approved
 from homebot.devices.client_rights import without_taught_room
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import parse_query
@@ -448,94 +447,3 @@ def test_what_the_owner_stated_of_all_outranks_every_later_announcement(
                 index.places.place(device.id, "Attic", 2.0)
                 index.places.add(device.id, "tag", "night", 2.0)
     assert {(device.area, device.tags) for device in index.devices()} <= {("Attic", ("night",))}
-
-
-def approved(index: DeviceIndex) -> list[str]:
-    return [device.id for device in index.devices() if is_approved(device)]
-
-
-def test_an_approval_survives_a_restart_and_is_taken_back(lamp: Sighting) -> None:
-    index = index_of()
-    index.observe(lamp, 0.0)
-    index.places.place("lamp", "Hall", 1.0)
-    index.places.approve("lamp", 2.0)
-    assert [(one.name, one.value, one.key) for one in got(index, "lamp").facts if one.convention == "owner"] == [
-        ("area", "Hall", "command"),
-        ("approved", "yes", "command"),
-    ]
-    again = restored(index)
-    assert approved(again) == ["lamp"]
-    again.places.disapprove("lamp")
-    again.places.disapprove("lamp")
-    assert approved(again) == []
-    assert got(again, "lamp").area == "Hall"
-    with pytest.raises(RefusedError, match="no device of that id"):
-        again.places.approve("nobody", 3.0)
-
-
-def test_another_device_that_comes_with_the_same_id_is_not_approved(lamp: Sighting) -> None:
-    index = index_of()
-    index.observe(lamp, 0.0)
-    index.places.place("lamp", "Hall", 1.0)
-    index.places.approve("lamp", 2.0)
-    index.forget("lamp", 3.0)
-    index.observe(lamp.model_copy(update={"key": "homeassistant:new", "confirmed": True}), 4.0)
-    assert areas(index) == {"lamp": "Hall"}
-    assert approved(index) == []
-    index.places.approve("lamp", 5.0)
-    assert approved(restored(index)) == ["lamp"]
-
-
-def test_an_approval_returns_to_its_own_after_a_merge_and_a_split(announced: tuple[Sighting, ...]) -> None:
-    index = index_of()
-    for one in announced[::2]:
-        index.observe(one, 0.0)
-    index.places.approve("radio", 1.0)
-    index.merge(("radio", "web"), 2.0)
-    assert approved(index) == ["radio"]
-    index.split("radio", None, 3.0)
-    assert approved(index) == ["radio"]
-    index.merge(("radio", "web"), 4.0)
-    index.places.disapprove("radio")
-    index.split("radio", None, 5.0)
-    assert approved(index) == []
-
-
-def test_an_approval_of_a_merged_device_is_of_each_after_a_split(announced: tuple[Sighting, ...]) -> None:
-    index = index_of()
-    for one in announced:
-        index.observe(one, 0.0)
-    index.places.approve("radio", 1.0)
-    index.split("radio", None, 2.0)
-    assert approved(index) == ["cable", "radio", "web"]
-
-
-def test_an_announcement_that_joined_an_approved_device_later_is_not_approved_by_itself(
-    announced: tuple[Sighting, ...],
-) -> None:
-    index = index_of()
-    index.observe(announced[0], 0.0)
-    index.places.place("radio", "Hall", 1.0)
-    index.places.approve("radio", 1.0)
-    index.observe(announced[1], 2.0)
-    assert approved(index) == ["radio"]
-    index.split("radio", None, 3.0)
-    assert len(index.devices()) == 2
-    assert approved(index) == ["radio"]
-
-
-def test_a_places_file_has_no_approvals(lamp: Sighting) -> None:
-    index = index_of()
-    index.observe(lamp, 0.0)
-    before = exported(index)
-    index.places.approve("lamp", 1.0)
-    assert exported(index) == before
-
-
-def exported(index: DeviceIndex) -> str:
-    work = index.places_exchange.export_text()
-    while True:
-        try:
-            next(work)
-        except StopIteration as done:
-            return str(done.value)

@@ -62,7 +62,7 @@ def device_json(device: DeviceRecord, waiting: Container[str] = ()) -> dict[str,
         "facts": [{**one, "said_at": iso(one["said_at"])} for one in device["facts"]],
         "evidence": device["evidence"],
         "conflicts": device["conflicts"],
-        "approved": _is_approved(device) or (False if device["id"] in waiting else None),
+        "approved": False if device["id"] in waiting else True if _is_approved(device) else None,
     }
 
 

@@ -51,6 +51,8 @@ class ApproveResponseRecord(TypedDict):
 
     success: bool
     message: str
+    commands: list[str]
+    changes: list[str]
 
 
 class UnapprovedRecord(TypedDict):

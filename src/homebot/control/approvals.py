@@ -64,4 +64,4 @@ def _note(waiting: tuple[Device, ...]) -> str:
     named = ", ".join(f"{one.id} ({why_device_asks(one)})" for one in waiting[:_MOST_NAMED])
     named += ", …" if len(waiting) > _MOST_NAMED else ""
     count = "1 device waits" if len(waiting) == 1 else f"{len(waiting)} devices wait"
-    return f"{count} for approval, and only locks, closes or stops until then (`homebot approve DEVICE`): {named}"
+    return f"{count} for approval, and nothing is sent before (`homebot approve DEVICE`): {named}"

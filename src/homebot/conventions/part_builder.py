@@ -12,6 +12,7 @@ from homebot.conventions.command_values import Writer
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publication
 from homebot.conventions.payload import JsonMessage
 from homebot.conventions.table_codec import CodedWriter, PayloadParser, Reader, TableCodec, json_object, raw_bytes
+from homebot.devices.command_description import payload_digest
 from homebot.devices.part import Capability, Category, Part
 
 __all__ = ["BytesPart", "JsonPart", "PartBuilder", "with_own_ids"]
@@ -107,8 +108,13 @@ class PartBuilder(Generic[MessageT]):
         """Note that its codec needs what was reported before; see :attr:`DescribedPart.remembers`."""
         self._remembers = True
 
-    def build(self) -> DescribedPart:
-        """Return the finished part."""
+    def build(self, payloads: object = None) -> DescribedPart:
+        """Return the finished part.
+
+        Args:
+            payloads: Plain values of the announcement from which the payloads of its commands follow; None if they
+                follow from topics and capabilities.
+        """
         part_id, service_type, name, advertised, tag, category, guessed = self._about
         codec = TableCodec(self.parse_payload, self._readers, self._event_readers, self._writers, self._coded_writers)
         part = Part(
@@ -122,6 +128,7 @@ class PartBuilder(Generic[MessageT]):
             capabilities=tuple(self._capabilities.values()),
             reads=tuple(self._readers),
             writes=tuple(self._writes),
+            payloads="" if payloads is None else payload_digest(payloads),
         )
         return DescribedPart(
             part.slimmed(),

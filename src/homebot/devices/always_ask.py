@@ -13,7 +13,6 @@ import re
 from typing import Final
 
 from homebot.devices.device import Device, DevicePart
-from homebot.devices.names import OWNER
 from homebot.devices.part import Capability, Part
 from homebot.devices.words import ALL_THAT_ASK, BURNS_OR_FLOODS, HEAT, NO_LOCK, OPEN, OPENER, matching_words
 from homebot.folding import fold
@@ -21,6 +20,7 @@ from homebot.folding import fold
 __all__ = [
     "ALWAYS_ASK",
     "APPROVED",
+    "CHANGED",
     "always_asks",
     "is_approved",
     "is_arming",
@@ -36,6 +36,9 @@ ALWAYS_ASK = frozenset({"closure", "door_lock", "water_heater", "water_valve", "
 
 APPROVED: Final = "approved"
 """The name of the fact by which the owner states that a device that can hurt may be driven."""
+
+CHANGED: Final = "changed_since_approval"
+"""The name of the fact that an approved announcement is different now, which says what changed."""
 
 _CAPABILITIES = frozenset({"alarm", "contact", "lock", "valve", "water_heater_mode"})
 _ARMED = frozenset({"Armed", "armed"})
@@ -98,8 +101,8 @@ def is_arming(part: DevicePart) -> bool:
 
 
 def is_approved(device: Device) -> bool:
-    """Return whether the owner approved *device*; what it announces of itself does not count."""
-    return any(one.name == APPROVED and one.convention == OWNER and not one.gateway for one in device.facts)
+    """Return whether the owner approved an announcement of *device* as it is now."""
+    return any(route.approved for part in device.parts for route in part.routes)
 
 
 def is_opener(device: Device) -> bool:
@@ -111,8 +114,14 @@ def is_opener(device: Device) -> bool:
 
 
 def waits_for_approval(device: Device) -> bool:
-    """Return whether a part of *device* can hurt and the owner has not approved it."""
-    return bool(why_device_asks(device)) and not is_approved(device)
+    """Return whether a part of *device* can hurt, takes commands, and has no route that the owner approved."""
+    return bool(why_device_asks(device)) and any(_waits(device, part) for part in device.parts)
+
+
+def _waits(device: Device, part: DevicePart) -> bool:
+    if not part.routes or any(route.approved for route in part.routes):
+        return False
+    return any(one.settable for one in part.part.capabilities) and always_asks(device, part)
 
 
 def _why_by_itself(device: Device, part: DevicePart) -> str:

@@ -3,7 +3,7 @@
 from homebot.devices.device import KeyValue
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["ApproveDevice", "BelieveDevice", "GetUnapproved"]
+__all__ = ["ApproveDevice", "BelieveDevice", "DescribeCommands", "GetUnapproved"]
 
 
 class ApproveDeviceRequest(Message):
@@ -24,10 +24,35 @@ class ApproveDeviceResponse(Message):
     Attributes:
         success: Whether it is approved, or no longer is.
         message: Why not.
+        commands: What is approved, one line for each setting: what is sent, and where.
+        changes: What is different from the approval before, one line for each part of an announcement.
     """
 
     success: bool
     message: str = ""
+    commands: tuple[str, ...] = ()
+    changes: tuple[str, ...] = ()
+
+
+class DescribeCommandsRequest(Message):
+    """A request for the publications for commands to a device.
+
+    Attributes:
+        key: The gateway's key of the device.
+    """
+
+    key: str
+
+
+class DescribeCommandsResponse(Message):
+    """Publications for the commands of a device, as text.
+
+    Attributes:
+        commands: One line for each setting, such as ``lock=unlocked: door/set UNLOCK``; empty if the gateway does not
+            know such a device, or its protocol leaves no choice.
+    """
+
+    commands: tuple[str, ...] = ()
 
 
 class UnapprovedRequest(Message):
@@ -73,5 +98,6 @@ class BelieveDeviceResponse(Message):
 
 
 ApproveDevice = ServiceType("homebot/srv/ApproveDevice", ApproveDeviceRequest, ApproveDeviceResponse)
+DescribeCommands = ServiceType("homebot/srv/DescribeCommands", DescribeCommandsRequest, DescribeCommandsResponse)
 GetUnapproved = ServiceType("homebot/srv/GetUnapproved", UnapprovedRequest, UnapprovedResponse)
 BelieveDevice = ServiceType("homebot/srv/BelieveDevice", BelieveDeviceRequest, BelieveDeviceResponse)

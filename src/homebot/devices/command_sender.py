@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from homebot.devices.capabilities import MOMENTARY
-from homebot.devices.device import EVERYTHING, Device, DevicePart, Route
+from homebot.devices.device import Device, DevicePart, Route
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.names import GatewayNames
 from homebot.devices.value import PlainValue, Value
@@ -74,6 +74,7 @@ class CommandSender:
                 id=command_id,
                 kept_for=kept_for,
                 repeated=repeated,
+                approved=route.approved,
             )
             try:
                 client = self._clients.get(route.gateway) or self._client(route.gateway)
@@ -106,8 +107,12 @@ class CommandSender:
 
 
 def _routes(device: Device, part: DevicePart, capability: str) -> Sequence[Route]:
-    """Return the routes by which *capability* is said to be set; all of them where no route says so."""
+    """Return the routes by which *capability* is said to be set; all of them if no route says so.
+
+    If the owner approved some routes, the others are not used: they were announced later, or changed.
+    """
     if not part.routes:
         why = "; ".join(device.conflicts) or "it has no route for commands"
         raise RefusedError(f"a command to {device.id}", why)
-    return [route for route in part.routes if capability in route.takes or route.takes == EVERYTHING] or part.routes
+    routes = [route for route in part.routes if route.approved] or part.routes
+    return [route for route in routes if route.can(capability)] or routes

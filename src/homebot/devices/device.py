@@ -70,6 +70,8 @@ class Route(Message):
         part: What the part is called there.
         convention: By which convention it was announced.
         takes: Names of the capabilities that can be set by it, or :data:`EVERYTHING`.
+        approved: The digest of its description, if the owner approved exactly that; else empty. See
+            :mod:`homebot.devices.command_description`.
     """
 
     gateway: str
@@ -77,6 +79,7 @@ class Route(Message):
     part: str
     convention: str = ""
     takes: tuple[str, ...] = EVERYTHING
+    approved: str = ""
 
     def can(self, capability: str) -> bool:
         """Return whether *capability* can be set by it."""
@@ -181,7 +184,8 @@ class Device(Message):
         identifiers: Its identifiers, such as hardware addresses; see :func:`homebot.devices.identity.identifiers`.
         parts: Its parts, each once.
         facts: Facts about it, each with its source and time; of several with one name, the one in use comes first.
-            Those that the owner states are ``area``, ``name`` for an alias, ``tag``, and ``approved``.
+            Those that the owner states are ``area``, ``name`` for an alias, ``tag``, and ``approved``; what changed
+            since is ``changed_since_approval``, with the announcement that changed.
         reachable: Whether it can be reached, as its parts together report.
         offline_parts: The ids of parts that report that they cannot be reached.
         states: The latest value of each capability of its parts.

@@ -149,6 +149,8 @@ class Command(Message):
             0 for until it expires.
         repeated: Whether it was sent before without an answer. A network in which nothing expires delivers it now or
             never: a device that was away would obey all repetitions when it is back.
+        approved: The digest of the description that the owner approved; a gateway that has another description of the
+            part by now refuses the command. Empty if none was approved.
     """
 
     model_config = ConfigDict(hide_input_in_errors=True)
@@ -163,6 +165,7 @@ class Command(Message):
     id: str = ""
     kept_for: Annotated[float, Field(ge=0.0)] = 0.0
     repeated: bool = False
+    approved: str = ""
 
 
 class CommandAnswer(Message):

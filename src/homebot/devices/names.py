@@ -143,6 +143,8 @@ class GatewayNames:
         offer_reports: Topic of the states of these, as :class:`homebot.devices.exposure.ExposedState`.
         offer_commands: Topic of the commands of those systems, as :class:`homebot.devices.gateway_messages.Command`.
         send_command: Service that takes commands in the words of the vocabulary.
+        describe_commands: Service that returns what commands would send, as
+            :data:`homebot.devices.approval_messages.DescribeCommands`.
         subscribe: Service that starts the mirroring of raw messages.
     """
 
@@ -160,6 +162,7 @@ class GatewayNames:
         self.offer_reports = f"{base}/offer_reports"
         self.offer_commands = f"{base}/offer_commands"
         self.send_command = f"{base}/send_command"
+        self.describe_commands = f"{base}/describe_commands"
         self.subscribe = f"{base}/subscribe_to_topic"
         self._received_data = f"{base}/received_data"
 

@@ -52,6 +52,8 @@ class Part(Message):
         capabilities: The values that it reports and the commands that it accepts.
         reads: The addresses on which it reports (MQTT: topic filters).
         writes: The addresses on which it accepts commands (MQTT: topics).
+        payloads: A digest of what the announcement says of the payloads of its commands; empty if they follow from the
+            other fields, as in a protocol that leaves no choice.
     """
 
     id: str
@@ -64,6 +66,7 @@ class Part(Message):
     capabilities: tuple[Capability, ...] = ()
     reads: tuple[str, ...] = ()
     writes: tuple[str, ...] = ()
+    payloads: str = ""
 
 
 def size_of_texts(texts: Iterable[str]) -> int:

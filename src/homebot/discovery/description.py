@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 from homebot.devices import DevicePart, Fact, KeyValue, Sighting
+from homebot.devices.always_ask import APPROVED, CHANGED
 from homebot.devices.device_types import wanted_types
 from homebot.devices.names import OWNER, TAG
 from homebot.devices.words import SIREN, matching_words
+from homebot.discovery.approvals import Approval
 from homebot.discovery.endpoints import Addresses, addresses
-from homebot.discovery.merging.part_ids import PartIds
+from homebot.discovery.merging.part_ids import PartIds, PartPlace
 from homebot.discovery.merging.parts import MergedParts, main_part, merge_parts
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.source_record import SourceRecord, preference
@@ -19,7 +21,7 @@ from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
 from homebot.places import NO_AREAS, HousePlan, OwnerFact
 
-__all__ = ["MAX_FACTS", "DeviceDescription", "describe_device", "with_stated_facts"]
+__all__ = ["MAX_FACTS", "DeviceDescription", "describe_device", "with_approvals", "with_stated_facts"]
 
 _fact_of = Fact.of_checked  # looked up once, as `of_checked` says
 
@@ -136,6 +138,44 @@ def with_stated_facts(
         tags=values["tag"],
         facts=((*own, *described.facts)[: MAX_FACTS - len(taught)] + tuple(taught)),
     )
+
+
+def with_approvals(
+    described: DeviceDescription, approvals: Sequence[tuple[PartPlace, Approval, str]]
+) -> DeviceDescription:
+    """Return the description with what the owner approved: each approved route, and what changed since elsewhere.
+
+    Args:
+        described: What is announced and stated of a device.
+        approvals: Its approved parts, each with what changed since as text.
+    """
+    digests = {place: approval.description.digest for place, approval, change in approvals if not change}
+    facts = [_owner_fact(CHANGED, change, place, approval) for place, approval, change in approvals if change]
+    if digests:
+        newest = max((approval for _, approval, change in approvals if not change), key=lambda one: one.said_at)
+        facts.insert(0, _owner_fact(APPROVED, "yes", ("", "command", ""), newest))
+    if not facts:
+        return described
+    parts = [_with_approved_routes(part, digests) for part in described.merged.parts]
+    return replace(
+        described,
+        merged=described.merged._replace(parts=tuple(parts)),
+        facts=(*facts, *described.facts)[:MAX_FACTS],
+    )
+
+
+def _with_approved_routes(part: DevicePart, digests: Mapping[PartPlace, str]) -> DevicePart:
+    found = [digests.get((route.gateway, route.key, route.part), "") for route in part.routes]
+    if not any(found):
+        return part
+    routes = [route.with_checked(approved=digest) for route, digest in zip(part.routes, found, strict=True)]
+    return part.with_checked(routes=tuple(routes))
+
+
+def _owner_fact(name: str, value: str, place: PartPlace, approval: Approval) -> Fact:
+    gateway, key, _ = place
+    said_at = Time.from_seconds(approval.said_at)
+    return _fact_of(name=name, value=value, gateway=gateway, convention=OWNER, key=key, said_at=said_at)
 
 
 def _stated_fact(fact: OwnerFact) -> Fact:

@@ -15,7 +15,7 @@ from homebot.devices import (
     State,
 )
 from homebot.devices.value import PlainValue
-from homebot.discovery.description import DeviceDescription, describe_device, with_stated_facts
+from homebot.discovery.description import DeviceDescription, describe_device, with_approvals, with_stated_facts
 from homebot.discovery.endpoints import Addresses, endpoint_reach, endpoints, last_seen, sorted_routes
 from homebot.discovery.liveness import ReportInterval
 from homebot.discovery.merging.part_ids import NO_IDS, PartIds, lost_ids
@@ -240,6 +240,8 @@ class Entry:
             owner = self.owner
             if owner is not None and not owner.is_empty and (stated := owner.of(self.id, sources)):
                 self._description = with_stated_facts(self._description, stated, owner.plan)
+            if owner is not None and owner.approvals:
+                self._description = with_approvals(self._description, tuple(owner.approvals.of(sources)))
             if self.known_ids:
                 self.known_ids = lost_ids(self.known_ids, self._description.merged.places)
         return self._description

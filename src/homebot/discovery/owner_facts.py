@@ -1,10 +1,11 @@
-"""Facts that the owner states of devices: rooms, aliases, tags and approvals, which outrank what they announce. Pure.
+"""Facts that the owner states of devices: rooms, aliases and tags, which outrank what they announce. Pure.
 
 A statement by a command or an import belongs to the announcements that the device had at the time, so that each keeps
 it when devices are merged and split. It is also kept by device id, for a device whose announcements are new, and by
-hardware address where a places file gives one. An approval is not, nor does a later announcement inherit it: that may
-be of another device. The configuration names devices by id or hardware address; which id the device of an announcement
-had is remembered, so that it is found after a merge.
+hardware address where a places file gives one. The configuration names devices by id or hardware address; which id the
+device of an announcement had is remembered, so that it is found after a merge.
+
+An approval is bound to one announced part as it is, in :mod:`homebot.discovery.approvals`, and inherited by nothing.
 
 Of two statements on one fact a command outranks an import, an import the configuration, and a later one an earlier one.
 """
@@ -16,10 +17,10 @@ from collections.abc import Collection, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias, final
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
 from homebot.config import UNNAMED
-from homebot.devices.always_ask import APPROVED
+from homebot.discovery.approvals import ApprovalRecord, ApprovalRegistry
 from homebot.discovery.house_rooms import HouseRooms
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import ConfigError, RefusedError, WireError
@@ -58,6 +59,14 @@ class _StatementRecord(BaseModel):
     announcements: tuple[tuple[str, str], ...] = ()
     names: tuple[str, ...] = ()
 
+    @field_validator("facts", mode="before")
+    @classmethod
+    def _without_old_approvals(cls, facts: object) -> object:
+        """Return *facts* without approvals: those of older files do not say what was approved, so the devices wait."""
+        if not isinstance(facts, list):
+            return facts
+        return [one for one in facts if not isinstance(one, dict) or one.get("name") != "approved"]
+
 
 class _PlacesRecord(BaseModel):
     model_config = ConfigDict(extra="ignore", defer_build=True)
@@ -65,6 +74,7 @@ class _PlacesRecord(BaseModel):
     statements: tuple[_StatementRecord, ...] = ()
     rooms: tuple[HouseRoom, ...] = ()
     known_as: tuple[tuple[str, str, str], ...] = ()
+    approvals: tuple[ApprovalRecord, ...] = ()
 
 
 @final
@@ -77,6 +87,7 @@ class OwnerFacts:
         read_at: When that was read, in seconds since the Unix epoch.
 
     Attributes:
+        approvals: The approved parts.
         rooms: The rooms of the configuration and those that were imported.
         is_empty: Whether nothing was ever stated of a device, so that there is nothing to ask for.
         is_unsaved: Whether something was stated that is not in the index file.
@@ -87,6 +98,7 @@ class OwnerFacts:
         "_by_name",
         "_configured",
         "_known_as",
+        "approvals",
         "is_empty",
         "is_unsaved",
         "rooms",
@@ -95,6 +107,7 @@ class OwnerFacts:
     def __init__(self, home: str = UNNAMED, places: Places | None = None, read_at: float = 0.0) -> None:
         given = places or Places()
         self.rooms = HouseRooms(home, given.rooms)
+        self.approvals = ApprovalRegistry()
         self.is_unsaved = False
         self._configured = {
             name: tuple(fact._replace(said_at=read_at) for fact in facts)
@@ -112,7 +125,7 @@ class OwnerFacts:
         return self.rooms.plan
 
     def of(self, device_id: str, sources: Collection[SourceRecord]) -> _Facts:
-        """Return the facts of a device, each once: room, aliases, those shown first first, tags, approval.
+        """Return the facts of a device, each once: room, aliases, those shown first first, tags.
 
         Only to be asked for where it :attr:`is_empty` no longer.
 
@@ -132,7 +145,7 @@ class OwnerFacts:
             return _once(sorted((fact for statement in found for fact in statement.facts), key=_rank))
         if not self._by_name:
             return _NONE
-        return tuple(fact for fact in self.stated_of(_names(device_id, sources)) if fact.name != APPROVED)
+        return self.stated_of(_names(device_id, sources))
 
     def known_as(self, key: SourceKey) -> str:
         """Return the name by which the configuration states something of an announcement; empty for none."""
@@ -174,6 +187,22 @@ class OwnerFacts:
         if stated.facts:
             self._put(stated)
         self.is_unsaved = True
+
+    def approve(self, sources: Collection[SourceRecord], now: float) -> tuple[str, ...]:
+        """Approve the announcements of a device as they are; return the differences from the approvals before.
+
+        Raises:
+            RefusedError: There are too many approvals.
+        """
+        changes = self.approvals.put(sources, now)
+        self.is_unsaved, self.is_empty = True, False
+        return changes
+
+    def disapprove(self, sources: Iterable[SourceRecord]) -> bool:
+        """Take back the approvals of announcements; return whether there were any."""
+        found = self.approvals.discard(sources)
+        self.is_unsaved = self.is_unsaved or found
+        return found
 
     def put_unknown(self, names: Iterable[str], facts: Iterable[OwnerFact], present: Container[SourceKey]) -> None:
         """Replace what commands and imports stated of a device that is not there yet.
@@ -288,12 +317,12 @@ class OwnerFacts:
                 self.is_unsaved = True
             stated = next((self._by_name[name] for name in names if name in self._by_name), None)
             if stated is not None and source.key not in self._by_key:
-                self._add_stated(stated, source.key)
+                self._add_key(stated, source.key)
 
     def inherit(self, sibling: SourceKey, key: SourceKey) -> None:
-        """Give the announcement *key* what is stated of *sibling*, which is of the same device, but an approval."""
+        """Give the announcement *key* what is stated of *sibling*, which is of the same device."""
         if sibling in self._by_key and key not in self._by_key:
-            self._add_stated(self._by_key[sibling], key)
+            self._add_key(self._by_key[sibling], key)
         if sibling in self._known_as and key not in self._known_as and self._has_room():
             self._known_as[key] = self._known_as[sibling]
             self.is_unsaved = True
@@ -314,6 +343,7 @@ class OwnerFacts:
             ],
             "rooms": [{"name": one.name, "floor": one.floor, "doors": one.doors} for one in self.rooms.imported],
             "known_as": [[*key, name] for key, name in self._known_as.items()],
+            "approvals": self.approvals.records(),
         }
         return json.dumps(record)
 
@@ -333,6 +363,8 @@ class OwnerFacts:
                 keys, names = dict.fromkeys(statement.announcements), dict.fromkeys(statement.names)
                 self._put(_Statement(statement.facts, keys, names))
         self._known_as = {(gateway, key): name for gateway, key, name in read.known_as[:MAX_STATEMENTS]}
+        self.approvals.restore(read.approvals)
+        self.is_empty = self.is_empty and not self.approvals
         try:
             self.rooms.restore(read.rooms, "the index file")
         except ConfigError as exc:
@@ -347,15 +379,6 @@ class OwnerFacts:
         self._by_key.update(dict.fromkeys(statement.keys, statement))
         self._by_name.update(dict.fromkeys(statement.names, statement))
         self.is_empty = False
-
-    def _add_stated(self, stated: _Statement, key: SourceKey) -> None:
-        """Give a new announcement what is stated of its device, but an approval, which was of those before it."""
-        facts = tuple(fact for fact in stated.facts if fact.name != APPROVED)
-        if len(facts) == len(stated.facts):
-            self._add_key(stated, key)
-        elif facts and self._has_room():
-            self._put(_Statement(facts, {key: None}))
-            self.is_unsaved = True
 
     def _add_key(self, statement: _Statement, key: SourceKey) -> None:
         if self._has_room():
@@ -377,7 +400,7 @@ def _names(device_id: str, sources: Iterable[SourceRecord]) -> Iterator[str]:
         yield from source.sighting.identifiers
 
 
-_ORDER: Mapping[str, int] = {"area": 0, "name": 1, "tag": 2, "approved": 3, "taught_area": 4}
+_ORDER: Mapping[str, int] = {"area": 0, "name": 1, "tag": 2, "taught_area": 3}
 
 
 _SINGLE = frozenset({"area", "taught_area"})
@@ -388,7 +411,7 @@ def _rank(fact: OwnerFact) -> tuple[bool, float]:
 
 
 def _once(facts: Iterable[OwnerFact]) -> _Facts:
-    """Return the first room, each alias and tag once, and the approval, in this order of kinds."""
+    """Return the first room, and each alias and tag once, in this order of kinds."""
     found: dict[tuple[str, str], OwnerFact] = {}
     for fact in facts:
         found.setdefault((fact.name, "" if fact.name in _SINGLE else fold(fact.value)), fact)

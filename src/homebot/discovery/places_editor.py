@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import final
 
-from homebot.devices.always_ask import APPROVED
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import id_of_name
+from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import RefusedError, UsageError
 from homebot.folding import fold, is_typo
 from homebot.places import FactName, OwnerFact, check_name
@@ -22,7 +22,6 @@ _WORDS: Mapping[FactName, str] = {
     "area": "room",
     "name": "alias",
     "tag": "tag",
-    "approved": "approval",
     "taught_area": "room",
 }
 
@@ -195,16 +194,19 @@ class PlacesEditor:
         self.state(entry, facts, f"the owner took back its {_WORDS[name]} {value}")
         return self._values(entry, name)
 
-    def approve(self, device_id: str, now: float) -> None:
-        """Approve a device, so that it may be driven; again is fine.
+    def approve(self, device_id: str, now: float) -> tuple[str, ...]:
+        """Approve the announcements of a device as they are, so that it may be driven; again is fine.
+
+        Returns:
+            What is different from the approvals before, one line for each part of an announcement.
 
         Raises:
-            RefusedError: There is no such device, or there are too many statements.
+            RefusedError: There is no such device, or there are too many approvals.
         """
         entry = self._entry(device_id)
-        stated = self.stated(entry)
-        if all(fact.name != APPROVED for fact in stated):
-            self.state(entry, [OwnerFact(APPROVED, "yes", "command", now), *stated], "the owner approved it")
+        changes = self._table.owner.approve(entry.sources.values(), now)
+        self.restate((entry,), "the owner approved it")
+        return changes
 
     def disapprove(self, device_id: str) -> None:
         """Take back the approval of a device; where it has none, nothing happens.
@@ -213,10 +215,13 @@ class PlacesEditor:
             RefusedError: There is no such device.
         """
         entry = self._entry(device_id)
-        stated = self.stated(entry)
-        facts = [fact for fact in stated if fact.name != APPROVED]
-        if len(facts) < len(stated):
-            self.state(entry, facts, "the owner took back the approval")
+        if self._table.owner.disapprove(entry.sources.values()):
+            self.restate((entry,), "the owner took back the approval")
+
+    def commands(self, device_id: str) -> dict[SourceKey, tuple[str, ...]]:
+        """Return a line for each part of a device that takes commands, by announcement: what it takes, and where."""
+        entry = self._table.entries.get(device_id)
+        return {} if entry is None else {key: _announced_commands(one) for key, one in entry.sources.items()}
 
     def stated(self, entry: Entry) -> tuple[OwnerFact, ...]:
         """Return the facts that commands and imports state of a device."""
@@ -267,3 +272,12 @@ class PlacesEditor:
 def _future_name(device: str) -> str:
     """Return the id that a device of that name will have; an id or a hardware address as it is."""
     return device if ":" in device or "/" in device else id_of_name(device)
+
+
+def _announced_commands(source: SourceRecord) -> tuple[str, ...]:
+    lines = []
+    for part in source.sighting.parts:
+        if settings := [one.name for one in part.capabilities if one.settable]:
+            where = f" to {', '.join(part.writes)}" if part.writes else ""
+            lines.append(f"{part.name or part.id or source.sighting.name}: {', '.join(settings)}{where}")
+    return tuple(lines)

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from contextlib import closing
 from functools import partial
 from typing import Literal, TypeVar
 
 from anyio import to_thread
 
 from homebot.clock import Clock, TimeSlice
-from homebot.devices.approval_messages import ApproveDevice, ApproveDeviceRequest, ApproveDeviceResponse
+from homebot.devices.approval_messages import (
+    ApproveDevice,
+    ApproveDeviceRequest,
+    ApproveDeviceResponse,
+    DescribeCommands,
+    DescribeCommandsRequest,
+)
 from homebot.devices.device import KeyValue
 from homebot.devices.names import (
     ALIAS_DEVICE,
@@ -21,6 +28,7 @@ from homebot.devices.names import (
     PLACE_DEVICE,
     TAG_DEVICE,
     TEACH_PLACE,
+    GatewayNames,
 )
 from homebot.devices.places_messages import (
     AliasDevice,
@@ -52,7 +60,7 @@ from homebot.devices.places_messages import (
 from homebot.devices.query import NameIs
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.owner_requests import OwnerRequests
-from homebot.errors import ConfigError, RefusedError, UsageError
+from homebot.errors import ConfigError, RefusedError, ServiceError, UsageError
 from homebot.folding import fold
 from homebot.graph import Node
 
@@ -85,7 +93,7 @@ class PlacesServices:
         owner.serve(PlaceDevice, PLACE_DEVICE, self._place)
         owner.serve(AliasDevice, ALIAS_DEVICE, self._add_alias)
         owner.serve(TagDevice, TAG_DEVICE, self._add_tag)
-        owner.serve(ApproveDevice, APPROVE_DEVICE, self._approve)
+        owner.serve(ApproveDevice, APPROVE_DEVICE, partial(self._approve, node))
         node.create_service(GetPlaces, GET_PLACES, self._get_places)
         owner.serve(TeachPlace, TEACH_PLACE, self._teach)
         owner.serve(ChangeRoom, CHANGE_ROOM, self._change_room)
@@ -126,17 +134,31 @@ class PlacesServices:
             return TagDeviceResponse(success=False, message=str(exc))
         return TagDeviceResponse(success=True, tags=tags)
 
-    def _approve(self, request: ApproveDeviceRequest) -> ApproveDeviceResponse:
+    async def _approve(self, node: Node, request: ApproveDeviceRequest) -> ApproveDeviceResponse:
         places = self._index.places
+        changes: tuple[str, ...] = ()
         try:
             if request.remove:
                 places.disapprove(request.device)
             else:
-                places.approve(request.device, self._clock.now())
+                changes = places.approve(request.device, self._clock.now())
         except RefusedError as exc:
             return ApproveDeviceResponse(success=False, message=str(exc))
         self._publish_all()
-        return ApproveDeviceResponse(success=True)
+        commands = () if request.remove else await self._commands(node, request.device)
+        return ApproveDeviceResponse(success=True, commands=commands, changes=changes)
+
+    async def _commands(self, node: Node, device: str) -> tuple[str, ...]:
+        """Return what the gateways of *device* send for commands, or what it announced if one does not say."""
+        lines: list[str] = []
+        for (gateway, key), announced in self._index.places.commands(device).items():
+            with closing(node.create_client(DescribeCommands, GatewayNames(gateway).describe_commands)) as client:
+                try:
+                    described = (await client.call(DescribeCommandsRequest(key=key))).commands
+                except ServiceError:
+                    described = ()
+            lines += described or announced
+        return tuple(lines)
 
     def _get_places(self, _: GetPlacesRequest) -> GetPlacesResponse:
         plan = self._index.owner.plan

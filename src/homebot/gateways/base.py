@@ -10,6 +10,7 @@ whose protocol has them.
 ``state``              topic: :class:`GatewayState`, latched
 ``send_command``       service: a :class:`Command` to a part, in the values of the vocabulary
 ``health``             service: what it counted, and what is wrong with it
+``describe_commands``  service: what commands to a device would send, for the owner who approves it
 ``out``                topic it reads: :class:`RawCommand`, a text to a text address, or raw bytes to an address
 ``subscribe_to_topic`` service: delivery of the raw messages of an address, or of a part's states as text
 ``quarantine``         topic: :class:`Quarantine`, the peers that it listens to no more often than it can afford
@@ -19,7 +20,7 @@ whose protocol has them.
 =====================  ==========================================================================================
 
 Apps that work with texts, such as the light service, need ``out`` and ``subscribe_to_topic``; typed handles do not.
-:class:`homebot.gateways.announced.published_devices.PublishedDevices` has the first eight but ``state``, for gateways
+:class:`homebot.gateways.announced.published_devices.PublishedDevices` has the first nine but ``state``, for gateways
 that know their devices' parts; :mod:`homebot.gateways.memory` is the reference, and ``tests/gateways/contract.py`` the
 test.
 

@@ -10,15 +10,15 @@ from homebot.places.plan import HouseRoom
 
 __all__ = ["NO_PLACES", "FactName", "OwnerFact", "Places"]
 
-FactName: TypeAlias = Literal["area", "name", "tag", "approved", "taught_area"]
+FactName: TypeAlias = Literal["area", "name", "tag", "taught_area"]
 
 
 class OwnerFact(NamedTuple):
     """A fact about a device that the owner states; it outranks what the device announces.
 
     Attributes:
-        name: ``area`` for the room, ``name`` for an alias, ``tag``, ``approved``, or ``taught_area`` for the room that
-            an NFC tag or a code at the device says, which counts only where nobody else says one.
+        name: ``area`` for the room, ``name`` for an alias, ``tag``, or ``taught_area`` for the room that an NFC tag or
+            a code at the device says, which counts only where nobody else says one.
         value: The value.
         source: How it was stated: ``configuration``, ``command`` or ``import``; of a taught room the gateway and the
             number of the tag, with ``/`` between.

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from homebot.conventions.units import conversion_of
 from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.command_description import payload_digest
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Category, Part
 from homebot.folding import words_of
@@ -262,8 +263,19 @@ def _part(thing: Thing, part_id: str, members: list[_One], main: str, *, main_is
         capabilities=tuple(one.capability for one in found),
         reads=tuple(dict.fromkeys(form.filter for one in members for form in one.observed if form.filter)),
         writes=tuple(dict.fromkeys(form.topic for one in members for form in one.written if form.topic)),
+        payloads=_payloads(found),
     )
     return ClassifiedPart(part, found)
+
+
+def _payloads(found: tuple[ClassifiedAffordance, ...]) -> str:
+    """Return the digest of what is written, and how; empty if nothing can be set."""
+    written = [
+        (one.capability.name, one.affordance.name, one.affordance.schema, one.written)
+        for one in found
+        if one.written is not None
+    ]
+    return payload_digest(written) if written else ""
 
 
 def _advertised(thing: Thing, part_id: str, first: _One) -> str:

@@ -11,6 +11,7 @@ from homebot.control.policies.hands import Hands
 from homebot.control.policies.recent_commands import RecentCommands
 from homebot.devices import Device, DevicePart, Endpoint, Fact, Freshness, State
 from homebot.devices.client_rights import LOCAL_RIGHTS, read_scope
+from homebot.devices.device import Route
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue, Value
 from homebot.messages import Time
@@ -33,8 +34,9 @@ def make_device(
     values: Mapping[str, PlainValue] = NONE,
     facts: tuple[Fact, ...] = (),
     name: str = "",
+    approved: str = "",
 ) -> Device:
-    """Return a device of one part with these values."""
+    """Return a device of one part with these values; *approved* is the digest of an approved route."""
     names = dict.fromkeys((*settable, *values))
     capabilities = tuple(Capability(name=name, settable=name in settable) for name in names)
     part = Part(id="", service_type=service_type, tag=tag, capabilities=capabilities)
@@ -51,7 +53,7 @@ def make_device(
         freshness=freshness,
         area=room,
         facts=facts,
-        parts=(DevicePart(id="", part=part, routes=()),),
+        parts=(DevicePart(id="", part=part, routes=(Route(gateway="memory", key=key, part="", approved=approved),)),),
         states=tuple(
             State(part="", capability=name, value=Value.of(value), since=stamp, told_at=stamp, live=is_live)
             for name, value in values.items()

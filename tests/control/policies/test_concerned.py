@@ -6,7 +6,7 @@ from typing import Any
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.control.policies.houses import START, make_command, make_device, make_facts
+from tests.control.policies.houses import make_command, make_device, make_facts
 from tests.generated_examples import examples
 
 from homebot.config import parse_settings
@@ -18,10 +18,6 @@ from homebot.control.policies.grants import judge_grants
 from homebot.control.policies.interlock import InterlockRule, judge_interlocks
 from homebot.control.policies.presence_guard import judge_presence
 from homebot.control.policies.quiet_hours import judge_quiet_hours
-from homebot.devices import Fact
-from homebot.devices.always_ask import APPROVED
-from homebot.devices.names import OWNER
-from homebot.messages import Time
 
 TABLE: dict[str, object] = {
     "presence_guard": {"commands": ["turn off in hall", "turn off on lights", "use stale plugs"]},
@@ -31,9 +27,6 @@ TABLE: dict[str, object] = {
     "interlocks": [{"commands": ["use tag=fragile", "use reachable locks"], "while": "open contact sensor"}],
 }
 SETTINGS = parse_settings(ControlSettings, TABLE, "homebot.toml", "control")
-
-FACT = Fact(gateway="", convention=OWNER, name=APPROVED, value="yes", key="command", said_at=Time.from_seconds(START))
-
 
 VALUES: dict[str, tuple[object, ...]] = {
     "kind": ("light", "plug", "door_lock"),
@@ -62,7 +55,7 @@ def command_of(facts: dict[str, Any]) -> IssuedCommand:
         settable=("on_off",),
         freshness=facts["freshness"],
         values={} if facts["on"] is None else {"on_off": facts["on"]},
-        facts=(FACT,) if facts["is_approved"] else (),
+        approved="digest" if facts["is_approved"] else "",
     )
     device = device.with_checked(name=facts["name"], tags=facts["tags"])
     return make_command(device, {"on_off": facts["wanted"]}, facts["issuer"], facts["scope"])

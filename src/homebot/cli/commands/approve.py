@@ -20,8 +20,9 @@ _EXAMPLES = """\
   homebot approve 'Front door'
   homebot approve 'Front door' --undo
 
-Locks, garage doors, ovens, boilers, valves and alarm panels wait for this: until then they only lock, close a valve,
-turn off, stop or arm. `homebot devices` shows which ones wait. The directory remembers an approval over a restart.
+Locks, garage doors, ovens, boilers, valves and alarm panels wait for this: until then nothing is sent to them.
+`homebot devices` shows which ones wait. What is approved is printed: each setting, the topic and the payload. If the
+device announces another type, topic, payload or identifier, it waits again. An approval outlasts a restart.
 """
 
 
@@ -43,6 +44,10 @@ def _approve(options: argparse.Namespace) -> int:
         if not answer["success"]:
             raise PeerError(answer["message"])
         print(f"{printable(device)} {_told(waited=waited, undo=options.undo)}")
+        for change in answer["changes"]:
+            print(f"  changed: {printable(change)}")
+        for command in answer["commands"]:
+            print(f"  {printable(command)}")
         return 0
 
     return with_client(options, run)

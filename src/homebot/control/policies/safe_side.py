@@ -1,4 +1,4 @@
-"""The safe side: commands that make the house safer, which take neither a right of their own nor an approval. Pure."""
+"""The safe side: commands that make the house safer, which take no right that names the device. Pure."""
 
 from __future__ import annotations
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource, command_topic, state_topic
 from homebot.conventions.jinja import Template, compile_template
@@ -69,6 +70,10 @@ class DiscoveryConfig:
             return False
         named = self.text("name") or self.text("unique_id") or self.discovery_id
         return names_secret(named) or names_secret(self.text("value_template"))
+
+    def of_commands(self) -> list[tuple[str, object]]:
+        """Return the fields from which the payloads of commands may follow, sorted; topics are fields of the part."""
+        return sorted([(key, value) for key, value in self.values.items() if _is_of_commands(key)])
 
     def has(self, key: str) -> bool:
         """Return whether the field is there and not null."""
@@ -242,6 +247,24 @@ class DiscoveryConfig:
 
 _CODECS = frozenset({"", "utf-8", "ascii", "us-ascii", "latin-1", "latin1", "iso-8859-1", "cp1252", "windows-1252"})
 _HOW = frozenset({"qos", "retain", "encoding"})
+_SHOWN = frozenset(
+    {
+        *("availability", "availability_mode", "code", "default_entity_id", "device", "device_class"),
+        *("enabled_by_default", "entity_category", "entity_picture", "expire_after", "force_update", "icon", "name"),
+        *("object_id", "origin", "payload_available", "payload_not_available", "payload_reset", "platform"),
+        *("suggested_display_precision", "unique_id"),
+    }
+)
+"""Fields of what is shown or reported, and the code, which homebot compares and a command never follows from."""
+
+
+@lru_cache(maxsize=1024)
+def _is_of_commands(key: str) -> bool:
+    if key.endswith("template"):
+        return "command" in key
+    return key not in _SHOWN and not key.startswith("state_") and not key.endswith("_topic")
+
+
 _HUGE = 10**30
 _ONLY_TEXTS = frozenset({str})
 _FOR_EVER = 10 * 366 * 86_400

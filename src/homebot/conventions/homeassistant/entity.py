@@ -176,7 +176,7 @@ class Entity(PartBuilder[StateMessage]):
         self.add_capability(name, readable=False, writer=push_writer(name, lambda: command.publish(payload)))
         self.add_commands(command)
 
-    def build(self) -> DescribedPart:
+    def build(self, payloads: object = None) -> DescribedPart:
         """Return the finished part, with its echoes marked: states that may only repeat the command.
 
         These are of all that can be set where the config is ``optimistic``, and where every state topic is a command
@@ -187,7 +187,7 @@ class Entity(PartBuilder[StateMessage]):
         """
         if self._config.flag("optimistic") or (self._readers and self._readers.keys() <= self._writes.keys()):
             self._capabilities = {name: _echoed(one) for name, one in self._capabilities.items()}
-        return super().build()
+        return super().build(payloads or (self._config.of_commands() if self._writes else None))
 
     def _add_reader(
         self,

@@ -92,6 +92,11 @@ class Expose:
         """Options of an enum: the value as the device spells it, by its text."""
         return MappingProxyType({_option(value): value for value in self.values})
 
+    def of_commands(self) -> tuple[object, ...]:
+        """Return the fields from which the payloads of its commands follow."""
+        features = tuple([one.of_commands() for one in self.features if one.is_settable or one.features])
+        return self.key, self.endpoint, self.value_on, self.value_off, self.least, self.most, self.values, features
+
     def feature(self, *names: str) -> Expose | None:
         """Return the first feature that has one of *names*; None where there is none."""
         return next((one for one in self.features if one.name in names), None)

@@ -34,6 +34,7 @@ from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, read_
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, text_of
 from homebot.conventions.zigbee2mqtt.generic import build_generic
 from homebot.conventions.zigbee2mqtt.light import FEATURES_OF_LIGHT, build_light
+from homebot.devices.command_description import payload_digest
 
 __all__ = ["build_parts"]
 
@@ -60,31 +61,49 @@ _MOST_PARTS = 500
 
 def _described(device: BridgeDevice, whole: Zigbee2MqttTopics, exposes: tuple[Expose, ...]) -> Iterable[DescribedPart]:
     beside = _beside(exposes)
-    names = {one.name for one in exposes}
-    has_thermometer = any(one.name in ("temperature", "local_temperature") and one.is_published for one in exposes)
+    around = tuple([one.of_commands() for one in beside.values()])
     for expose in map(_key_lock_as_setting, exposes):
-        topics = whole.of(expose)
-        if expose.type in SPECIFIC_TYPES:
-            yield _specific(device, topics, expose, beside)
-            if expose.type == "climate" and not has_thermometer and (thermometer := build_thermometer(topics, expose)):
-                yield thermometer
-            rest = [one for one in expose.features if one.name not in _FEATURES[expose.type]]
-        elif expose.type == "composite" and expose.name == "warning" and expose.is_settable:
-            yield build_siren(Zigbee2MqttPart(topics, "siren" + expose.suffix, "siren", advertised="warning"), expose)
-            rest = []
-        elif expose is beside.get("opener"):
-            yield build_opener(_opener_part(topics, expose), expose, beside["door"], is_pulse="run_time" not in names)
-            rest = []
-        elif expose is beside.get("siren"):
-            yield _switched_siren(topics, expose)
-            rest = []
-        else:
-            rest = [] if expose is beside.get("effect") else [expose]
-        yield from (part for one in rest if (part := build_generic(topics, one)) is not None)
+        for part in _parts_of(device, whole, expose, exposes, beside):
+            yield _with_payloads(part, (expose.of_commands(), around)) if part.part.writes else part
     if device.has_updates and exposes:
         yield _update(whole)
 
 
+def _with_payloads(described: DescribedPart, announced: object) -> DescribedPart:
+    part = described.part.with_checked(payloads=payload_digest(announced)).slimmed()
+    return replace(described, part=part)
+
+
+def _parts_of(
+    device: BridgeDevice,
+    whole: Zigbee2MqttTopics,
+    expose: Expose,
+    exposes: tuple[Expose, ...],
+    beside: Mapping[str, Expose],
+) -> Iterable[DescribedPart]:
+    topics = whole.of(expose)
+    if expose.type in SPECIFIC_TYPES:
+        yield _specific(device, topics, expose, beside)
+        has_thermometer = any(one.name in _THERMOMETERS and one.is_published for one in exposes)
+        if expose.type == "climate" and not has_thermometer and (thermometer := build_thermometer(topics, expose)):
+            yield thermometer
+        rest = [one for one in expose.features if one.name not in _FEATURES[expose.type]]
+    elif expose.type == "composite" and expose.name == "warning" and expose.is_settable:
+        yield build_siren(Zigbee2MqttPart(topics, "siren" + expose.suffix, "siren", advertised="warning"), expose)
+        rest = []
+    elif expose is beside.get("opener"):
+        is_pulse = all(one.name != "run_time" for one in exposes)
+        yield build_opener(_opener_part(topics, expose), expose, beside["door"], is_pulse=is_pulse)
+        rest = []
+    elif expose is beside.get("siren"):
+        yield _switched_siren(topics, expose)
+        rest = []
+    else:
+        rest = [] if expose is beside.get("effect") else [expose]
+    yield from (part for one in rest if (part := build_generic(topics, one)) is not None)
+
+
+_THERMOMETERS = ("temperature", "local_temperature")
 _KEY_LOCKS = ("child_lock", "keypad_lockout")
 
 

@@ -50,13 +50,22 @@ def others_at(device: Device, address: str, text: str) -> tuple[str, ...]:
 
 
 def part_at(device: Device, gateway: str, address: str) -> DevicePart | None:
-    """Return the part of *device* that takes texts at *address* of *gateway*; None where that is not known."""
+    """Return the part of *device* that takes texts at *address* of *gateway*; None if that is not known.
+
+    Of several routes to it only those that lead there are left, if any is known to.
+    """
     if is_text_address(address):
-        return _part_at(device, address)
+        part = _part_at(device, address)
+        return part and _by_routes(part, [one for one in part.routes if text_address(one.key, one.part) == address])
     for part in device.parts:
-        if address in part.part.writes or any(_leads_to(device, route, gateway, address) for route in part.routes):
-            return part
+        routes = [one for one in part.routes if _leads_to(device, one, gateway, address)]
+        if routes or address in part.part.writes:
+            return _by_routes(part, routes)
     return None
+
+
+def _by_routes(part: DevicePart, routes: list[Route]) -> DevicePart:
+    return part.with_checked(routes=tuple(routes)) if routes and len(routes) < len(part.routes) else part
 
 
 def sending_part(device: Device, message: RawMessage) -> DevicePart | None:

@@ -232,7 +232,9 @@ def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) 
         elif conflict := topics.conflict(source, part):
             conflicts.append(conflict)
         else:
-            route = _route_of(gateway=gateway, key=key, part=part.id, convention=convention, takes=EVERYTHING)
+            route = _route_of(
+                gateway=gateway, key=key, part=part.id, convention=convention, takes=EVERYTHING, approved=""
+            )
             routes = (route,)
         merged.append(_part_of(id=ids[number], part=part, routes=routes))
     if left_out := len(source.sighting.parts) - len(parts):
@@ -305,7 +307,9 @@ def _named(merged: Sequence[_Merged], known: PartIds) -> tuple[DevicePart, ...]:
 def _device_part(part_id: str, one: _Merged) -> DevicePart:
     part = _decided([way[2] for way in sorted(one.ways, key=lambda way: way[1])]) if len(one.ways) > 1 else one.part
     routes = tuple(
-        _route_of(gateway=gateway, key=key, part=name, convention=origin[-1], takes=_settable_by(described, part))
+        _route_of(
+            gateway=gateway, key=key, part=name, convention=origin[-1], takes=_settable_by(described, part), approved=""
+        )
         for (gateway, key, name), origin, described in one.ways
     )
     return _part_of(id=part_id, part=part, routes=routes)

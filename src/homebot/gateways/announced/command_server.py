@@ -8,6 +8,7 @@ from typing import Final, TypeAlias
 
 import anyio.lowlevel
 
+from homebot.devices.command_description import CommandDescription
 from homebot.devices.gateway_messages import Command, RawCommand, SendCommand, SendCommandResponse
 from homebot.devices.text.commands import decode_command
 from homebot.devices.value import Value
@@ -63,6 +64,8 @@ class CommandServer:
             return SendCommandResponse(success=False, message=self._gateway.observes_because, problem="refused")
         limit = asyncio.timeout(command.expires_after or None)
         try:
+            if command.approved:
+                self._check_approved(command)
             raw = self.raw
             waits = raw is not None and (raw.mailbox.queue or raw.unbegun)
             perform = self._perform_after_raw if waits else self._perform
@@ -80,6 +83,13 @@ class CommandServer:
             return self._failed(f"{command.key[:100]} was not reached within {command.expires_after:.2g} s")
         self._counters.commands += 1
         return _ACCEPTED
+
+    def _check_approved(self, command: Command) -> None:
+        """Refuse a command if its part is described anew since the owner approved it."""
+        template = self._find_part(command.key, command.part).stored.template
+        part = next((one for one in template.parts if one.id == command.part), None)
+        if part is None or CommandDescription.of(part, template.identifiers).digest != command.approved:
+            raise RefusedError(f"a command to {command.key[:100]}", "it changed since the owner approved it")
 
     def _failed(self, problem: str) -> SendCommandResponse:
         self._counters.commands_failed += 1

@@ -6,6 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Generic, TypeVar
 
+import anyio.lowlevel
+
+from homebot.devices.approval_messages import (
+    DescribeCommands,
+    DescribeCommandsRequest,
+    DescribeCommandsResponse,
+)
 from homebot.devices.health import Count, GetHealth, HealthResponse
 from homebot.errors import RefusedError, UnableError
 from homebot.gateways.announced.announcement import AnnouncedPart, StoredAnnouncement
@@ -14,6 +21,7 @@ from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
+from homebot.gateways.announced.sent_commands import sent_commands
 from homebot.gateways.announced.state_reader import StateReader
 from homebot.gateways.announced.text_service import RawMessages, TextService
 from homebot.gateways.announced.work_budget import WorkBudgets
@@ -110,6 +118,7 @@ class GatewayEngine(Generic[MessageT]):
             keeps_states=keeps_states,
         )
         node.create_service(GetHealth, names.health, lambda _: self._health(health()))
+        node.create_service(DescribeCommands, names.describe_commands, self._describe_commands, concurrent=True)
         node.create_task(self.listeners.watch_nodes)
         node.create_task(self.scheduler.run)
         return texts
@@ -130,6 +139,14 @@ class GatewayEngine(Generic[MessageT]):
             why = f"it has no part {part_id[:100]!r}; it has {known}"
         refused = RefusedError(f"a command to {key[:100]}", why)
         raise UnableError(str(refused)) from refused
+
+    async def _describe_commands(self, request: DescribeCommandsRequest) -> DescribeCommandsResponse:
+        stored, lines = self._devices.get(request.key), list[str]()
+        for part in () if stored is None else stored.described.parts:
+            for line in sent_commands(part):
+                lines.append(line)
+                await anyio.lowlevel.checkpoint()  # the template of a stranger may take milliseconds
+        return DescribeCommandsResponse(commands=tuple(lines))
 
     def _health(self, own: HealthResponse) -> HealthResponse:
         counts = {

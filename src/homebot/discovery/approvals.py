@@ -1,0 +1,94 @@
+"""Approvals of announced parts, each bound to what the announcement said of its commands. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+from typing import NamedTuple, final
+
+from homebot.devices.command_description import CommandDescription
+from homebot.discovery.merging.part_ids import PartPlace
+from homebot.discovery.source_record import SourceRecord
+from homebot.errors import RefusedError
+
+__all__ = ["MAX_APPROVALS", "Approval", "ApprovalRegistry"]
+
+MAX_APPROVALS = 10_000
+"""Parts that are approved; further ones are refused."""
+
+
+class Approval(NamedTuple):
+    """An approval of one announced part.
+
+    Attributes:
+        description: What its announcement said of its commands.
+        said_at: The time of the approval, in seconds since the Unix epoch.
+    """
+
+    description: CommandDescription
+    said_at: float
+
+
+@final
+class ApprovalRegistry:
+    """The approvals by gateway, key and part: neither a device id nor an identifier has one."""
+
+    __slots__ = ("_by_place",)
+
+    def __init__(self) -> None:
+        self._by_place: dict[PartPlace, Approval] = {}
+
+    def __len__(self) -> int:
+        return len(self._by_place)
+
+    def put(self, sources: Collection[SourceRecord], now: float) -> tuple[str, ...]:
+        """Approve all parts of *sources* that take commands; return the differences from the approvals before.
+
+        Raises:
+            RefusedError: There are too many approvals.
+        """
+        found = dict(_descriptions(sources))
+        if len(self._by_place.keys() | found.keys()) > MAX_APPROVALS:
+            raise RefusedError("an approval", f"there are {MAX_APPROVALS:,} already; take some back")
+        changes = [(place[1], change) for place, _, change in self.of(sources) if change]
+        self._by_place.update({place: Approval(description, now) for place, description in found.items()})
+        return tuple([f"{key}: {change}" for key, change in changes])
+
+    def discard(self, sources: Iterable[SourceRecord]) -> bool:
+        """Take back the approvals of all announcements *sources*; return whether there were any."""
+        keys = {source.key for source in sources}
+        places = [place for place in self._by_place if place[:2] in keys]
+        for place in places:
+            del self._by_place[place]
+        return bool(places)
+
+    def of(self, sources: Iterable[SourceRecord]) -> Iterator[tuple[PartPlace, Approval, str]]:
+        """Yield each approved part of *sources*, its approval, and what changed since as text, empty for nothing."""
+        for source in sources if self._by_place else ():
+            for part in source.sighting.parts:
+                place = (*source.key, part.id)
+                if (approval := self._by_place.get(place)) is not None:
+                    description = CommandDescription.of(part, source.sighting.identifiers)
+                    yield place, approval, description.changes(approval.description)
+
+    def records(self) -> list[object]:
+        """Return all as plain values, for the index file."""
+        return [[*place, list(approval.description), approval.said_at] for place, approval in self._by_place.items()]
+
+    def restore(self, records: Iterable[ApprovalRecord]) -> None:
+        """Take over what :meth:`records` returned."""
+        for gateway, key, part, description, said_at in records:
+            if len(self._by_place) < MAX_APPROVALS:
+                self._by_place[gateway, key, part] = Approval(CommandDescription(*description), said_at)
+
+
+ApprovalRecord = tuple[str, str, str, tuple[str, tuple[str, ...], tuple[str, ...], tuple[str, ...], str], float]
+
+
+def _descriptions(sources: Iterable[SourceRecord]) -> Iterator[tuple[PartPlace, CommandDescription]]:
+    """Yield what each announcement that may be commanded says of the commands of its parts."""
+    for source in sources:
+        if source.is_claimed:
+            continue
+        for part in source.sighting.parts:
+            if any(one.settable for one in part.capabilities):
+                yield (*source.key, part.id), CommandDescription.of(part, source.sighting.identifiers)

@@ -1,0 +1,92 @@
+"""Publications for each setting of a described part, as text for the owner. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from homebot.conventions.description import Codec, DescribedPart, Publications, TakesCode
+from homebot.devices.capabilities import CAPABILITIES, MOMENTARY
+from homebot.devices.part import Capability
+from homebot.devices.value import PlainValue
+from homebot.errors import HomebotError, WrongCodeError
+
+__all__ = ["MOST_LINES", "sent_commands"]
+
+MOST_LINES = 64
+"""Settings of one part that are shown; further ones are not tried, as a template may take milliseconds."""
+
+_LONGEST = 200
+_CODE = "CODE"
+_COLOR = (0.0, 100.0)
+
+
+def sent_commands(described: DescribedPart) -> Iterator[str]:
+    """Yield a line for each setting of a part: what is sent, and where. Nothing for a gateway that encodes by itself.
+
+    The payload of a number is shown for its largest value. A codec that remembers is not tried: what it sends depends
+    on what the device reported, and commands may be among what it remembers.
+    """
+    part = described.part
+    label = f"{part.name or part.id}: " if part.name or part.id else ""
+    if described.remembers:
+        yield f"{label}{', '.join(part.writes)}: what is sent depends on what the device reported"
+        return
+    settings = [(one, value) for one in part.capabilities if one.settable for value in _samples(one)]
+    for capability, value in settings[:MOST_LINES]:
+        sent = _sent(described.codec, capability.name, value)
+        if sent is not None:
+            yield f"{label}{capability.name}={_spelt(value)}: {sent}"
+    if len(settings) > MOST_LINES:
+        yield f"{label}and {len(settings) - MOST_LINES} further settings"
+
+
+def _samples(capability: Capability) -> tuple[PlainValue, ...]:
+    """Return the values that a capability can be set to; of a number the largest one."""
+    known = CAPABILITIES.get(capability.name)
+    if capability.options or known is None:
+        return capability.options
+    match known.kind:
+        case "bool":
+            return (True,) if known.name in MOMENTARY else (True, False)
+        case "number":
+            return (capability.bounds or known.bounds or (1.0,))[-1:]
+        case "numbers":
+            return (_COLOR,)
+        case _:
+            return known.options or ("TEXT",)
+
+
+def _sent(codec: Codec, capability: str, value: PlainValue) -> str | None:
+    """Return what is sent as text; None if the part does not take *value*."""
+    try:
+        return _shown(codec.write(capability, value))
+    except WrongCodeError:
+        return _sent_with_code(codec, capability, value)
+    except HomebotError:
+        return None
+
+
+def _sent_with_code(codec: Codec, capability: str, value: PlainValue) -> str | None:
+    try:
+        return _shown(codec.write_with_code(capability, value, _CODE)) if isinstance(codec, TakesCode) else None
+    except WrongCodeError:
+        return "it takes a code, which is not shown"
+    except HomebotError:
+        return None
+
+
+def _shown(publications: Publications) -> str:
+    texts = []
+    for topic, payload, _, retain in publications:
+        text = payload.decode(errors="backslashreplace")
+        shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}… ({len(payload):,} bytes)"
+        texts.append(f"{topic} {shown}{' (retained)' if retain else ''}".rstrip())
+    return ", ".join(texts) or "nothing"
+
+
+def _spelt(value: PlainValue) -> str:
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, tuple):
+        return ",".join(f"{one:g}" for one in value)
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,223 @@
+"""An approval belongs to an announced part as it was approved: what changes, and what joins, waits."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from homebot.devices import Device, Sighting
+from homebot.devices.always_ask import is_approved, waits_for_approval
+from homebot.devices.part import Capability, Part
+from homebot.discovery import DeviceIndex, OwnerFacts, approvals
+from homebot.errors import RefusedError
+from homebot.places import NO_PLACES
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+
+MAC = "mac:aabbccddeeff"
+
+
+@pytest.fixture
+def index() -> DeviceIndex:
+    return DeviceIndex(forget_after=1000.0, owner=OwnerFacts("Home", NO_PLACES, 5.0))
+
+
+@pytest.fixture
+def lock(announce: Announce, part: MakePart) -> Sighting:
+    bolt = part("door_lock", "lock", id="l", writes=("door/set",)).model_copy(update={"payloads": "as announced"})
+    return announce("lock/door", bolt, ids=(MAC,), name="Door")
+
+
+def changed(sighting: Sighting, **fields: Any) -> Sighting:
+    """The announcement with other fields of its only part."""
+    (part,) = sighting.parts
+    return sighting.model_copy(update={"parts": (part.model_copy(update=fields),)})
+
+
+def only(index: DeviceIndex) -> Device:
+    (device,) = index.devices()
+    return device
+
+
+def approved(index: DeviceIndex) -> list[str]:
+    return [device.id for device in index.devices() if is_approved(device)]
+
+
+def restored(index: DeviceIndex) -> DeviceIndex:
+    """An index that read what another one wrote."""
+    again = DeviceIndex(forget_after=1000.0, owner=OwnerFacts("Home", NO_PLACES, 5.0))
+    again.owner.restore(index.owner.record())
+    for device in index.devices():
+        entry = index.entry(device.id)
+        assert entry is not None
+        again.restore(entry, 0.0)
+    return again
+
+
+@pytest.mark.parametrize(
+    ("fields", "problem"),
+    [
+        ({"payloads": "unlock sends LOCK"}, "the payloads of its commands changed"),
+        ({"writes": ("garage/cmd/set",)}, "its commands go to garage/cmd/set instead of door/set"),
+        ({"service_type": "closure"}, "its type is closure, it was door_lock"),
+        (
+            {"capabilities": tuple(Capability(name=name, settable=True) for name in ("lock", "movement"))},
+            "it takes lock, movement instead of lock",
+        ),
+    ],
+)
+def test_an_approved_lock_that_is_announced_differently_waits_again_and_says_what_changed(
+    index: DeviceIndex, lock: Sighting, fields: dict[str, Any], problem: str
+) -> None:
+    index.observe(lock)
+    assert waits_for_approval(only(index))
+    index.places.approve("door", 1.0)
+    assert not waits_for_approval(only(index))
+    index.observe(changed(lock, **fields), 2.0)
+    device = only(index)
+    assert waits_for_approval(device)
+    assert not is_approved(device)
+    assert [(one.value, one.convention, one.key) for one in device.facts if one.name == "changed_since_approval"] == [
+        (problem, "owner", lock.key)
+    ]
+    assert index.places.approve("door", 3.0) == (f"{lock.key}: {problem}",)
+    assert not waits_for_approval(only(index))
+
+
+def test_an_approved_lock_with_another_identifier_waits_again(index: DeviceIndex, lock: Sighting) -> None:
+    index.observe(lock)
+    index.places.approve("door", 1.0)
+    index.observe(lock.model_copy(update={"identifiers": (MAC, "id:other")}), 2.0)
+    assert waits_for_approval(only(index))
+    index.observe(lock.model_copy(update={"name": "Front door", "area": "Hall", "why": "renamed"}), 3.0)
+    assert not waits_for_approval(only(index))  # as it was approved, but for what people call it
+
+
+def test_what_joins_an_approved_device_with_the_same_identifiers_is_not_approved(
+    index: DeviceIndex, lock: Sighting, announce: Announce, part: MakePart
+) -> None:
+    index.observe(lock)
+    index.places.approve("door", 1.0)
+    joins = announce("lock/other", part("door_lock", "lock", id="o", writes=("garage/cmd/set",)), ids=(MAC,))
+    index.observe(joins, 2.0)
+    device = only(index)
+    assert {one.id: [bool(route.approved) for route in one.routes] for one in device.parts} == {
+        "l": [True],
+        "o": [False],
+    }
+    assert waits_for_approval(device)
+    again = restored(index)
+    assert waits_for_approval(only(again))
+    again.places.approve("door", 3.0)
+    assert not waits_for_approval(only(again))
+
+
+def test_a_further_route_to_an_approved_part_is_not_approved(
+    index: DeviceIndex, lock: Sighting, announce: Announce, part: MakePart
+) -> None:
+    index.observe(lock)
+    index.places.approve("door", 1.0)
+    twin = announce(
+        "lock/twin", part("door_lock", "lock", id="l", writes=("door/set",)), ids=(MAC,), on=lock.announced_on
+    )
+    index.observe(twin, 2.0)
+    (both,) = only(index).parts
+    assert {route.key: bool(route.approved) for route in both.routes} == {lock.key: True, twin.key: False}
+
+
+def test_an_approval_survives_a_restart_and_is_taken_back(index: DeviceIndex, lock: Sighting) -> None:
+    index.observe(lock)
+    index.places.place("door", "Hall", 1.0)
+    index.places.approve("door", 2.0)
+    assert [(one.name, one.value, one.key) for one in only(index).facts if one.convention == "owner"] == [
+        ("approved", "yes", "command"),
+        ("area", "Hall", "command"),
+    ]
+    again = restored(index)
+    assert approved(again) == ["door"]
+    again.observe(changed(lock, payloads="swapped while it was off"), 11.0)
+    assert approved(again) == []
+    again.observe(lock, 12.0)
+    assert approved(again) == ["door"]
+    again.places.disapprove("door")
+    again.places.disapprove("door")
+    assert approved(again) == []
+    assert only(again).area == "Hall"
+    with pytest.raises(RefusedError, match="no device of that id"):
+        again.places.approve("nobody", 3.0)
+
+
+def test_another_device_that_comes_with_the_same_id_is_not_approved(index: DeviceIndex, lock: Sighting) -> None:
+    index.observe(lock)
+    index.places.approve("door", 2.0)
+    index.forget("door", 3.0)
+    index.observe(lock.model_copy(update={"key": "homeassistant:new", "confirmed": True}), 4.0)
+    assert only(index).id == "door"
+    assert approved(index) == []
+    index.places.approve("door", 5.0)
+    assert approved(restored(index)) == ["door"]
+
+
+def test_an_approval_returns_to_its_own_after_a_merge_and_a_split(
+    index: DeviceIndex, lock: Sighting, announce: Announce, part: MakePart
+) -> None:
+    index.observe(lock)
+    index.observe(announce("lock/gate", part("door_lock", "lock", id="g", writes=("gate/set",)), ids=(), name="Gate"))
+    index.places.approve("door", 1.0)
+    index.merge(("door", "gate"), 2.0)
+    assert approved(index) == ["door"]
+    assert waits_for_approval(only(index))
+    index.split("door", None, 3.0)
+    assert approved(index) == ["door"]
+    index.merge(("door", "gate"), 4.0)
+    index.places.approve("door", 4.0)
+    index.split("door", None, 5.0)
+    assert approved(index) == ["door", "gate"]
+    index.merge(("door", "gate"), 6.0)
+    index.places.disapprove("door")
+    index.split("door", None, 7.0)
+    assert approved(index) == []
+
+
+def test_approvals_are_bounded(index: DeviceIndex, lock: Sighting, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(approvals, "MAX_APPROVALS", 1)
+    index.observe(lock)
+    other = changed(lock, writes=("other/set",))
+    index.observe(other.model_copy(update={"key": "homeassistant:other", "identifiers": (), "name": "Other"}))
+    index.places.approve("door", 1.0)
+    with pytest.raises(RefusedError, match="there are 1 already"):
+        index.places.approve("other", 2.0)
+    assert approved(index) == ["door"]
+
+
+def test_an_approval_of_an_older_index_file_waits_again(index: DeviceIndex, lock: Sighting) -> None:
+    """It does not say what was approved; the room beside it stays."""
+    index.observe(lock)
+    facts = [["area", "Hall", "command", 1.0], ["approved", "yes", "command", 2.0]]
+    names = ("name", "value", "source", "said_at")
+    stated = [dict(zip(names, one, strict=True)) for one in facts]
+    owner = OwnerFacts("Home", NO_PLACES, 5.0)
+    owner.restore(json.dumps({"statements": [{"facts": stated, "announcements": [["mqtt", lock.key]]}]}))
+    again = DeviceIndex(forget_after=1000.0, owner=owner)
+    again.observe(lock)
+    assert (only(again).area, waits_for_approval(only(again))) == ("Hall", True)
+
+
+def test_a_places_file_has_no_approvals(index: DeviceIndex, lock: Sighting) -> None:
+    index.observe(lock)
+    before = exported(index)
+    index.places.approve("door", 1.0)
+    assert exported(index) == before
+
+
+def exported(index: DeviceIndex) -> str:
+    work = index.places_exchange.export_text()
+    while True:
+        try:
+            next(work)
+        except StopIteration as done:
+            return str(done.value)
