@@ -18,6 +18,7 @@ from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.drivers.base import FoundService
 from homebot.gateways.drivers.thing import HttpThingDriver, ThingDriver
 from homebot.gateways.drivers.thing.settings import ThingDriverSettings
+from homebot.gateways.things import http_port
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.http.thing import ServedThing
 from homebot.wot import CONTEXT
@@ -295,8 +296,11 @@ async def test_long_polls_bring_new_values() -> None:
         kept.set()
 
 
-async def test_a_change_between_two_long_polls_is_read_after_the_next_one_has_begun() -> None:
+async def test_a_change_between_two_long_polls_is_read_after_the_next_one_has_begun(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """The server answers a poll with changes after it only, as node-wot does."""
+    monkeypatch.setattr(http_port, "LONG_POLL", 3600.0)
     is_on, polls = False, 0
     change, over = anyio.Event(), anyio.Event()
 

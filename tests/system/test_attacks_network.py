@@ -1,0 +1,118 @@
+"""A host lists addresses of this computer and of others, over HTTP and CoAP, from a machine of its own."""
+
+from __future__ import annotations
+
+import json
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+
+import pytest
+from tests.patience import PATIENCE
+from tests.peers.network import Lan, Machine, new_prefix, why_no_lan
+from tests.system.attack_probe import ROOT, Attacked, attacked, until
+from tests.system.lying_network import DIRECTORY_PORT
+from websockets.sync.client import connect
+
+pytestmark = pytest.mark.system
+
+LONGEST_TURN = 0.1
+"""Seconds of the processor."""
+
+
+@pytest.fixture
+def machines() -> Iterator[tuple[Machine, Machine, Machine]]:
+    """The machine of homebot, on which this thread is, and those of the liar and of the victim."""
+    if problem := why_no_lan():
+        pytest.skip(problem)
+    lan = Lan(new_prefix())
+    try:
+        hub, liar, victim = (lan.machine(name) for name in ("hub", "liar", "victim"))
+        with hub.entered():
+            yield hub, liar, victim
+    finally:
+        lan.close()
+
+
+@contextmanager
+def canaries() -> Iterator[tuple[int, Callable[[], int]]]:
+    """Listen for connections and datagrams at one port of all addresses; yield it, and what counts them."""
+    with ExitStack() as stack:
+        tcp = stack.enter_context(socket.create_server(("::", 0), family=socket.AF_INET6, dualstack_ipv6=True))
+        port: int = tcp.getsockname()[1]
+        udp = stack.enter_context(socket.socket(socket.AF_INET6, socket.SOCK_DGRAM))
+        udp.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 0)
+        udp.bind(("::", port))
+        tcp.setblocking(False)
+        udp.setblocking(False)
+
+        def count() -> int:
+            found = 0
+            for come in (tcp.accept, lambda: udp.recv(2000)):
+                with suppress(BlockingIOError):
+                    come()
+                    found += 1
+            return found
+
+        yield port, count
+
+
+def listed(homebot: Attacked) -> dict[str, str]:
+    """Return the devices of the directory: names by id."""
+    with connect(homebot.url, proxy=None, compression=None, open_timeout=PATIENCE) as door:
+        door.send(json.dumps({"op": "call_service", "id": "f", "service": "/discovery/find_devices", "args": {}}))
+        while (answer := json.loads(door.recv(timeout=PATIENCE))).get("id") != "f":
+            pass
+    return {one["id"]: one["name"] for one in answer["values"]["devices"]}
+
+
+@contextmanager
+def program(machine: Machine, folder: Path, role: str, *arguments: str) -> Iterator[Callable[[], str]]:
+    """Run a role of the lying network on *machine*; yield what returns its output."""
+    output = folder / f"{role}.txt"
+    command = machine.command(sys.executable, "-m", "tests.system.lying_network", role, *arguments)
+    with output.open("wb") as out, subprocess.Popen(command, stdout=out, stderr=out, cwd=ROOT) as process:
+        try:
+            yield lambda: output.read_text(encoding="utf-8")
+        finally:
+            process.kill()
+
+
+def test_what_a_host_lists_leads_neither_to_this_computer_nor_to_the_devices_of_others(
+    tmp_path: Path, machines: tuple[Machine, Machine, Machine]
+) -> None:
+    hub, liar, victim = machines
+    with canaries() as (port, count):
+        hosts = ("127.0.0.1", "127.1", "0x7f.1", "0.0.0.0", "localhost", socket.gethostname(), hub.address)  # noqa: S104
+        lies = [f"{one}:{port}" for one in (*hosts, "[::1]", "[::]", "[::ffff:127.0.0.1]", f"[::ffff:{hub.address}]")]
+        (tmp_path / "homebot.toml").write_text(
+            f"""
+            [gateways.coap]
+            devices = ["coap://{victim.address}"]
+            resource_directory = ["coap://{liar.address}"]
+            serve_directory = "{hub.address}:5683"
+            directory_is_open = true
+
+            [gateways.thing_directory]
+            url = "http://{liar.address}:{DIRECTORY_PORT}"
+            """,
+            encoding="utf-8",
+        )
+        arguments = (liar.address, hub.address, victim.address, *lies)
+        with program(victim, tmp_path, "victim", victim.address), attacked(tmp_path) as homebot:
+            until(lambda: "Victim" in listed(homebot).values() or None, PATIENCE)
+            with program(liar, tmp_path, "liar", *arguments) as printed:
+                until(lambda: "has lied" in printed() or None, PATIENCE)
+                names = {"Victim", "Honest", "Honest CoAP"}
+                until(lambda: names <= set(listed(homebot).values()) or None, PATIENCE)
+                until(lambda: "leads to this computer" in homebot.text() or None, PATIENCE)
+                known, answers = listed(homebot), printed()
+            toll = homebot.toll()
+        print(f"\n{len(lies)} lies over HTTP and over CoAP: {toll}")
+        assert count() == 0
+        assert answers.count("4.03") == 2, answers  # a misleading name for its own address is only a name
+        assert {one for one in known.values() if one in names} == names
+        assert toll.busy < LONGEST_TURN
