@@ -5,7 +5,7 @@ What an app needs is imported from here: ``from homebot import App, Light, run``
 asked for. Modules below may change from one release to the next; the names of this one are kept.
 """
 
-TYPE_CHECKING = False  # the one of typing would import typing: who asks for nothing pays for nothing
+TYPE_CHECKING = False  # typing.TYPE_CHECKING would import typing
 if TYPE_CHECKING:
     from homebot.apps import App
     from homebot.cli.script import run
@@ -211,7 +211,7 @@ _NAMES = {
 if not TYPE_CHECKING:  # else a name that does not exist would pass for one
 
     def __getattr__(name: str) -> object:
-        from homebot.lazy_names import lazy_names  # noqa: PLC0415 - for those who ask for something
+        from homebot.lazy_names import lazy_names  # noqa: PLC0415 - on first use
 
         return lazy_names(__name__, _NAMES)(name)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 
-if sys.path and sys.path[0] in {"", os.getcwd()}:  # noqa: PTH109 - whatever else is imported may be of this folder
+if sys.path and sys.path[0] in {"", os.getcwd()}:  # noqa: PTH109 - other imports could come from this folder
     del sys.path[
         0
     ]  # where ``python -m`` looks first: a file of the working directory would pass for an installed module

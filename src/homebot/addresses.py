@@ -9,7 +9,7 @@ from typing import Final
 __all__ = ["ip_version", "is_loopback", "network_of", "parse_address"]
 
 _IPV6_PREFIX: Final = 64
-"""Bits of an IPv6 address that belong to one household or customer; the rest anybody may choose."""
+"""Bits of an IPv6 address that identify one household; the rest can be chosen freely."""
 
 
 def parse_address(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:

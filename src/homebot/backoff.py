@@ -55,7 +55,7 @@ class Backoff(NamedTuple):
 
 
 class BackoffCounter:
-    """Counts the failures in a row of what is attempted again and again.
+    """Counter of consecutive failures, with the next delay.
 
     Args:
         clock: The clock.
@@ -91,7 +91,7 @@ class BackoffCounter:
 
 # A broker in the house is back a second after its restart, and a try costs one refused TCP connect: with
 # 1.5 s plus the handshake a client is back within 2 s. A hub or router that reboots takes a few minutes;
-# who is away for longer is switched off, and 30 s spare its log.
+# a longer absence means switched off, and 30 s keep the log short.
 LINK_BACKOFF: Final = Backoff(first=0.1, factor=2.0, cap=1.5, late_cap=30.0, late_after=300.0)
 """For a link that is absent or broke."""
 
@@ -104,4 +104,4 @@ DEVICE_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=60.0, late_cap=300.0,
 """For a device, or a directory of devices, that does not answer."""
 
 DEVICE_REFUSED_BACKOFF: Final = Backoff(first=30.0, factor=2.0, cap=600.0, late_cap=600.0, late_after=600.0, jitter=0.5)
-"""For one that refused a login or broke its protocol: somebody has to change something."""
+"""For refused logins and protocol errors: a person has to change something."""

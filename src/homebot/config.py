@@ -91,7 +91,7 @@ def folder_of(context: object) -> Path:
 
 
 def in_folder(folder: Path) -> dict[str, object]:
-    """Return the context with which a model is validated whose relative paths start from *folder*."""
+    """Return the validation context for models with paths relative to *folder*."""
     return {_FOLDER: folder}
 
 
@@ -113,7 +113,7 @@ class HomeSettings(BaseModel):
     """The table ``[home]``.
 
     Attributes:
-        name: What this home is called, in logs and on the web page.
+        name: Name of the home, in logs and on the web page.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
@@ -131,7 +131,7 @@ class Config(BaseModel):
         door: The address at which rosbridge clients reach this homebot; empty for the default.
         discovery: The table ``[discovery]``: how long devices are kept.
         control: The table ``[control]``: how commands are carried out.
-        places: The table ``[places]``: rooms, and what the owner states of devices.
+        places: The table ``[places]``: rooms and the owner's statements about devices.
         thing_directory: The table ``[thing_directory]``, which has the devices served over HTTP; None for none.
         source: The file, or another source of the values, for error messages.
         folder: The folder that relative paths start from: that of the file.
@@ -208,7 +208,7 @@ def parse_settings(
     """Return *table* checked by *model*.
 
     Args:
-        model: What the table must look like.
+        model: Schema of the table.
         table: The table; a ``class`` in it is passed over, it chose the model.
         source: The file, for messages.
         key: The table's dotted path, for messages.
@@ -232,7 +232,7 @@ def parse_settings(
 
 
 def read_secret(path: Path) -> str:
-    """Return the first line of the file *path*, without what ends it.
+    """Return the first line of the file *path*, without its line ending.
 
     Where others can read it as well, a warning is logged.
 
@@ -254,9 +254,9 @@ def read_password(password_file: Path | None, password_env: str | None, name: st
     """Return the password, or other secret, that a table names by one of these keys; None where it names none.
 
     Args:
-        password_file: File whose first line is the password.
+        password_file: File with the password in its first line.
         password_env: Environment variable that holds the password.
-        name: What the keys begin with.
+        name: Prefix of the keys.
 
     Raises:
         UsageError: It cannot be read; names the key.
@@ -364,7 +364,7 @@ def _array_reason(path: str, field: FieldInfo | None) -> str:
 
 
 def _reason(model: type[BaseModel], error: ErrorDetails) -> str:
-    """Return what is wrong in the table of *model*, in words."""
+    """Return the problems of a table of *model*, as text."""
     if error["type"] == "extra_forbidden":
         known = [name for name in model.model_fields if name not in {"source", "folder"}]
         return unknown_key(str(error["loc"][-1]), known)

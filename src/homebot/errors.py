@@ -60,7 +60,7 @@ class HomebotError(Exception):
 
 
 class UsageError(HomebotError):
-    """A mistake in the program or its configuration; the message says what to change."""
+    """A mistake in the program or its configuration; the message names the change to make."""
 
 
 class InvalidNameError(UsageError):
@@ -68,7 +68,7 @@ class InvalidNameError(UsageError):
 
     Attributes:
         name: The rejected name.
-        problem: What is wrong with it.
+        problem: The problem.
         position: Index of the first bad character, or None where the whole name is wrong.
     """
 
@@ -106,8 +106,8 @@ class ConfigError(UsageError):
     Attributes:
         source: The file (or the option) the value came from.
         key: Dotted path of the culprit, for example ``gateways.mqtt.url``; empty for the whole file.
-        reason: What is wrong, and what to do; begins with a verb where it is about the whole file.
-        others: What else is wrong in the same table.
+        reason: The problem and its remedy; begins with a verb if it concerns the whole file.
+        others: Further problems of the same table.
     """
 
     def __init__(self, source: str, key: str, reason: str) -> None:
@@ -138,7 +138,7 @@ class WireError(PeerError):
     """A peer sent bytes that do not follow their protocol.
 
     Attributes:
-        problem: What is wrong.
+        problem: The problem.
         frame: The rejected bytes; at most the first 64 are shown in the message.
     """
 
@@ -153,7 +153,7 @@ class RefusedError(PeerError):
     """A device, broker or gateway refused a request.
 
     Attributes:
-        what: What was refused, for people.
+        what: The refused action, for people.
         reason: The reason, for people; never contains a secret.
         code: The protocol's reason code where there is one.
     """
@@ -170,7 +170,7 @@ class WrongCodeError(RefusedError):
 
 
 class UnableError(PeerError):
-    """A part of a device cannot do what a command asks, as it is described; nothing was sent, another way may do."""
+    """A part cannot carry out a command as described; nothing was sent, and another route may work."""
 
 
 class LinkError(HomebotError):
@@ -185,10 +185,10 @@ class ExitError(HomebotError):
 
 
 class AbortError(HomebotError):
-    """A part of the program awaited what was cancelled, or raised what only Python itself does: the others go on.
+    """A component awaited a cancelled task, or raised an exception reserved to Python; the others continue.
 
     Attributes:
-        error: What it was.
+        error: The original exception.
     """
 
     def __init__(self, who: str, error: BaseException) -> None:

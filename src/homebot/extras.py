@@ -13,7 +13,7 @@ def check_extra(what: str, extra: str, *modules: str) -> None:
     """Check that the libraries of an extra are installed; none is imported.
 
     Args:
-        what: Who needs them, as text: ``the gateway "mdns"``.
+        what: The feature, as text: ``the gateway "mdns"``.
         extra: The name of the extra.
         modules: The top-level modules that it installs.
 

@@ -17,10 +17,10 @@ _GROUP, _OTHERS = stat.S_IRWXG, stat.S_IRWXO
 
 
 def why_not_trusted(path: Path) -> str:
-    """Return why what *path* holds may be somebody else's doing, and what to do; empty where it may not.
+    """Return a problem with the owner or mode of *path*, with its remedy; empty if it is safe.
 
     The file or folder and the folder that it is in must be the user's or root's, and neither these nor any folder above
-    may be written by others; above, a folder in which each keeps what is their own, such as ``/tmp``, is fine.
+    may be writable by others; a parent folder with the sticky bit, such as ``/tmp``, is fine.
     """
     if os.name != "posix":
         return ""
@@ -39,9 +39,9 @@ def why_not_trusted(path: Path) -> str:
 
 
 def why_not_private(path: Path, found: os.stat_result) -> str:
-    """Return why the secret in the file *path*, which is *found* so, may be somebody else's; empty where it may not.
+    """Return a problem with the owner or mode of the secret *path*, given its *found* status; empty if it is safe.
 
-    What is no file, such as a pipe, is whoever's wrote it.
+    Pipes and other non-files are not checked.
     """
     if os.name != "posix" or not stat.S_ISREG(found.st_mode) or not _is_writable_by_others(found):
         return ""

@@ -56,7 +56,7 @@ class Installation:
         """Return the id of a part of this homebot, 16 hexadecimal digits, which say nothing about the computer.
 
         Args:
-            part: What is identified, for example the full name of a node.
+            part: The identified part, for example the full name of a node.
         """
         with self._lock:
             self._load()

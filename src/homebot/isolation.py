@@ -35,8 +35,7 @@ __all__ = [
 def isolated(owner: str) -> Iterator[None]:
     """Make sure that the block, the whole of a task in a task group, ends by an error that is one to everybody.
 
-    A task group takes a task that ends in a CancelledError, whose ever it is, for one that was cancelled: it ends the
-    others too, without a word.
+    A task group treats any task that ends in a CancelledError as cancelled and silently ends the others too.
 
     Raises:
         AbortError: A cancellation came out of the block although its task is not to end, or a GeneratorExit.
@@ -86,16 +85,16 @@ def _is_thrown_away(task: asyncio.Task[object] | None) -> bool:
 
 
 def uncancel() -> None:
-    """Take back what cancelled the current task from inside itself; for a task that no cancel scope ends."""
+    """Revoke cancellations of the current task by itself, outside cancelled scopes."""
     task = asyncio.current_task()
     while task is not None and task.cancelling():
         task.uncancel()
 
 
 def crash_of(owner: str, error: BaseException) -> Exception:
-    """Return *error*, which ended a piece of *owner*'s code, as an exception that ends nobody else.
+    """Return *error* of *owner*'s code as an exception that does not end other components.
 
-    An exception is returned as it is; of a group only what would end others is replaced.
+    An exception is returned unchanged; in a group only the dangerous members are replaced.
 
     Raises:
         KeyboardInterrupt: *error* is one, or holds one: it is meant for the whole program.
@@ -112,7 +111,7 @@ def crash_of(owner: str, error: BaseException) -> Exception:
 
 
 def first_cause(error: BaseException) -> BaseException:
-    """Return the first real error inside what task groups wrapped around *error*."""
+    """Return the first error inside the exception groups of *error*."""
     while isinstance(error, BaseExceptionGroup):
         error = error.exceptions[0]
     return error
@@ -144,7 +143,7 @@ def only_cause(group: BaseExceptionGroup[BaseException]) -> BaseException | None
 
 
 def error_text(error: BaseException) -> str:
-    """Return the first real error inside what task groups wrapped around *error*, in words."""
+    """Return the first error inside the exception groups of *error*, as text."""
     cause = first_cause(error)
     text = str(cause)
     return f"{type(cause).__name__}: {text}" if text else type(cause).__name__

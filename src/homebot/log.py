@@ -54,8 +54,8 @@ def configure_logging(
 ) -> None:
     """Send every log line of the process to *stream*, by default standard error.
 
-    This includes what libraries log with the standard library's ``logging`` at warning or above, and Python's own
-    warnings: at a limited rate, and without what looks like a secret.
+    This includes lines of libraries through the standard library's ``logging`` at warning or above, and Python's
+    warnings: at a limited rate, and with secrets masked.
 
     Args:
         log_format: ``console`` for people, ``json`` for programs: one object a line.
@@ -94,7 +94,7 @@ def configure_logging(
 
 
 def _loss_line(renderer: Processor, lines: int) -> str:
-    """Return the line of the log that stands for *lines* which nobody read in time."""
+    """Return the log line that reports *lines* dropped lines."""
     event: EventDict = {
         "event": LINES_LOST,
         "level": "warning",
@@ -215,7 +215,7 @@ def _take_in_stdlib_lines() -> None:
 
 
 def _without_secrets(_logger: WrappedLogger, _method: str, event: EventDict) -> EventDict:
-    """Take secrets out of what libraries say; our own lines never hold any."""
+    """Mask secrets in log lines of libraries; homebot's own lines contain none."""
     if event.get("event") == LIBRARY_LINE:
         for key in ("message", "exception"):
             if key in event:

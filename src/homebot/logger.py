@@ -29,13 +29,13 @@ _observers: Final[list[Processor]] = []
 
 
 def get_logger(**facts: object) -> FilteringBoundLogger:
-    """Return a logger whose lines all carry *facts*; each line goes where it is configured to when it is written."""
+    """Return a logger that adds *facts* to each line; the output is looked up when a line is written."""
     return cast("FilteringBoundLogger", _Logger(facts))
 
 
 @contextmanager
 def observed_lines(observer: Processor) -> Iterator[None]:
-    """Show *observer* every line during the block, whatever its level where nothing is configured."""
+    """Pass every line to *observer* during the block, of any level if logging is not configured."""
     if not structlog.is_configured():
         _observers.append(observer)
         try:
@@ -69,7 +69,7 @@ def with_local_time(_logger: WrappedLogger, _method: str, event: EventDict) -> E
 class ConsoleRenderer:
     """Renders a line as ``12:30:01  node  words``, in local time, and a traceback below it, set in.
 
-    What outsiders wrote cannot break the line, look like another, or steer the terminal.
+    Outside text cannot break the line, imitate another one or control the terminal.
 
     Args:
         colours: Whether warnings and worse stand out by their colour.
@@ -92,10 +92,10 @@ class ConsoleRenderer:
 
 
 class LineWriter:
-    """Writes lines. Whoever read them may have gone; the house does not go down with them.
+    """Writes lines; a closed reader is not an error.
 
     Args:
-        out: Where to; None for what is standard error when a line is written.
+        out: The stream; None for standard error at the time of each line.
     """
 
     def __init__(self, out: TextIO | None = None) -> None:

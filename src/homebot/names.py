@@ -84,7 +84,7 @@ def expand_name(name: str, node: str, namespace: str, kind: str = "topic name") 
     that is still relative goes below the namespace.
 
     Raises:
-        InvalidNameError: The name, or what it expands to, is illegal.
+        InvalidNameError: The name, or its expansion, is illegal.
     """
     if not name:
         raise InvalidNameError(kind, name, "is empty")

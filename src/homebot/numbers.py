@@ -1,4 +1,4 @@
-"""Numbers in what outsiders send: one rule for all of them. Pure; nothing here raises."""
+"""Parsing of numbers in untrusted input: one rule for all. Pure; nothing here raises."""
 
 from __future__ import annotations
 

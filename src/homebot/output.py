@@ -1,4 +1,4 @@
-"""Standard output and error that nobody has to wait for, and through which no stranger writes to a terminal.
+"""Standard output and error without blocking, and without control sequences from outside.
 
 A terminal that is paused, or a pipe that nobody reads, takes no more after some kilobytes; who writes to it then waits.
 An :class:`OutputQueue` lets a thread of its own wait instead. What is written keeps its order; what is too much is
@@ -28,7 +28,7 @@ _CONTROL_BUT_LINES: Final = re.compile(CONTROL.pattern.replace(r"\x00-\x1f", r"\
 
 MAX_WAITING = 4 * 1024 * 1024
 LAST_CHANCE = 0.5
-"""Seconds in which what waits at the end may still be written."""
+"""Seconds for writing the rest at the end."""
 
 _BATCH = 64 * 1024
 _TICK = 0.1
@@ -46,7 +46,7 @@ class OutputQueue:
 
     Args:
         descriptor: Where to; it stays open.
-        encoding: How; what it cannot write is shown as an escape.
+        encoding: Text encoding; other characters are escaped.
         most: Characters that may wait.
         now: The monotonic clock, in seconds.
 
@@ -70,11 +70,11 @@ class OutputQueue:
         self._most = most
         self._now = now
         self._waiting: deque[str] = deque()
-        self._size = 0  # of what waits and what is being written
+        self._size = 0  # bytes queued and being written
         self._untold = 0
         self._is_idle = True
-        self._is_gone = False  # whoever read it has gone
-        # Reentrant, since whatever is logged while an object is thrown away may come in the middle of anything.
+        self._is_gone = False  # the reader has closed the pipe
+        # Reentrant, because a finalizer may log at any moment.
         self._changed = threading.Condition(threading.RLock())
         self._thread: threading.Thread | None = None
 
@@ -141,12 +141,12 @@ class OutputQueue:
                     self._waiting.clear()
 
     def _write(self, data: bytes) -> bool:
-        """Write *data*, however long that takes; return False where nobody will ever read it."""
+        """Write *data*, blocking; return False if the reader is gone."""
         rest = memoryview(data)
         while rest:
             try:
                 rest = rest[os.write(self._descriptor, rest) :]
-            except BlockingIOError:  # whoever shares the descriptor has made it so
+            except BlockingIOError:  # another process made the shared descriptor non-blocking
                 select.select([], [self._descriptor], [])
             except OSError:
                 return False
@@ -192,7 +192,7 @@ class CleanText(io.TextIOBase):
     """A text stream that shows control characters as escapes, but for the ends of lines.
 
     Args:
-        raw: The stream that it writes to, for who writes none but harmless text.
+        raw: The underlying stream, for harmless text only.
     """
 
     def __init__(self, raw: TextIO) -> None:
@@ -204,7 +204,7 @@ class CleanText(io.TextIOBase):
         return self.raw.encoding
 
     def write(self, text: str) -> int:
-        """Write *text* without what could steer a terminal; the escapes are those of JSON, Python and YAML."""
+        """Write *text* with control characters escaped as in JSON, Python and YAML."""
         self.raw.write(_CONTROL_BUT_LINES.sub(lambda found: f"\\u{ord(found[0]):04x}", text))
         return len(text)
 
@@ -226,7 +226,7 @@ class CleanText(io.TextIOBase):
 
 
 def wants_colour(stream: TextIO) -> bool:
-    """Return whether what is written to *stream* may have colours: on a terminal, unless ``NO_COLOR`` is set.
+    """Return whether *stream* takes colours: a terminal, unless ``NO_COLOR`` is set.
 
     Source: https://no-color.org
     """
@@ -237,7 +237,7 @@ def wants_colour(stream: TextIO) -> bool:
 def clean_output() -> Iterator[None]:
     """Show control characters as escapes in all that is printed in the block.
 
-    They stay so when an error that nobody expected leaves the block, as Python then prints its traceback.
+    They stay so after an unexpected error, because Python then prints its traceback.
     """
     before = sys.stdout, sys.stderr
     sys.stdout, sys.stderr = (cast("TextIO", CleanText(stream)) for stream in before)
@@ -251,9 +251,9 @@ def clean_output() -> Iterator[None]:
 
 @contextmanager
 def queued_output() -> Iterator[Callable[[], int]]:
-    """Let nothing in the block wait for whoever reads standard output and error; give how many lines were lost so far.
+    """Write standard output and error without blocking during the block; yield the counter of lost lines.
 
-    At its end what is not written yet is given half a second. A stream without a file descriptor stays as it is.
+    At its end the rest has half a second. A stream without a file descriptor is unchanged.
     """
     before = sys.stdout, sys.stderr
     queues: dict[tuple[int, int, int], OutputQueue] = {}
@@ -263,7 +263,7 @@ def queued_output() -> Iterator[Callable[[], int]]:
         for queue in queues.values():
             queue.drain(LAST_CHANCE)
 
-    atexit.register(drain)  # what is logged after the block
+    atexit.register(drain)  # for lines after the block
     try:
         yield lambda: sum(queue.lost for queue in queues.values())
     finally:

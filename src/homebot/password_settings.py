@@ -15,7 +15,7 @@ class PasswordSettings(BaseModel):
     """A table, or a part of one, that may name a password.
 
     Attributes:
-        password_file: File whose first line is the password, for nobody else to read. Relative paths begin at the
+        password_file: File with the password in its first line, readable by its owner only. Relative paths begin at the
             folder of the configuration's file.
         password_env: Environment variable that holds the password.
     """
@@ -35,7 +35,7 @@ class PasswordSettings(BaseModel):
         """Return the password; None where none is named.
 
         Args:
-            table: What stands before its keys, for errors: ``devices.hall.``
+            table: Prefix of its keys in errors: ``devices.hall.``
 
         Raises:
             UsageError: It cannot be read; names the key.

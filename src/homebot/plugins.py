@@ -80,7 +80,7 @@ def name_in_file(name: str, base: type[object]) -> str:
 
     Args:
         name: ``FILE.py`` or ``FILE.py:Class``.
-        base: What the class is derived from.
+        base: Required base class.
 
     Raises:
         PluginError: As :func:`load_plugin`; or it has none, or several.
@@ -144,7 +144,7 @@ def _groups(points: Iterable[EntryPoint]) -> _Groups:
 
 
 def _hint(name: str, known: tuple[str, ...]) -> str:
-    """Return what somebody may have meant by *name*: a module without its class, or another plug-in."""
+    """Return suggestions for *name*: a module without its class, or another plug-in."""
     if name.isidentifier() and (Path(f"{name}.py").exists() or _is_installed(name)):
         return f"did you mean {name}:CLASS, with the name of a class in that module?"
     return did_you_mean(name, known, "a class of your own is written module:Class", cutoff=0.6)
@@ -230,7 +230,7 @@ def _run_as_module(file: Path, _changed_at: int) -> ModuleType:
 
 
 def _missing_class(problem: str, name: str, module: ModuleType) -> str:
-    """Return that there is no class *name* in *module*, with those of its own that somebody may have meant."""
+    """Return the error for a missing class *name* in *module*, with suggestions."""
     own = [one for one, kind in vars(module).items() if _is_own(kind, object, module)]
     similar = did_you_mean(name, own, "")
     return f"cannot be loaded: {problem}{'; ' if similar else ''}{similar}"
@@ -250,10 +250,10 @@ def _file_of_module(name: str) -> str | None:
 
 
 def _look_here_too(path: str, module_name: str) -> None:
-    """Let modules be found in the working directory, after all others, unless somebody else may have put them there.
+    """Find modules in the working directory, after all others, if only its owner can write there.
 
     Raises:
-        PluginError: Somebody may.
+        PluginError: Others can.
     """
     here = Path.cwd()
     package = here / module_name.partition(".")[0]

@@ -210,14 +210,14 @@ class ProductionLoop(asyncio.SelectorEventLoop):
     asyncio lets a SystemExit of any task stop the loop. Here it ends that task alone, unless the loop runs for it.
 
     Attributes:
-        watch: Reports what blocks the loop, once it is entered.
+        watch: Detects callbacks that block the loop.
     """
 
     def __init__(self) -> None:
         selector = WatchedSelector()
         super().__init__(selector)
         self.watch = LoopWatch(self, selector)
-        self._main: asyncio.Future[Any] | None = None  # of whatever it is that the loop runs for
+        self._main: asyncio.Future[Any] | None = None  # the loop's main task
 
     def run_until_complete(self, future: Awaitable[T]) -> T:  # type: ignore[override]  # typeshed knows two kinds of it
         """Run as any loop does."""

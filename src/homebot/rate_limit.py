@@ -15,7 +15,7 @@ class RateLimit:
     Args:
         per_second: How much there may be in a second; more than 0.
         at_once: How much there may be at once.
-        most_ahead: How much more than that is counted; what is beyond makes nobody wait any longer.
+        most_ahead: Maximum excess that is counted; more does not prolong the wait.
     """
 
     def __init__(self, per_second: float, at_once: float, most_ahead: float = math.inf) -> None:

@@ -1,4 +1,4 @@
-"""The names that somebody may have meant by one that is not known. Pure."""
+"""Suggestions for misspelt names. Pure."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ _MOST = 3
 
 
 def similar_to(name: str, known: Iterable[str], cutoff: float = _CUTOFF) -> list[str]:
-    """Return up to three of the *known* names that somebody may have meant by *name*, the likeliest first.
+    """Return up to three *known* names similar to *name*, the likeliest first.
 
     Case and accents make no difference.
 
     Args:
-        name: What was asked for.
-        known: What there is.
+        name: The unknown name.
+        known: The existing names.
         cutoff: How alike they must be, from 0 to 1.
     """
-    from difflib import get_close_matches  # noqa: PLC0415 - somebody mistook a name
+    from difflib import get_close_matches  # noqa: PLC0415 - only after a mistake
 
     wanted = fold(name)
     names = {fold(one): one for one in sorted(set(known), reverse=True)}
@@ -37,7 +37,7 @@ def did_you_mean(name: str, known: Iterable[str], otherwise: str, cutoff: float 
 
 
 def unknown_key(name: str, known: Iterable[str]) -> str:
-    """Return what is said of the key *name* of a table that has only the *known* ones."""
+    """Return the error text for the unknown key *name* of a table."""
     keys = [*known]
     all_known = f"known are {', '.join(keys) or 'none'}"
     return f"unknown key; {did_you_mean(name, keys, all_known)}"

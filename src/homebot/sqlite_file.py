@@ -29,7 +29,7 @@ class SqliteSchema:
     """The tables of a file.
 
     Attributes:
-        title: What the file is called in errors, for example ``index file``.
+        title: Name of the file in errors, for example ``index file``.
         version: Of the schema, kept as SQLite's ``user_version``.
         statements: Make the tables.
         checks: Queries that fail where a table is missing.
@@ -44,7 +44,7 @@ class SqliteSchema:
 
 
 class SqliteFile:
-    """Opens and replaces the file; what is in it, derived classes know.
+    """Opens and replaces the file; derived classes define its content.
 
     Args:
         path: Where it is; directories are made.
@@ -93,7 +93,7 @@ class SqliteFile:
         return set_aside
 
     def is_lost(self) -> bool:
-        """Return whether somebody removed or replaced the file while it was open: what is written then is lost."""
+        """Return whether the open file was removed or replaced, so that writes are lost."""
         try:
             return _identity_of(self.path) != self._identity
         except OSError:
@@ -151,7 +151,7 @@ class SqliteFile:
         self._connection, self._identity = connection, _identity_of(self.path)
 
     def _make_private(self) -> None:
-        """Have a file that is the user's alone: what others could write there would be taken for what was heard.
+        """Require a file that only the user can write: other users could forge entries.
 
         Raises:
             UsageError: Others may write it, or where it is.
@@ -187,7 +187,7 @@ class SqliteFile:
         connection.execute("COMMIT")
 
     def _failure(self, exc: sqlite3.Error, what: str) -> LinkError | WireError:
-        """Return the error that the file could not be *what*, for example ``written``: is it at fault, or the disk."""
+        """Return the error for a failed operation *what*, for example ``written``: of the file or of the disk."""
         if _is_damage(exc):
             return WireError(f"{self._title} is damaged: {exc}", b"")
         return LinkError(f"{self._title} cannot be {what}: {exc}")

@@ -17,7 +17,7 @@ class DuplicateKeyError(ValueError):
 
 
 def parse_strict(text: str | bytes) -> object:
-    """Return what *text* spells.
+    """Parse *text*.
 
     Raises:
         DuplicateKeyError: A key is there twice.
@@ -69,8 +69,8 @@ def _repeated(pairs: list[tuple[str, Any]]) -> str:
 
 
 def _escaped(error: UnicodeError) -> tuple[str, int]:
-    """Return what stands for the characters that ASCII does not have, and where to go on."""
-    assert isinstance(error, UnicodeEncodeError)  # noqa: S101 - for the type checker: nobody else asks
+    """Return the escapes of non-ASCII characters and the position after them."""
+    assert isinstance(error, UnicodeEncodeError)  # noqa: S101 - for the type checker
     return json.dumps(error.object[error.start : error.end])[1:-1], error.end
 
 

@@ -45,7 +45,7 @@ class TimeLimits:
         return number
 
     def discard(self, number: int) -> None:
-        """Call no more what has that number; twice, or after the call, is fine."""
+        """Remove the limit of that number. Idempotent."""
         self._ends.pop(number, None)
 
     def _rebuild(self) -> None:

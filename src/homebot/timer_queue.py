@@ -32,7 +32,7 @@ class TimerQueue(Generic[Key, Item]):
         self._number = 0
 
     def set(self, key: Key, at: float, item: Item) -> None:
-        """Have *item* due *at* that time, in place of what *key* had before."""
+        """Schedule *item* for the time *at*, replacing the earlier item of *key*."""
         self._number = number = self._number + 1
         entry = self._entries[key] = (at, number, key, item)
         if at < self._queued.get(key, math.inf):

@@ -1,4 +1,4 @@
-"""TOML as homebot reads it, whatever the file is about: what no table can hold is refused by its key."""
+"""The TOML reader for all files; invalid values are reported with their key."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def read_toml(path: Path, *, any_text: bool = False) -> TomlTable:
         raise ConfigError(source, "", "cannot be read: it is not UTF-8 text") from exc
     except FileNotFoundError as exc:
         raise ConfigError(source, "", "does not exist") from exc
-    except (OSError, ValueError) as exc:  # a path may hold what no path can
+    except (OSError, ValueError) as exc:  # the path may contain invalid characters
         raise ConfigError(source, "", f"cannot be read: {getattr(exc, 'strerror', None) or exc}") from exc
     return parse_toml(text, source, any_text=any_text)
 

@@ -182,5 +182,5 @@ class _JumpingSelector(selectors.DefaultSelector):
     def _select_or_give_up(self) -> list[tuple[selectors.SelectorKey, int]]:
         ready = super().select(STUCK_AFTER)
         if not ready:
-            raise UsageError("nothing is ready and no timer is set: what the program is waiting for can never happen")
+            raise UsageError("nothing is ready and no timer is set: the program waits for an event that cannot happen")
         return ready

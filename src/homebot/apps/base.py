@@ -42,7 +42,7 @@ class App(ABC):
 
     Settings: ClassVar[type[BaseModel]] = NoSettings
 
-    def __init__(self, node: Node, settings: BaseModel) -> None:  # noqa: ARG002  # what every app is given
+    def __init__(self, node: Node, settings: BaseModel) -> None:  # noqa: ARG002  # for subclasses
         self.node = node
         self.devices = Devices(node)
 

@@ -1,4 +1,4 @@
-"""Follow me: the lamps of a dark room go on when somebody comes in."""
+"""Follow me: the lamps of a dark room go on when a person comes in."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class FollowMeSettings(AppSettings):
 
 
 class FollowMe(RoomApp):
-    """Turns on the lamps of a dark room when a motion sensor there begins to detect somebody; turns nothing off.
+    """Turns on the lamps of a dark room when a motion sensor there begins to detect motion; turns nothing off.
 
     A room in which a lamp is on already is left as it is.
     """

@@ -23,7 +23,7 @@ class WindowHeatingSettings(AppSettings):
 class WindowHeating(RoomApp):
     """Lowers the heating while a window or contact of its room is open; keeps a setpoint that is changed meanwhile.
 
-    The setpoints to restore are known to one run alone: what is lowered when that ends stays lowered.
+    The setpoints to restore are kept in memory only: a heater that is lowered at the end of a run stays lowered.
     """
 
     Settings = WindowHeatingSettings

@@ -15,7 +15,7 @@ class DiagnosticStatus(Message, ros_type="diagnostic_msgs/msg/DiagnosticStatus")
         name: The part.
         message: How it is, in words.
         hardware_id: Its serial number or the like.
-        values: What was measured.
+        values: The measured values.
     """
 
     level: Byte

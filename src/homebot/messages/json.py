@@ -107,7 +107,7 @@ def known_fields(message_type: type[Message], value: Mapping[str, object]) -> di
 
 
 def validation_problem(error: ValidationError, secrets: frozenset[str] = frozenset()) -> str:
-    """Return the first problem of *error* in one line: the field's path, what is wrong, and the value.
+    """Return the first problem of *error* in one line: the field's path, the problem and the value.
 
     Of the fields *secrets* the value is not shown.
     """

@@ -139,14 +139,14 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of what is 
         return message
 
     def slimmed(self) -> Self:
-        """Return this message, which forgets which of its fields were given: up to 2 kB, and nobody asks for them."""
+        """Return this message without the set of given fields, which takes up to 2 kB."""
         _set_names(self, _ALL_FIELDS[type(self)])
         return self
 
     if not TYPE_CHECKING:  # a checker would let any attribute pass
 
         def __getattr__(self, name: str) -> object:
-            """Return what pydantic keeps beside the fields, where :meth:`of_checked` set none: few ask for it."""
+            """Return pydantic's own attributes of a message made by :meth:`of_checked`, which sets none."""
             if name == "__pydantic_fields_set__":
                 return _ALL_FIELDS[type(self)]
             if name in _NONE_OF_MESSAGES:
@@ -182,7 +182,7 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of what is 
         return schema
 
 
-# Past the check of pydantic that nobody sets anything.
+# These bypass pydantic's check that nothing is set.
 _new = object.__new__
 _set_fields = vars(BaseModel)["__dict__"].__set__
 _set_names = vars(BaseModel)["__pydantic_fields_set__"].__set__

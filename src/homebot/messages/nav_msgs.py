@@ -50,7 +50,7 @@ class MapMetaData(Message, ros_type="nav_msgs/msg/MapMetaData"):
 
 
 class OccupancyGrid(Message, ros_type="nav_msgs/msg/OccupancyGrid"):
-    """A map of what is free.
+    """An occupancy map.
 
     Attributes:
         header: When it was made, and its frame.

@@ -1,4 +1,4 @@
-"""The messages and services of ROS by package, each package loaded when somebody asks for one of its types."""
+"""The messages and services of ROS by package, each package loaded when one of its types is first used."""
 
 from __future__ import annotations
 

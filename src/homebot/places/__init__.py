@@ -1,4 +1,4 @@
-"""Places in the house: its rooms and floors, the doors between them, and what the owner says of devices. Pure."""
+"""Places in the house: its rooms, floors and doors, and the owner's statements about devices. Pure."""
 
 from homebot.lazy_names import lazy_names
 from homebot.places.facts import NO_PLACES, FactName, OwnerFact, Places

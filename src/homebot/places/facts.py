@@ -14,11 +14,11 @@ FactName: TypeAlias = Literal["area", "name", "tag", "taught_area"]
 
 
 class OwnerFact(NamedTuple):
-    """A fact about a device that the owner states; it outranks what the device announces.
+    """A fact about a device stated by the owner; it outranks the device's own.
 
     Attributes:
         name: ``area`` for the room, ``name`` for an alias, ``tag``, or ``taught_area`` for the room that an NFC tag or
-            a code at the device says, which counts only where nobody else says one.
+            a code at the device says, used only without any other statement.
         value: The value.
         source: How it was stated: ``configuration``, ``command`` or ``import``; of a taught room the gateway and the
             number of the tag, with ``/`` between.

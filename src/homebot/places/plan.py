@@ -89,7 +89,7 @@ class HousePlan:
         return self._located.get(fold(area)) or (area, self._in_home)
 
     def room(self, name: str) -> HouseRoom | None:
-        """Return the room of that name, whatever its case and accents; None where the plan has none."""
+        """Return the room of that name, ignoring case and accents, or None."""
         return self._rooms.get(fold(name))
 
     def with_rooms(self, rooms: Iterable[HouseRoom], source: str) -> HousePlan:

@@ -91,7 +91,7 @@ class PlacesSettings(BaseModel):
 
     Attributes:
         rooms: The rooms by name.
-        devices: What the owner states of devices, by device id or hardware address.
+        devices: The owner's statements, by device id or hardware address.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")

@@ -1,4 +1,4 @@
-"""``/homebot/health``: what went wrong in this process: crashes, failed callbacks, a blocked loop, lost messages."""
+"""``/homebot/health``: the failures in this process: crashes, failed callbacks, a blocked loop, lost messages."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class RuntimeHealth:
         node: The node that answers.
         home: The name of the home.
         supervisor: Knows which components crashed.
-        watch: Knows what blocked the event loop; None where nobody watches it.
+        watch: Detector of a blocked event loop, or None.
         lost_lines: Returns how many lines of the log were lost.
     """
 

@@ -25,9 +25,9 @@ ResponseT = TypeVar("ResponseT", bound=Message)
 
 @final
 class MutedNode(Node):
-    """The node of a gateway to which nobody can give a command, whether or not the gateway obeys `act`.
+    """The node of a gateway that cannot receive commands, whether or not the gateway respects `act`.
 
-    Of the topics below its own name it receives nothing, such as raw commands and what homebot offers to other systems.
+    It receives nothing on topics below its own name, such as raw commands and exposed devices.
     Its services are refused, but for those that only read (:data:`homebot.devices.names.GATEWAY_READING`).
 
     Args:

@@ -33,7 +33,7 @@ class DoorTable(DoorSettings):
     """The keys of the table ``[door]``.
 
     Attributes:
-        token_file: File whose first line is the token, for nobody else to read.
+        token_file: File with the token in its first line, readable by its owner only.
     """
 
     token_file: FilePath | None = None
@@ -43,8 +43,8 @@ class TokenTable(BaseModel):
     """The keys of a table ``[door.tokens.NAME]``.
 
     Attributes:
-        token_file: File whose first line is the token, for nobody else to read.
-        scope: What a client with the token may do.
+        token_file: File with the token in its first line, readable by its owner only.
+        scope: Rights of a client with the token.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
@@ -86,7 +86,7 @@ class Plan:
     """A configuration, understood.
 
     Attributes:
-        home: What the home is called.
+        home: Name of the home.
         gateways: The gateways, in the order of the file.
         apps: The apps, in the order of the file.
         discovery: The directory's settings.
@@ -95,7 +95,7 @@ class Plan:
             full names of their nodes.
         door: The door's settings.
         thing_directory: The settings of the directory that is served over HTTP; None where none is.
-        places: The rooms, and what the owner states of devices.
+        places: The rooms and the owner's statements about devices.
     """
 
     home: str
@@ -202,7 +202,7 @@ def _grants(config: Config) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 
 def _scope(key: str, table: Table, config: Config) -> tuple[str, ...] | None:
-    """Return what the table *key* lets its node command; None where it says nothing."""
+    """Return the grants of the table *key*, or None without any."""
     if (act := table.get(ACT)) is None:
         return None
     from homebot.devices.client_rights import read_scope  # noqa: PLC0415 - few tables have it
@@ -225,7 +225,7 @@ def _without_act(table: Table) -> Table:
 def _control(config: Config) -> ControlSettings | None:
     if not config.control:
         return None
-    from homebot.control import ControlSettings  # noqa: PLC0415 - for those who have the table
+    from homebot.control import ControlSettings  # noqa: PLC0415 - only with the table
 
     settings = parse_settings(ControlSettings, config.control, config.source, "control", config.folder)
     if settings.presence_guard is not None and settings.presence_guard.doors:
@@ -282,7 +282,7 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
     key = "thing_directory"
     if config.thing_directory is None:
         return None
-    from homebot.bridges.thing_directory.settings import (  # noqa: PLC0415 - for those who serve it
+    from homebot.bridges.thing_directory.settings import (  # noqa: PLC0415 - only with the table
         DirectoryBridgeSettings,
         ThingDirectoryTable,
     )
@@ -302,7 +302,7 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
 def _places(config: Config) -> Places:
     if not config.places:
         return NO_PLACES
-    from homebot.places import read_places  # noqa: PLC0415 - for those who have the table
+    from homebot.places import read_places  # noqa: PLC0415 - only with the table
 
     return read_places(config.places, config.home.name, config.source, "configuration")
 

@@ -24,10 +24,10 @@ _READY_WITHIN = 10.0
 
 
 class RecorderStarter:
-    """Starts one recorder at a time; what it does is loaded with the first one.
+    """Starts one recorder at a time; its code is loaded with the first one.
 
     Args:
-        node: The node of the runtime, in whose tasks the recorder works.
+        node: The node of the runtime, which runs the recorder's tasks.
         facts: Returns the facts of the run.
     """
 
@@ -48,7 +48,7 @@ class RecorderStarter:
         return SuccessResponse(success=ready.is_set(), message="" if ready.is_set() else "the recorder did not start")
 
     async def _record(self, ready: anyio.Event) -> None:
-        from homebot.recording.session import record_for_client  # noqa: PLC0415 - for those who record
+        from homebot.recording.session import record_for_client  # noqa: PLC0415 - only for recordings
 
         try:
             facts = await self._facts()

@@ -73,14 +73,14 @@ class Runtime:
     Entering starts everything and returns when it is ready; leaving stops everything in reverse order.
 
     Args:
-        config: What to run.
+        config: The configuration.
         house: A simulated house whose devices connect to the embedded broker, or are found by gateways that are added
             where the configuration has none of that name; its state is that of last midnight, UTC.
         with_door: Whether to listen for rosbridge clients, such as the command line.
         clock: The clock; by default that of the running loop.
         services: Running services for gateways, such as a broker in memory, in place of those it would start itself.
         random: The source of random numbers; a seeded one makes every run the same.
-        loop_watch: Watches for code that blocks the event loop; health reports show what it found.
+        loop_watch: Detects code that blocks the event loop, for health reports.
         lost_lines: Returns the number of log lines lost so far.
         trusts_apps: Whether apps may command what always asks without a grant, since no device is real; always so with
             a *house*. No device needs an approval then, but where a *house* has gateways that may find real ones.
@@ -89,8 +89,8 @@ class Runtime:
         is_dry_run: Whether nothing is sent to any device: the gateways only observe, and commands are noted as what
             would have been sent.
         rehearsal: Answers commands in place of the devices, as in a replay; by default that of a dry run, if it is one.
-        known: What the directory knows at the start where there is no *index_file*, as in a replay.
-        detected: Motion sensors that detected somebody before, likewise.
+        known: Initial content of the directory without an *index_file*, as in a replay.
+        detected: Motion sensors that have detected motion before, in a replay.
 
     Attributes:
         graph: The graph on which everything meets.
@@ -163,7 +163,7 @@ class Runtime:
         """Start everything.
 
         Raises:
-            UsageError: Something cannot be started as it is configured; what was started is stopped again.
+            UsageError: A component cannot be started as configured; the started ones are stopped again.
         """
         try:
             await self._start(self._stack)
@@ -188,7 +188,7 @@ class Runtime:
         self.supervisor.hurry()
 
     async def _stop(self, error: BaseException | None) -> None:
-        """Stop what was started. An error passes as it is, not wrapped into groups.
+        """Stop all started components. An error is raised without exception groups.
 
         A cancellation is shown to the task groups, which know whether it is their own: kept from them it comes up again
         in each, and where two are each other's cause anyio 4.16 looks for the first for ever.
@@ -259,7 +259,7 @@ class Runtime:
         return crashes is not None and crashes.state != "running again"
 
     async def _start_services(self, stack: AsyncExitStack) -> None:
-        """Start what gateways need in this process, each once, unless it was given."""
+        """Start each in-process peer that gateways need once, unless it was given."""
         running = dict(self._context.services)
         if self._network is not None:
             for given in await stack.enter_async_context(self._network.running(self._context.random)):
@@ -336,20 +336,20 @@ class Runtime:
 
     @property
     def _control_settings(self) -> ControlSettings:
-        from homebot.control import ControlSettings  # noqa: PLC0415 - for those who record
+        from homebot.control import ControlSettings  # noqa: PLC0415 - only for recordings
 
         settings = self._plan.control or ControlSettings()
         return settings.model_copy(update={"approvals": False}) if self._approves_all else settings
 
     async def _run_facts(self) -> RunFacts:
-        from homebot.runtime.run_facts import run_facts  # noqa: PLC0415 - for those who record
+        from homebot.runtime.run_facts import run_facts  # noqa: PLC0415 - only for recordings
 
         detected = () if self._controller is None else await self._controller.detected()
         return run_facts(self._plan, self._control_settings, trusts_apps=self._trusts_apps, detected=detected)
 
     def _record(self, sink: LineSink) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
-            from homebot.recording.session import record_into  # noqa: PLC0415 - for those who record
+            from homebot.recording.session import record_into  # noqa: PLC0415 - only for recordings
 
             facts = await self._run_facts()
             async with Node(self.graph, "file_recorder", namespace="/homebot") as node:
@@ -385,7 +385,7 @@ class Runtime:
         return work
 
     def _house(self, world: World, home: str) -> Work:
-        from homebot.house import SimulatedHouse  # noqa: PLC0415 - who has a real house starts sooner without it
+        from homebot.house import SimulatedHouse  # noqa: PLC0415 - only for simulated houses
 
         async def work(*, task_status: TaskStatus[None]) -> None:
             host = self.service(SimulatedHouse.Host)

@@ -18,7 +18,7 @@ __all__ = ["check_hosts_house", "network_of", "real_gateways"]
 
 def network_of(house: World) -> HouseNetwork:
     """Return the network that the devices of *house* are on."""
-    from homebot.house.network import HouseNetwork  # noqa: PLC0415 - who has a real house starts sooner without it
+    from homebot.house.network import HouseNetwork  # noqa: PLC0415 - only for simulated houses
 
     return HouseNetwork(house.families())
 
@@ -39,7 +39,7 @@ def check_hosts_house(needed: Iterable[HostService[object]], source: str) -> Non
     """Check that there is an embedded broker for the devices of a simulated house.
 
     Raises:
-        ConfigError: There is none among what gateways need in this process.
+        ConfigError: No in-process peer of this name exists.
     """
     from homebot.house import SimulatedHouse  # noqa: PLC0415 - as above
 

@@ -55,7 +55,7 @@ class ComponentCrashes:
         count: How often.
         last: The last error, as text.
         at: When that was, in seconds since the Unix epoch.
-        state: What came of it.
+        state: The resulting state.
     """
 
     count: int = 0
@@ -100,8 +100,8 @@ class Supervisor:
 
         Args:
             name: The component's name.
-            work: What it does.
-            kind: What it is called in front of its name in the log, such as ``app``.
+            work: The coroutine function to run.
+            kind: Prefix of its name in the log, such as ``app``.
 
         Raises:
             UsageError: The component cannot be started as it is configured.
@@ -165,9 +165,9 @@ class Supervisor:
             nonlocal crash
             try:
                 await run_as(name, lambda: work(task_status=start))
-            except Exception as exc:  # noqa: BLE001 - a supervisor is there for whatever comes
+            except Exception as exc:  # noqa: BLE001 - a supervisor handles every error
                 crash = exc
-                if is_cancelled():  # nobody comes back from here to take it
+                if is_cancelled():  # nothing after this handles it
                     self._report(name, first_cause(exc), None, is_stopping=True)
 
         async with anyio.create_task_group() as tasks:
@@ -233,9 +233,9 @@ class _Start(TaskStatus[None]):
         self._is_decided.set()
 
     def stop_waiting(self) -> None:
-        """Let who waits go on, although nothing is over."""
+        """Release waiting tasks before the end."""
         self._is_decided.set()
 
     async def wait(self) -> None:
-        """Wait until it is over, or somebody calls :meth:`stop_waiting`."""
+        """Wait for the end or for :meth:`stop_waiting`."""
         await self._is_decided.wait()

@@ -1,4 +1,4 @@
-"""ROS ``sensor_msgs``: those that a robot in a house, and what watches it, use."""
+"""ROS ``sensor_msgs``: the types that a robot in a house and its viewers use."""
 
 from homebot.messages.sensor_msgs.images import CameraInfo, CompressedImage, Image, RegionOfInterest
 from homebot.messages.sensor_msgs.motion import (

@@ -94,7 +94,7 @@ class Joy(Message, ros_type="sensor_msgs/msg/Joy"):
 
 
 class JoyFeedback(Message, ros_type="sensor_msgs/msg/JoyFeedback"):
-    """One thing that a joystick shall do for who holds it.
+    """A feedback command to a joystick.
 
     Attributes:
         type: 0 a lamp, 1 rumble, 2 a buzzer.

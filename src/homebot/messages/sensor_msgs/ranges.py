@@ -1,4 +1,4 @@
-"""ROS ``sensor_msgs`` of what measures distances."""
+"""ROS ``sensor_msgs`` of distance sensors."""
 
 from homebot.messages.message import Float32, Message, UInt8, UInt32
 from homebot.messages.std_msgs.header import Header
@@ -16,8 +16,8 @@ class LaserScan(Message, ros_type="sensor_msgs/msg/LaserScan"):
         angle_increment: Radians from one distance to the next.
         time_increment: Seconds from one distance to the next.
         scan_time: Seconds from one scan to the next.
-        range_min: Metres; what is nearer does not count.
-        range_max: Metres; what is farther does not count.
+        range_min: Metres; nearer values are invalid.
+        range_max: Metres; farther values are invalid.
         ranges: The distances in metres.
         intensities: The strength of each echo; may be empty.
     """
