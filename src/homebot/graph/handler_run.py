@@ -125,7 +125,7 @@ def calling_runs() -> Iterator[HandlerRun]:
 
 
 def _run_of_current_task() -> HandlerRun | None:
-    """A task that a handler started has its context, but is not the handler's own."""
+    """Return the handler of the current task; tasks started by a handler inherit its context, but are not its own."""
     run = _current.get()
     return run if run is not None and run.task is asyncio.current_task() else None
 

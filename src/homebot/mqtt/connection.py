@@ -157,7 +157,7 @@ class MqttConnection:
 
     @property
     def expires_messages(self) -> bool:
-        """Whether the broker drops messages that expire, as MQTT 5 has it; that of the last link."""
+        """True if the broker of the last link drops expired messages (MQTT 5)."""
         return self._protocol == "5"
 
     @property

@@ -21,7 +21,7 @@ _Unit: TypeAlias = tuple[_Kind, str]
 
 @dataclass(frozen=True, slots=True)
 class Readings:
-    """What a query joins with ``or``.
+    """The alternatives that a query joins with ``or``.
 
     Attributes:
         alternatives: The queries on its sides, as :func:`homebot.devices.query.parse.parse_query` reads it.
