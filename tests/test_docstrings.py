@@ -19,17 +19,17 @@ Begin Bind Book Bound Bring Build Cache Call Cancel Carry Change Charge Check Ch
 Combine Command Compare Compute Confirm Connect Consume Convert Copy Count Create Cut Decide Declare Decode Decrypt
 Delete Deliver Derive Describe Detach Disable Disarm Discard Disconnect Dispatch Dispose Do Drain Draw Drop Emit Enable
 Encode Encrypt End Ensure Enter Escape Estimate Evaluate Execute Exit Expand Expire Export Expose Extract Fail Feel
-Fetch
+Fetch Mask Stream
 Fill Filter Find Flatten Flush Fold Follow Forget Format Forward Free Gather Generate Get Give Go Group Guess Hand
 Handle Hash Have Hide Hold Ignore Import Increment Insert Inspect Interpret Invoke Iterate Join Keep Launch Leave Let
-Limit List Load Lock Log Look Make Map Mark Mask Match Measure Merge Move Name Need Normalise Note Notify Obey Offer Open
+Limit List Load Lock Log Look Make Map Mark Match Measure Merge Move Name Need Normalise Note Notify Obey Offer Open
 Operate Order Override Pair Parse Pass Pause Perform Pick Plan Play Poll Pop Prefer Prepare Print Process Prune
 Publish Push Put Queue Quote Raise Rank Reach Read Rebuild Receive Reconnect Record Recover Reduce Refresh Refuse
 Register Reject Release Remember Remove Rename Render Renew Repeat Replace Reply Report Request Require Reserve Reset
-Resist
-Resolve Restart Restore Restrict Resume Retain Retry Return Reuse Revert Revoke Rewrite Rotate Round Route Run Save Scale
+Resist Revoke
+Resolve Restart Restore Restrict Resume Retain Retry Return Reuse Revert Rewrite Rotate Round Route Run Save Scale
 Schedule Search See Select Send Serialise Serve Set Share Shift Shorten Show Simplify Simulate Skip Sleep Sort Spell
-Split Spread Stamp Start Step Stop Store Stream Subscribe Sum Suppress Swap Sweep Switch Take Test Throttle Tilt Toggle Trace
+Split Spread Stamp Start Step Stop Store Subscribe Sum Suppress Swap Sweep Switch Take Test Throttle Tilt Toggle Trace
 Track Transform Translate Trigger Trim Truncate Turn Unlock Unpack Unregister Unsubscribe Unwrap Update Use Validate
 Verify Visit Wait Wake Walk Warn Watch Widen Withdraw Work Wrap Write Yield
 """
