@@ -6,7 +6,7 @@ import re
 import unicodedata
 from functools import lru_cache
 
-__all__ = ["MAX_WORD", "WORD_TYPO", "fold", "is_typo", "may_be_typo", "words_of"]
+__all__ = ["MAX_WORD", "WORD_TYPO", "fold", "is_room_typo", "is_typo", "may_be_typo", "words_of"]
 
 MAX_WORD = 40
 """Characters of a word that count."""
@@ -14,6 +14,7 @@ MAX_WORD = 40
 WORD_TYPO = 4
 """Shortest word in which one typo is forgiven."""
 
+_ROOM_TYPO = 3
 _MAX_TEXT = 400
 _WORD = re.compile(r"\w+")
 _LETTERS = {"ß": "ss", "æ": "ae", "œ": "oe", "ø": "o", "đ": "d", "ł": "l"}
@@ -42,17 +43,25 @@ def words_of(text: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(words))
 
 
-def may_be_typo(word: str) -> bool:
+def may_be_typo(word: str, shortest: int = WORD_TYPO) -> bool:
     """Return whether a typo in *word* would be noticed and forgiven; not in a short word or a number."""
-    return len(word) >= WORD_TYPO and word.isalpha()
+    return len(word) >= shortest and word.isalpha()
 
 
-def is_typo(word: str, other: str) -> bool:
+def is_room_typo(room: str, other: str) -> bool:
+    """Return whether *room*, folded, is *other* with a typo; rooms are few, so short names and blanks count too."""
+    return is_typo(room.replace(" ", ""), other.replace(" ", ""), _ROOM_TYPO)
+
+
+def is_typo(word: str, other: str, shortest: int = WORD_TYPO) -> bool:
     """Return whether one letter more, less, changed or swapped with its neighbour makes *word* out of *other*.
 
-    False for equal words, and for words of less than four letters or with digits: a typo there makes another word.
+    False for equal words, and for words of less than *shortest* letters or with digits: a typo there makes another
+    word.
     """
-    if word == other or abs(len(word) - len(other)) > 1 or not (may_be_typo(word) and may_be_typo(other)):
+    if word == other or abs(len(word) - len(other)) > 1:
+        return False
+    if not (may_be_typo(word, shortest) and may_be_typo(other, shortest)):
         return False
     start = 0
     shorter = min(len(word), len(other))

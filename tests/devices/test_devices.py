@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
+from typing import Any
 
 import anyio
 import pytest
 from structlog.testing import capture_logs
 
 from homebot.devices import Device, Devices, Endpoint, GatewayState, RawCommand, RawMessage, SubscribeToTopic
+from homebot.devices.handles import Light
+from homebot.devices.names import PLACE_DEVICE
+from homebot.devices.places_messages import PlaceDevice
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.discovery import Directory
 from homebot.errors import LinkError, RefusedError, ServiceFailedError, ServiceUnavailableError, WireError
@@ -328,3 +332,52 @@ def _device(gateway: str) -> Device:
         expires=now,
         freshness="fresh",
     )
+
+
+def logged(entries: list[Any]) -> list[str]:
+    return [str(one["message"]) for one in entries if one["event"] == "devices.unknown_word"]
+
+
+async def test_what_is_misspelt_in_a_query_is_logged_once(gateway_on: RunGateway, directory_on: RunDirectory) -> None:
+    """A room, a type and a tag; what is there, and a type that may yet be announced, is not."""
+    graph = Graph()
+    async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
+        devices = Devices(node)
+        await gateway.says("lights/hall_lamp", "on")
+        await anyio.sleep(0.01)
+        await node.create_client(PlaceDevice, PLACE_DEVICE).call(
+            PlaceDevice.Request(device="lights/hall_lamp", room="Hall")
+        )
+        await anyio.sleep(0.01)
+        with capture_logs() as entries:
+            for _ in range(2):
+                assert await devices.find(Light, area="Hall") == ()
+                assert await devices.find(Light, area="Hal") == ()
+                assert await devices.find("lihgts") == ()
+                assert await devices.find(Light, area="Cellar") == ()
+        assert logged(entries) == [
+            "find(Light, area='Hal'): no device is in 'hal'; did you mean hall?",
+            "find('lihgts'): 'lihgts' is not a device type, and no device was announced as one; did you mean lights or "
+            "light or lightings?",
+        ]
+        with capture_logs() as entries:
+            for wanted in ("lihgts", "robots", "lights", "xyzzy"):
+                devices.follow(wanted)
+            devices.follow(Light, area="Hal", on=True)
+            devices.follow(Light, area="Hall")
+            await anyio.sleep(20)
+            assert [one.partition(":")[0] for one in logged(entries)] == [
+                "follow('lihgts')",
+                "follow(Light, area='Hal', on=True)",
+            ]
+            await gateway.says("robots/robi", "x")
+            await anyio.sleep(300)
+        assert [one.partition(":")[0] for one in logged(entries)][2:] == ["follow('xyzzy')"]
+
+
+@pytest.mark.parametrize("ask", ["find", "follow"])
+async def test_a_sentence_is_no_type(ask: str) -> None:
+    async with Node(Graph(), "app") as node:
+        devices = Devices(node)
+        with pytest.raises(ValueError, match="'lihgts in kichen' is a sentence, not a type of device; ask for a kind"):
+            await devices.find("lihgts in kichen") if ask == "find" else devices.follow("lihgts in kichen")

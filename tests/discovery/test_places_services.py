@@ -125,8 +125,9 @@ async def test_a_refusal_is_answered_in_words(lamp: Sighting) -> None:
         await house.hears(lamp)
         for answer, reason in (
             (await house.place("nobody", "Hall"), "there is no device of that id"),
-            (await house.place("desk_lamp", "Hal"), ""),
+            (await house.place("desk_lamp", "Hal"), "there is no room 'Hal'; did you mean Hall?"),
             (await house.place("desk_lamp", "Kichen"), "did you mean Kitchen?"),
+            (await house.place("desk_lamp", "Hall"), ""),
         ):
             assert answer.success is (reason == "")
             assert reason in answer.message

@@ -97,6 +97,10 @@ COMMANDS = st.sampled_from(
 
 @given(st.sampled_from(DEVICES), COMMANDS)
 def test_a_device_answers_what_it_knows_and_ignores_what_it_does_not(device: SimulatedDevice, command: str) -> None:
+    """Of a sensor only hands can do something, which is the world's work."""
+    if isinstance(device, SimulatedContactSensor):
+        assert device.handle_command(command, 1.0) == ()
+        return
     fresh = copy.deepcopy(device)
     before = fresh.state()
     answer = fresh.handle_command(command, 1.0)

@@ -165,9 +165,15 @@ def test_a_file_lies_beside_the_test(pytester: pytest.Pytester) -> None:
     (folder / "test_files.py").write_text(
         START
         + """
-@pytest.mark.house(world="house.toml", seed=7)
+@pytest.mark.house(world="house.toml", seed=7, config="homebot.toml", root="villa")
 async def test_a_house(house):
     assert list(house.world.devices) == ["desk"]
+    await house.press("desk", "on")
+    assert house.world.device("desk").state() == "off"  # the light service of homebot.toml
+
+@pytest.mark.house(config={"apps": {"mine": {"class": "light_service"}}})
+async def test_tables(house):
+    assert "/mine" in house.runtime.graph.get_node_names()
 
 @pytest.mark.homebot(config="homebot.toml", root="villa")
 async def test_a_homebot(homebot):
@@ -175,7 +181,7 @@ async def test_a_homebot(homebot):
     assert await homebot.hears("villa/lights/desk/in") == "off"
 """
     )
-    run(pytester).assert_outcomes(passed=2)
+    run(pytester).assert_outcomes(passed=3)
 
 
 def test_the_nearest_mark_counts_most(pytester: pytest.Pytester) -> None:
@@ -219,7 +225,8 @@ async def test_it(homebot, mqtt_broker):
 
 
 MISTAKES = {
-    "@pytest.mark.house(wrold=1)": "@pytest.mark.house, wrold is unknown; known are allow_crashes, heartbeat, root, *",
+    "@pytest.mark.house(wrold=1)": "@pytest.mark.house, wrold is unknown; known are allow_crashes, config, *",
+    "@pytest.mark.house(config={'x': 1})": "@pytest.mark.house, config: tables: x: unknown key; *",
     "@pytest.mark.house(world='no.toml')": "@pytest.mark.house, world: *no.toml does not exist*",
     "@pytest.mark.house(world=5)": "@pytest.mark.house, world: 5 is not a house: give a TOML file, a World, or a *",
     "@pytest.mark.house(start='noon')": "@pytest.mark.house, start: 'noon' is not a time; *",

@@ -18,7 +18,7 @@ from homebot.devices import DEVICE_CHANGES as CHANGES
 from homebot.errors import UsageError
 from homebot.house import SimulatedLamp, WindowMotor, World, thesis_world
 from homebot.house.devices import SimulatedDoorLock
-from homebot.house.sensors import LuxSensor
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 from homebot.mqtt.broker import BrokerLimits
 from homebot.testing import EventLog, VirtualTimeLoop, virtual_house_of
 from homebot.testing.event_log import MAX_EVENTS
@@ -135,10 +135,36 @@ async def test_hands_cannot_do_what_the_device_does_not_know() -> None:
             await house.press("hall", "onn")
         with pytest.raises(UsageError, match="door does not know 'open'; it takes: lock, unlock"):
             await house.press("door", "open")
-        with pytest.raises(UsageError, match="lux does not know '5'; it takes: nothing by hand"):
-            await house.press("lux", "5")
+        with pytest.raises(UsageError, match="lux does not know 'dark'; it takes: a number, measure"):
+            await house.press("lux", "dark")
         for word in ("on", "0.5", "3000 K"):
             await house.press("hall", word)
+
+
+@pytest.mark.virtual_time
+async def test_hands_work_sensors_too() -> None:
+    """As docs/house.md says of them; a meter shows what a test says until it measures again."""
+    sensors = (MotionSensor("motion"), SimulatedContactSensor("door"), PowerMeter("meter"), LuxSensor("lux"))
+    async with virtual_house_of(world=World.of(*sensors, SimulatedLamp("hall", rated_watts=8))) as house:
+
+        def states() -> list[str]:
+            return [house.world.device(one.device_id).state() for one in sensors]
+
+        for name, word in (("motion", "motion"), ("door", "open"), ("meter", "1500"), ("lux", "12.5")):
+            await house.press(name, word)
+        assert states() == ["motion", "open", "1500", "12.5"]
+        await house.press("hall", "on")
+        await house.run_for("10m")
+        assert states() == ["clear", "open", "1500", "12.5"]
+        for name, word in (("door", "close"), ("meter", "measure"), ("lux", "measure")):
+            await house.press(name, word)
+        _, door, watts, lux = states()
+        assert (door, watts) == ("closed", "8")
+        assert float(lux) > 12.5
+        with pytest.raises(UsageError, match="motion does not know 'clear'; it takes: motion"):
+            await house.press("motion", "clear")
+        with pytest.raises(UsageError, match="door does not know 'ajar'; it takes: open, close"):
+            await house.press("door", "ajar")
 
 
 @pytest.mark.virtual_time

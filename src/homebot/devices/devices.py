@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping
+from functools import cached_property
 from typing import TYPE_CHECKING, ParamSpec, TypeAlias, TypeVar, overload
 
 import anyio.lowlevel
 
 from homebot.devices.device import Device, Endpoint
+from homebot.devices.device_types import wanted_types
 from homebot.devices.exposure import ExposedDevice, Exposure
 from homebot.devices.follow import Follow
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.handles.follow import FollowHandles
 from homebot.devices.handles.handle import Handle
-from homebot.devices.handles.handle_query import HandleType
+from homebot.devices.handles.handle_query import HandleQuery, HandleType
 from homebot.devices.handles.handles import Handles
 from homebot.devices.names import FIND_DEVICES, GatewayNames
+from homebot.devices.query import type_is
 from homebot.devices.services import (
     FindDevices,
     FindDevicesRequest,
@@ -31,6 +34,7 @@ from homebot.log import LogLimit
 from homebot.messages import Time
 
 if TYPE_CHECKING:
+    from homebot.devices.query_check import QueryCheck
     from homebot.devices.text_commander import TextCommander
 
 __all__ = ["Devices", "MessageHandler"]
@@ -43,6 +47,7 @@ MessageHandler: TypeAlias = Callable[[RawMessage], Awaitable[None] | None]
 NOT_HEARD = "devices.not_heard"
 
 _INBOX_DEPTH = 10_000
+_QUERY_WORDS = frozenset({"and", "in", "not", "or", "with", "without"})
 
 
 class Devices:
@@ -81,7 +86,8 @@ class Devices:
     ) -> tuple[Device, ...] | tuple[HandleT, ...]:
         """Return the handles of a kind that match now, or the devices that offer a service type; sorted by id.
 
-        An app starts before its devices are known. :meth:`follow` gives those that are there and those to come.
+        An app starts before its devices are known. :meth:`follow` gives those that are there and those to come. A type,
+        an area or a tag that is likely misspelt is logged, once.
 
         Args:
             service_type: A kind of handle, for example :class:`Light`; or a service type, for example ``"lights"``,
@@ -92,13 +98,20 @@ class Devices:
 
         Raises:
             TypeError: The kind has no such condition; the message suggests the nearest.
-            ValueError: A condition does not accept the value.
+            ValueError: A condition does not accept the value, or the service type is a sentence.
             ServiceError: The directory did not answer.
         """
         if isinstance(service_type, str):
             _check_plain(service_type, none, query)
-            return (await self._find.call(FindDevicesRequest(service_type=service_type))).devices
-        return await self._all_handles().find(service_type.where(*none, **query))
+            devices = (await self._find.call(FindDevicesRequest(service_type=service_type))).devices
+            if service_type and not devices:
+                await self._checks.check(type_is(service_type), f"find({service_type!r})")
+            return devices
+        wanted = service_type.where(*none, **query)
+        handles = await self._all_handles().find(wanted)
+        if not handles and wanted.names_places:
+            await self._checks.check(wanted.search, _call_text("find", wanted, query))
+        return handles
 
     @overload
     def follow(self, service_type: str = "") -> Follow: ...
@@ -118,8 +131,13 @@ class Devices:
         """
         if isinstance(service_type, str):
             _check_plain(service_type, none, query)
+            if service_type and not wanted_types(service_type):
+                self._checks.check_later(type_is(service_type), f"follow({service_type!r})")
             return Follow(self._node, service_type)
-        return FollowHandles(self._node, self._all_handles(), service_type.where(*none, **query))
+        wanted = service_type.where(*none, **query)
+        if wanted.names_places:
+            self._checks.check_later(wanted.search, _call_text("follow", wanted, query))
+        return FollowHandles(self._node, self._all_handles(), wanted)
 
     def offer(self, offer: ExposedDevice, gateway: str = "mqtt") -> Exposure:
         """Expose something to the other systems of the house: ``with devices.offer(robot) as offering``.
@@ -199,6 +217,12 @@ class Devices:
         typed, query = self._all_handles(), kind.where()
         return tuple(typed.of_parts(query.kind, typed.track(device, sequence), query.parts(device)))
 
+    @cached_property
+    def _checks(self) -> QueryCheck:
+        from homebot.devices.query_check import QueryCheck  # noqa: PLC0415 - only if there is something to check
+
+        return QueryCheck(self._node)
+
     def _all_handles(self) -> Handles:
         if self._handles is None:
             self._handles = Handles(self._node)
@@ -266,10 +290,21 @@ class Devices:
         return handler(message)
 
 
+def _call_text(name: str, query: HandleQuery[HandleT], conditions: Mapping[str, object]) -> str:
+    """Return a call of an app as it is written there."""
+    given = (f"{key}={value!r}" for key, value in conditions.items())
+    return f"{name}({', '.join((query.kind.__name__, *given))})"
+
+
 def _check_plain(service_type: str, extra: tuple[object, ...], conditions: Mapping[str, object]) -> None:
     if extra or conditions:
         given = ", ".join([*(repr(one) for one in extra), *conditions])
         raise TypeError(
             f"{service_type!r} is a type name, which takes no filters ({given}); ask for a kind of handle, "
             f"for example find(Light, area='kitchen')"
+        )
+    if not _QUERY_WORDS.isdisjoint(service_type.casefold().split()) and not wanted_types(service_type):
+        raise ValueError(
+            f"{service_type!r} is a sentence, not a type of device; ask for a kind of handle with conditions, for "
+            f"example find(Light, area='kitchen')"
         )

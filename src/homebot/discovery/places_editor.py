@@ -10,7 +10,7 @@ from homebot.discovery.entry import Entry
 from homebot.discovery.ids import id_of_name
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import RefusedError, UsageError
-from homebot.folding import fold, is_typo
+from homebot.folding import fold, is_room_typo
 from homebot.places import FactName, OwnerFact, check_name
 
 __all__ = ["PlacesEditor"]
@@ -258,7 +258,9 @@ class PlacesEditor:
         known = {fold(one): one for one in (*(one.name for one in plan.rooms), *plan.floors)}
         known = {area: area for area in self._table.postings.values_of("area")} | known
         spelled = fold(room)
-        meant = sorted(name for key, name in known.items() if is_typo(spelled, key)) if spelled not in known else ()
+        meant = (
+            sorted(name for key, name in known.items() if is_room_typo(spelled, key)) if spelled not in known else ()
+        )
         if meant:
             raise UsageError(f"there is no room {room!r}; did you mean {' or '.join(meant)}?")
 

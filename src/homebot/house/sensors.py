@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from homebot.house.simulated_device import SimulatedDevice, number_text
+from homebot.numbers import to_number
 
 __all__ = ["LuxSensor", "MotionSensor", "PowerMeter", "SimulatedContactSensor"]
+
+_MEASURE: Final = "measure"
 
 
 @dataclass(eq=False)
@@ -33,6 +36,10 @@ class SimulatedContactSensor(SimulatedDevice):
             return ()
         self.is_open = value > 0
         return (self.state(),)
+
+    def commands(self) -> tuple[str, ...]:
+        """Return what hands can do to it; the world does it, since the door or window stays so."""
+        return ("open", "close")
 
 
 @dataclass(eq=False)
@@ -75,6 +82,10 @@ class MotionSensor(SimulatedDevice):
             reports += self.apply_input(1.0, now) + self.apply_input(0.0, now)
         return reports
 
+    def commands(self) -> tuple[str, ...]:
+        """Return what hands can do to it."""
+        return ("motion",)
+
     def next_event(self) -> float | None:
         """Return when it is clear."""
         return self._clear_at
@@ -85,7 +96,41 @@ class MotionSensor(SimulatedDevice):
 
 
 @dataclass(eq=False)
-class LuxSensor(SimulatedDevice):
+class _Meter(SimulatedDevice):
+    """A sensor of a number; a number by hand is what it measures until ``measure`` by hand."""
+
+    def __post_init__(self) -> None:
+        self._measured = 0.0
+        self._by_hand: float | None = None
+
+    def apply_input(self, value: float, now: float) -> tuple[str, ...]:
+        """Report the new value if it differs enough."""
+        self.advance(now)
+        self._measured = value
+        return self._report(value if self._by_hand is None else self._by_hand)
+
+    def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
+        """Measure the number *command*, or with ``measure`` what the world shows."""
+        self.advance(now)
+        if self.knows(command):
+            self._by_hand = to_number(command)
+        return self._report(self._measured if self._by_hand is None else self._by_hand)
+
+    def commands(self) -> tuple[str, ...]:
+        """Return what hands can do to it."""
+        return ("a number", _MEASURE)
+
+    def knows(self, command: str) -> bool:
+        """Return whether hands can do *command* to it."""
+        return command == _MEASURE or to_number(command) is not None
+
+    def _report(self, value: float) -> tuple[str, ...]:
+        """Return the report of *value*; nothing if it is near the last one."""
+        raise NotImplementedError
+
+
+@dataclass(eq=False)
+class LuxSensor(_Meter):
     """A light sensor: senses lux and reports them when they changed enough.
 
     Attributes:
@@ -102,9 +147,7 @@ class LuxSensor(SimulatedDevice):
         """Return lux as text."""
         return number_text(self.lux, 1)
 
-    def apply_input(self, value: float, now: float) -> tuple[str, ...]:
-        """Report the new level if it differs enough."""
-        self.advance(now)
+    def _report(self, value: float) -> tuple[str, ...]:
         if abs(value - self.lux) < max(1.0, self.share * self.lux):
             return ()
         self.lux = value
@@ -112,7 +155,7 @@ class LuxSensor(SimulatedDevice):
 
 
 @dataclass(eq=False)
-class PowerMeter(SimulatedDevice):
+class PowerMeter(_Meter):
     """A power meter: senses the watts of all that is on, or of one device, as a metering plug does.
 
     Attributes:
@@ -131,9 +174,7 @@ class PowerMeter(SimulatedDevice):
         """Return watts as text."""
         return number_text(self.total, 1)
 
-    def apply_input(self, value: float, now: float) -> tuple[str, ...]:
-        """Report the new power if it differs enough."""
-        self.advance(now)
+    def _report(self, value: float) -> tuple[str, ...]:
         if abs(value - self.total) < self.step:
             return ()
         self.total = value

@@ -76,11 +76,11 @@ class SimulatedDevice(ABC):
         return self.handle_command(command, now)
 
     def commands(self) -> tuple[str, ...]:
-        """Return the commands that it knows, for people: each one, or a text for many, such as ``0 to 1``."""
+        """Return what hands can do to it, for people: each command, or a text for many, such as ``0 to 1``."""
         return ()
 
     def knows(self, command: str) -> bool:
-        """Return whether it knows *command*; what it does not know it ignores."""
+        """Return whether hands can do *command* to it; what it does not know it ignores."""
         return command in self.commands()
 
     def watts(self) -> float:

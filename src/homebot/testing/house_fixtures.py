@@ -67,8 +67,9 @@ def pytest_configure(config: pytest.Config) -> None:
     """Make the marks known, and the fixtures that need pytest-asyncio where that is."""
     config.addinivalue_line(
         "markers",
-        "house(*apps, world=…, root='home425', start='2026-01-01 00:00', seed=0, heartbeat=300): what is in the "
-        "fixture `house`: apps, and a simulated world (a TOML file, a World, or a function that returns one); "
+        "house(*apps, world=…, config=…, root='home425', start='2026-01-01 00:00', seed=0, heartbeat=300): what is in "
+        "the fixture `house`: apps, a simulated world (a TOML file, a World, or a function that returns one), and a "
+        "configuration (tables or a TOML file); "
         "allow_crashes=True for a test in which an app crashes",
     )
     config.addinivalue_line(

@@ -21,7 +21,7 @@ from homebot.units import parse_duration
 __all__ = ["allows_crashes", "config_of", "homebot_of", "house_by_mark"]
 
 ALLOW_CRASHES: Final = "allow_crashes"
-HOUSE: Final = frozenset({"world", "root", "start", "seed", "heartbeat", ALLOW_CRASHES})
+HOUSE: Final = frozenset({"world", "config", "root", "start", "seed", "heartbeat", ALLOW_CRASHES})
 HOMEBOT: Final = frozenset({"config", "root", ALLOW_CRASHES})
 
 ValueT = TypeVar("ValueT")
@@ -38,7 +38,8 @@ def house_by_mark(test: pytest.Item) -> AbstractAsyncContextManager[VirtualHouse
     apps, arguments = _read(test, "house", HOUSE)
     seed = arguments.get("seed")
     world = _checked("house", "world", arguments.get("world", thesis_world), lambda value: _world(value, test, seed))
-    return virtual_house_of(*apps, **(arguments | {"world": world}))
+    config = _checked("house", "config", arguments.get("config", {}), lambda value: _config(value, test))
+    return virtual_house_of(*apps, **(arguments | {"world": world, "config": config}))
 
 
 def homebot_of(test: pytest.Item, config: object) -> AbstractAsyncContextManager[TestHouse]:

@@ -14,7 +14,7 @@ from typing import Final
 import anyio
 
 from homebot.clock import LoopClock
-from homebot.config import parse_config
+from homebot.config import Config, parse_config
 from homebot.errors import UsageError
 from homebot.gateways.mqtt.settings import EMBEDDED
 from homebot.house import SimulatedHouse, World
@@ -173,7 +173,7 @@ async def virtual_house_of(
     start: str | datetime = START,
     seed: int = 0,
     heartbeat: str | float = HEARTBEAT,
-    config: Mapping[str, object] | None = None,
+    config: Config | Mapping[str, object] | None = None,
     record_into: LineSink | None = None,
     is_dry_run: bool = False,
 ) -> AsyncIterator[VirtualHouse]:
@@ -186,7 +186,7 @@ async def virtual_house_of(
         start: The date and time at which the test begins; in UTC unless it has a time zone.
         seed: The seed of all random numbers: the same test with the same seed is the same run.
         heartbeat: The time after which a simulated device repeats its last report.
-        config: Tables as in ``homebot.toml``, for example the settings of apps; those of *apps* come last.
+        config: A configuration, or tables as in ``homebot.toml``, for example the settings of apps; *apps* come last.
         record_into: Takes the lines of a recording of the whole run; None for no recording.
         is_dry_run: Whether nothing is sent to any device.
 
@@ -196,13 +196,14 @@ async def virtual_house_of(
     _virtual_loop()
     clock = LoopClock(parse_time(start).timestamp())
     random = Random(seed)  # noqa: S311 - a simulation has no secrets
+    given = config if isinstance(config, Config) else parse_config(config or {}, "config")
     async with AsyncExitStack() as stack:
         stack.enter_context(plain_logs())
         lived_in = World.of() if world is None else world
         limits = _limits(len(lived_in.devices))
         broker = await stack.enter_async_context(MemoryBroker(clock=clock, random=random, limits=limits))
         runtime = Runtime(
-            house_config(apps, root, EMBEDDED, parse_config(config or {}, "config")),
+            house_config(apps, root, EMBEDDED, given),
             with_door=False,
             clock=clock,
             services=[HostedBroker.in_memory(broker)],

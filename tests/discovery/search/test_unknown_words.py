@@ -18,6 +18,7 @@ def house(announce: Callable[..., Sighting], part: Callable[..., Part]) -> Devic
     index = DeviceIndex(forget_after=1000.0)
     lamp = part("light", "on_off", id="l", writes=("a",))
     index.observe(announce("a", lamp, ids=("id:desk",), name="Desk lamp", area="Kitchen"))
+    index.observe(announce("b", lamp, ids=("id:den",), name="Den lamp", area="Deny"))
     index.sort()
     return index
 
@@ -25,6 +26,8 @@ def house(announce: Callable[..., Sighting], part: Callable[..., Part]) -> Devic
 REFUSED = {
     "type=xyzzy": "'xyzzy' is not a device type, and no device was announced as one; known are ",
     "lights in kichen": "no device is in 'kichen'; did you mean kitchen?",
+    "lights in den": "no device is in 'den'; did you mean deny?",
+    "area=kitchen-ette or in 'deny x'": "no device is in 'deny x'; did you mean deny?",
     "lights not in kitchne": "no device is in 'kitchne'; did you mean kitchen?",
     "dimable": "no device has the word 'dimable'; did you mean dimmable?",
     "ligths": "no device has the word 'ligths'; did you mean lights?",

@@ -65,7 +65,8 @@ def _place(options: argparse.Namespace) -> int:
         }
         answer = cast("PlaceResponseRecord", door.call(PLACE_DEVICE, request))
         if not answer["success"]:
-            raise PeerError(answer["message"])
+            hint = "" if options.new or "did you mean" not in answer["message"] else " For another room, add --new"
+            raise PeerError(f"{answer['message']}{hint}")
         print(_told(printable(device), printable(answer["room"]), printable(answer["absent"])))
         return 0
 

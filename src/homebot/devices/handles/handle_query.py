@@ -82,13 +82,14 @@ class HandleQuery(Generic[HandleT]):
         kind: The class of the handles.
         search: The query for the devices that may have such parts; :meth:`parts` decides.
         asks_for_values: Whether there is a condition on a value, so that each new one may change what matches.
+        names_places: Whether there is an area or a tag, which may be misspelt.
 
     Raises:
         TypeError: A filter is unknown, or a value is of another type.
         ValueError: There is no such category.
     """
 
-    __slots__ = ("_category", "_device_terms", "_part_terms", "asks_for_values", "kind", "search")
+    __slots__ = ("_category", "_device_terms", "_part_terms", "asks_for_values", "kind", "names_places", "search")
 
     def __init__(self, kind: type[HandleT], filters: CommonFilters, terms: tuple[Term, ...] = ()) -> None:
         _check(kind, filters, terms)
@@ -114,6 +115,7 @@ class HandleQuery(Generic[HandleT]):
         self._device_terms: Final = device_terms
         self._part_terms: Final = (*part_terms, *terms)
         self.kind: Final = kind
+        self.names_places: Final = bool(filters.get("area") or filters.get("tag"))
         self.search: Final[Query] = And(tuple(found))
         self.asks_for_values: Final = any(_is_of_value(term) for term in terms)
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.query import And, FactIs, GatewayIs, HasText, InArea, Not, Or, Query, TypeIs
+from homebot.devices.query import And, AreaIs, FactIs, GatewayIs, HasText, InArea, Not, Or, Query, TypeIs
 from homebot.devices.query.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, TYPE_WORDS
 from homebot.discovery.search.postings import Postings
-from homebot.folding import is_typo
+from homebot.folding import is_room_typo, is_typo
 from homebot.similar import did_you_mean
 
 __all__ = ["unknown_word"]
@@ -40,8 +40,9 @@ def _problem(term: Query, postings: Postings) -> str:
             return (
                 f"{word!r} is not a device type, and no device was announced as one; {did_you_mean(word, known, some)}"
             )
-        case InArea(area):
-            return _typo(f"no device is in {area!r}", area, postings.values_of("area"))
+        case InArea(area) | AreaIs(area) if area:
+            meant = sorted(one for one in postings.values_of("area") if is_room_typo(area, one))
+            return f"no device is in {area!r}; did you mean {' or '.join(meant)}?" if meant else ""
         case FactIs("tag", tag):
             return _typo(f"no device has the tag {tag!r}", tag, postings.values_of("tag"))
         case GatewayIs(gateway):
