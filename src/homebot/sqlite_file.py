@@ -34,6 +34,7 @@ class SqliteSchema:
         statements: Make the tables.
         checks: Queries that fail where a table is missing.
         migrations: The statements that make the next version out of each.
+        page_size: Bytes of a page, of which every change writes a whole one; of a new file.
     """
 
     title: str
@@ -41,6 +42,7 @@ class SqliteSchema:
     statements: Sequence[str]
     checks: Sequence[str]
     migrations: Mapping[int, Sequence[str]] = field(default_factory=dict)
+    page_size: int = 4096
 
 
 class SqliteFile:
@@ -138,6 +140,7 @@ class SqliteFile:
             # Two homebots of one file would overwrite each other's devices.
             connection.execute("PRAGMA locking_mode = EXCLUSIVE")
             version = self._version(connection)
+            connection.execute(f"PRAGMA page_size = {self._schema.page_size}")
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = NORMAL")
             _check(connection)

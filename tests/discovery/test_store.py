@@ -46,6 +46,18 @@ def test_what_is_written_is_read(path: Path) -> None:
     assert path.parent.stat().st_mode & 0o077 == 0
 
 
+def test_what_the_owner_states_is_on_the_disk_when_it_is_written(path: Path) -> None:
+    """A power cut loses none of it; when devices were last seen is not worth that to an SD card."""
+    file = IndexFile(path)
+    file.open(0.0)
+    levels = []
+    for owner in ((("places", "hall"),), ()):
+        file.write(Records((("a", "1"),), (), owner), ("a",))
+        levels += file._opened().execute("PRAGMA synchronous").fetchone()
+    file.close()
+    assert levels == [2, 1]  # FULL, NORMAL
+
+
 def test_a_file_that_others_may_write_is_not_used(path: Path) -> None:
     """What stands in it may be their doing. One that they may read becomes the user's alone."""
     file = IndexFile(path)

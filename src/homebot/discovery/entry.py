@@ -54,7 +54,7 @@ class Entry:
         published_conflicts: Its conflicts as they were published last.
         topic_owner: The device that keeps a topic from it, as was published last; empty for none.
         silence_allowed: For how many seconds its gateways think that silence is no bad sign.
-        saved_at: When it was last to be written to the index file that it was seen, on the clock that is never set.
+        saved_period: The period of the clock that is never set in which it was last to be written that it was seen.
         known_ids: Ids that parts had, beside those of the description that stands.
         is_denied: Whether any of its announcements says that something of it cannot be reached.
         is_shared: Whether several gateways know it.
@@ -74,7 +74,7 @@ class Entry:
     expires: float = 0.0
     report_interval: ReportInterval = field(default_factory=ReportInterval)
     evidence: tuple[str, ...] = ()
-    saved_at: float = -math.inf
+    saved_period: float = -math.inf
     silence_allowed: float = 0.0
     published_conflicts: tuple[str, ...] = ()
     topic_owner: str = ""
@@ -176,6 +176,14 @@ class Entry:
             if source.reach:
                 return reachability(sources.values())
         return NOT_REPORTED
+
+    def reach_state(self) -> str:
+        """Return the state of :meth:`reachability`, sooner where anything of it can be reached."""
+        for source in self._believed().values():
+            for reach in source.reach.values():
+                if reach.value:
+                    return "yes"
+        return self.reachability().state
 
     def endpoint_reach(self) -> tuple[str, ...]:
         """Return whether it can be reached at each of its gateways; nothing where there is only one."""

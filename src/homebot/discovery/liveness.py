@@ -31,8 +31,9 @@ _LONGEST_OF_FEW = 86_400.0
 
 _LONGEST = 7 * 86_400.0
 
-SAVE_LIFE = 600.0
-"""Seconds between two writings of when a device was last seen."""
+SAVE_LIFE = 3600.0
+"""Seconds between two writings of when devices were last seen, of all that report often at once: each page that one of
+them changes is written whole, and an SD card wears out."""
 
 _ONLINE_FOR = 86_400.0
 """Seconds for which a device that reported live that it is online may be silent: its last will watches over it."""
@@ -130,8 +131,8 @@ class Liveness:
             why: The reason to give where it was neither fresh nor stale.
         """
         now = self.now
-        if now - entry.saved_at > SAVE_LIFE:
-            entry.saved_at = now
+        if (period := now // SAVE_LIFE) != entry.saved_period:
+            entry.saved_period = period
             self._table.unsaved.add(entry.id)
         source.confirmed = True
         source.seen_at, source.heard_at = stamp, now

@@ -103,8 +103,10 @@ class IndexFile(SqliteFile):
             raise LinkError(f"{self._title} cannot be read: {exc}") from exc
         return Records(_texts(devices), _texts(tombstones), _texts(owner))
 
-    def write(self, records: Records, gone: Sequence[str]) -> None:
-        """Write the records in one transaction; *gone* are ids of which nothing is kept, or only what is written.
+    def write(self, records: Records, ids: Sequence[str]) -> None:
+        """Write the records of *ids* in one transaction; nothing is kept of those that have none.
+
+        What the owner decided is on the disk when it returns, even if the power fails then.
 
         Raises:
             LinkError: It cannot be written now; nothing of it was.
@@ -112,13 +114,21 @@ class IndexFile(SqliteFile):
         """
         connection = self._opened()
         try:
+            connection.execute(f"PRAGMA synchronous = {'FULL' if records.owner else 'NORMAL'}")
             with connection:
-                rows = [(one,) for one in gone if _is_text(one)]
                 stones = [(one, record) for one, record in records.tombstones if _is_text(one)]
-                connection.executemany("DELETE FROM devices WHERE id = ?", rows)
-                connection.executemany("DELETE FROM tombstones WHERE id = ?", rows)
-                connection.executemany("INSERT OR REPLACE INTO devices VALUES (?, ?)", records.devices)
-                connection.executemany("INSERT OR REPLACE INTO tombstones VALUES (?, ?)", stones)
+                for table, rows in (("devices", records.devices), ("tombstones", stones)):
+                    gone = set(ids).difference(one for one, _ in rows)
+                    connection.executemany(
+                        f"DELETE FROM {table} WHERE id = ?",  # noqa: S608 - of our own texts
+                        [(one,) for one in gone if _is_text(one)],
+                    )
+                    # A row that is replaced would get another place: it and its index would be written as well.
+                    connection.executemany(
+                        f"INSERT INTO {table} VALUES (?, ?) "  # noqa: S608 - of our own texts
+                        "ON CONFLICT (id) DO UPDATE SET record = excluded.record",
+                        rows,
+                    )
                 connection.executemany("INSERT OR REPLACE INTO owner VALUES (?, ?)", records.owner)
         except sqlite3.Error as exc:
             raise self._failure(exc, "written") from exc

@@ -1,6 +1,6 @@
 """Entries of the journal, and what was learnt from commands, in a file.
 
-Written by a worker thread, a second's worth at a time.
+Written by a worker thread, a few seconds' worth at a time.
 """
 
 from __future__ import annotations
@@ -31,7 +31,9 @@ NOT_USED = "control.journal_not_used"
 DAMAGED = "control.journal_damaged"
 REMOVED = "control.journal_removed"
 
-_WRITE_AFTER: Final = 1.0
+_WRITE_AFTER: Final = 4.0
+"""Seconds in which entries are gathered: of the steps of a command, each would write whole pages."""
+
 _RETRY_AFTER: Final = 5.0
 _LAST_CHANCE: Final = 5.0
 _BATCH: Final = 2000
@@ -81,7 +83,7 @@ class FileStore:
         self.remembers = True
 
     def add(self, note: JournalNote) -> None:
-        """Keep what was noted; it is written a second later."""
+        """Keep what was noted; it is written four seconds later."""
         if self._is_unusable:
             self._memory.add(note)
             return
@@ -93,7 +95,7 @@ class FileStore:
         self._has_news.set()
 
     def learn(self, row: LearntRow) -> None:
-        """Keep what was learnt; it is written a second later. Where the file cannot be used it ends with the run."""
+        """Keep what was learnt; it is written within seconds; without a file it ends with the run."""
         if self._is_unusable:
             return
         self._learnt[row.kind, row.name] = row
