@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
+from functools import partial
 
 import anyio
 import pytest
@@ -21,6 +22,7 @@ from homebot.devices import (
     Sighting,
 )
 from homebot.devices.gateway_messages import REACHABLE, Report
+from homebot.devices.part import Part
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.devices.value import Reading, Value
 from homebot.discovery import Directory, DirectorySettings
@@ -29,6 +31,9 @@ from homebot.messages import String, Time
 from homebot.testing import FakeGateway, FakeGatewaySettings
 
 pytestmark = pytest.mark.virtual_time
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
 
 STALE_AFTER = 60.0
 
@@ -84,6 +89,47 @@ async def test_every_change_is_announced_once() -> None:
         assert await house.heard() == [("changed", "lights/lamp")]
         house.gateway.removes("lights/lamp")
         assert await house.heard() == [("removed", "lights/lamp")]
+
+
+async def announce_mixed(house: Layer, announce: Announce, part: MakePart, *, seconds: float) -> None:
+    """Announce eight parts of each of twenty lamps, the first of all lamps first, and then others for *seconds*."""
+    for number in range(8):
+        for lamp in range(20):
+            key, relay = f"{lamp}/{number}", part("switch", "on_off", id=f"relay{number}")
+            house.gateway.publish_sighting(announce(key, relay, ids=(f"id:lamp{lamp}",), gateway="fake"))
+        await anyio.sleep(0.05)
+    for number in range(int(seconds / 0.05)):
+        house.gateway.publish_sighting(announce(f"other{number}", part("light", "on_off", id="l"), gateway="fake"))
+        await anyio.sleep(0.05)
+
+
+async def test_devices_that_are_announced_in_many_mixed_messages_are_published_twice(
+    announce: Announce, part: MakePart
+) -> None:
+    """At once, and once more with all that they are when no more announcements come."""
+    async with layer() as house:
+        await announce_mixed(house, announce, part, seconds=0)
+        await anyio.sleep(0.2)
+        heard = await house.heard()
+    assert sorted(kind for kind, _ in heard) == ["appeared"] * 20 + ["changed"] * 20
+    assert {len(device.parts) for device in house.directory.index.devices()} == {8}
+
+
+async def test_a_flood_of_others_keeps_no_device_from_being_published_whole(announce: Announce, part: MakePart) -> None:
+    """Ten seconds later at the latest."""
+    async with layer() as house:
+        seen = anyio.Event()
+
+        def look(change: DeviceChange) -> None:
+            if len(change.device.parts) == 8:
+                seen.set()
+
+        house.watcher.create_subscription(DeviceChange, DEVICE_CHANGES, look, 1000)
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(partial(announce_mixed, house, announce, part, seconds=30))
+            with anyio.fail_after(11):
+                await seen.wait()
+            tasks.cancel_scope.cancel()
 
 
 async def test_silence_makes_stale_and_then_forgotten_at_its_time() -> None:

@@ -73,6 +73,7 @@ class ChangeQueue:
         states_lost: Changes of states that were dropped because nobody took them.
         pending: Changes that wait to be taken.
         states: Changes of states that wait to be taken.
+        growing: Changes of devices that were announced further, by id, until :meth:`end_growth`.
     """
 
     def __init__(self, entries: Mapping[str, Entry], topics: TopicOwnership, first_sequence: int) -> None:
@@ -84,19 +85,33 @@ class ChangeQueue:
         self.pending: list[_PendingChange] = []
         self._last: dict[str, _PendingChange] = {}
         self.states: list[NewStates] = []
+        self.growing: dict[str, _PendingChange] = {}
 
     def note(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
         """Note a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one."""
         pending = self._last.get(entry.id)
         if kind == "changed" and pending is not None and pending.kind != "stale":
             return
+        self.growing.pop(entry.id, None)
         change = _PendingChange(kind, entry, why, other)
         self.pending.append(change)
         self._last[entry.id] = change
 
+    def note_growth(self, entry: Entry, why: str) -> None:
+        """Note a further announcement of *entry*; it goes into the next change, at the latest at the end of growth."""
+        if entry.id not in self._last:
+            self.growing[entry.id] = _PendingChange("changed", entry, why, "")
+
+    def end_growth(self) -> None:
+        """Let the changes of devices that were announced further be taken."""
+        self._last.update(self.growing)
+        self.pending += self.growing.values()
+        self.growing.clear()
+
     def note_removed(self, entry: Entry, why: str, other: str = "") -> None:
         """Note that *entry* goes; it is published as it is now."""
         device = entry.to_device(self._topics)
+        self.growing.pop(entry.id, None)
         if self._last.pop(entry.id, None) is not None:
             for one in self.pending:
                 if one.entry is entry and one.device is None:
@@ -121,6 +136,8 @@ class ChangeQueue:
         Args:
             at_most: How many to take; None for all.
         """
+        if at_most is None:
+            self.end_growth()
         taken = self.pending if at_most is None else self.pending[:at_most]
         self.pending = [] if at_most is None else self.pending[at_most:]
         found: list[DeviceChange] = []

@@ -220,35 +220,44 @@ def _service_types(sources: Sequence[SourceRecord], parts: tuple[DevicePart, ...
 
 def _metadata(sources: Sequence[SourceRecord]) -> tuple[KeyValue, ...]:
     found: dict[str, KeyValue] = {}
+    before: tuple[KeyValue, ...] = ()
     for source in sources:
-        for one in source.sighting.metadata:
-            found.setdefault(one.key, one)
+        metadata = source.sighting.metadata
+        if metadata != before:  # a device has the same in each of its announcements
+            for one in metadata:
+                found.setdefault(one.key, one)
+            before = metadata
     return tuple(found.values())[:MAX_FACTS]
 
 
 def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
     """Return each value once for each gateway and convention, by the first announcement that has it."""
-    if len(sources) == 1:
-        return _facts_of(sources[0])[:MAX_FACTS]
     found: dict[tuple[str, str, str, str], Fact] = {}
+    before: tuple[object, ...] = ()
     for source in sources:
-        for fact in _facts_of(source):
-            found.setdefault((fact.name, fact.value, fact.gateway, fact.convention), fact)
+        sighting = source.sighting
+        gateway, convention = sighting.gateway, sighting.convention
+        announced = gateway, convention, sighting.name, sighting.area, sighting.metadata
+        if announced == before:
+            continue
+        before = announced
+        pairs = [(one.key, one.value) for one in sighting.metadata]
+        for name, value in (("name", sighting.name), ("area", sighting.area), *pairs):
+            if value and (name, value, gateway, convention) not in found:
+                found[name, value, gateway, convention] = _fact(source, name, value)
         if len(found) >= MAX_FACTS:
             break
     return tuple(found.values())[:MAX_FACTS]
 
 
-def _facts_of(source: SourceRecord) -> tuple[Fact, ...]:
-    sighting, first_said, first_seen = source.sighting, source.facts, source.first_seen
-    gateway, key, convention = sighting.gateway, sighting.key, sighting.convention
-    said = {("name", sighting.name): None, ("area", sighting.area): None}
-    for one in sighting.metadata:
-        said[one.key, one.value] = None
-    facts: list[Fact] = []
-    for name, value in said:
-        if not value:
-            continue
-        at = first_said[name][1] if name in first_said and first_said[name][0] == value else first_seen
-        facts.append(_fact_of(name=name, value=value, gateway=gateway, convention=convention, key=key, said_at=at))
-    return tuple(facts)
+def _fact(source: SourceRecord, name: str, value: str) -> Fact:
+    sighting = source.sighting
+    first_value, at = source.facts.get(name, ("", source.first_seen))
+    return _fact_of(
+        name=name,
+        value=value,
+        gateway=sighting.gateway,
+        convention=sighting.convention,
+        key=sighting.key,
+        said_at=at if first_value == value else source.first_seen,
+    )

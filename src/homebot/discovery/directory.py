@@ -68,6 +68,13 @@ gateway announces in one of its own."""
 _STATES_PER_CHANGE = 10
 """States that are published in the time of one change, about."""
 
+_GROWTH_PAUSE = 0.1
+"""Seconds without a sighting after which devices have grown: programs announce a device in up to a hundred messages,
+and a broker sends those of all devices mixed."""
+
+_LONGEST_GROWTH = 10.0
+"""Seconds for which that is waited for: a house of 4,000 devices announces itself in about as many."""
+
 _SETTINGS_PAUSE = 0.5
 """Seconds in which changed settings are gathered: to look at them together costs a busy house next to nothing."""
 
@@ -144,6 +151,8 @@ class Directory:
         self._earlier_deadline = anyio.Event()
         self._happened = asyncio.Event()  # cleared again and again, where anyio's would be made anew
         self._settings_changed = anyio.Event()
+        self._growing = anyio.Event()
+        self._batches = 0
         self._is_idle = True
         self._limit = LogLimit(clock)
         self._change_limit = LogLimit(clock, burst=BURST)
@@ -160,7 +169,7 @@ class Directory:
             self._services.register()
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(self._publish_changes)
-                for work in (self._persistence.run, self._expire, self._publish_settings):
+                for work in (self._persistence.run, self._expire, self._publish_settings, self._publish_growth):
                     tasks.start_soon(run_as, self._node.full_name, work)
                 task_status.started()
                 lost = 0
@@ -219,6 +228,7 @@ class Directory:
         monotonic = self._clock.monotonic
         now = monotonic()
         until = now + slice_of
+        self._batches += 1
         try:
             for sighting in sightings:
                 if sighting.gateway == gateway:
@@ -230,6 +240,8 @@ class Directory:
                 if (now := monotonic()) >= until:
                     break
         finally:
+            if self.index.is_growing and not self._growing.is_set():
+                self._growing.set()
             self._publish_or_wake()
 
     def _report(self, gateway: str, slice_of: float, reports: Iterator[Report]) -> None:
@@ -293,6 +305,19 @@ class Directory:
                 while self._publish_some(_FEW):
                     await anyio.lowlevel.checkpoint()
                 await anyio.lowlevel.checkpoint()
+
+    async def _publish_growth(self) -> None:
+        """Publish devices that were announced further once no more announcements come: each of them once."""
+        while True:
+            await self._growing.wait()
+            with anyio.move_on_after(_LONGEST_GROWTH):
+                batches = 0
+                while batches != self._batches:
+                    batches = self._batches
+                    await anyio.sleep(_GROWTH_PAUSE)
+            self._growing = anyio.Event()
+            self.index.end_growth()
+            self._publish_or_wake()
 
     async def _publish_settings(self) -> None:
         """Publish the settings that changed, twice a second: nobody waits for them."""

@@ -194,6 +194,15 @@ class DeviceIndex:
         return bool(self._table.changes.pending)
 
     @property
+    def is_growing(self) -> bool:
+        """True if devices were announced further, which :meth:`end_growth` makes a change."""
+        return bool(self._table.changes.growing)
+
+    def end_growth(self) -> None:
+        """Let the changes of devices that were announced further be taken: no more announcements came lately."""
+        self._table.changes.end_growth()
+
+    @property
     def has_states(self) -> bool:
         """True if changes of states wait to be taken."""
         return bool(self._table.changes.states)

@@ -125,8 +125,8 @@ class StateRecorder:
 
     def _reach(self, entry: Entry) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
         """Return whether *entry* can be reached, which of its parts cannot, and at which of its gateways."""
-        offline = entry.offline_parts(entry.parts(self._table.topics))
-        return entry.reachability().state, offline, entry.endpoint_reach()
+        offline = entry.offline_parts(entry.parts(self._table.topics)) if entry.is_denied else ()
+        return entry.reach_state(), offline, entry.endpoint_reach()
 
     def _post(self, entry: Entry, source: SourceRecord, place: tuple[str, str], stored: StoredValue) -> None:
         """Make a value findable; that it changes later is seen in *stored* itself, where no other route reports it."""
@@ -205,7 +205,7 @@ def store_reachability(
             source.set_reach(source.reach)
         return
     source.set_reach({**source.reach, reading.part: Reach(answer, stamp, now, live)})
-    entry.is_denied = is_denied(entry.sources.values())
+    entry.is_denied = answer is False or (entry.is_denied and is_denied(entry.sources.values()))
 
 
 def is_denied(sources: Iterable[SourceRecord]) -> bool:

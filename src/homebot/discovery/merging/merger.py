@@ -97,7 +97,7 @@ class DeviceMerger:
         self.describe(entry, source)
         if entry.freshness == "unconfirmed":
             self._liveness.extend(entry, source, self._liveness.now)
-        self._table.note("changed", entry, "it announces more capabilities")
+        self._table.changes.note_growth(entry, "it announces more capabilities")
 
     def restore(self, entry: Entry, now: float, wall: float) -> None:
         """Make *entry* of the index file a device, unconfirmed.
