@@ -5,18 +5,30 @@ from homebot.lazy_names import lazy_names
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from homebot.control.policies.facts import Facts
+    from homebot.control.policies.home_policy import HomePolicy
     from homebot.control.policies.house import House, SensorReading
     from homebot.control.policies.policies import Policies, Policy
     from homebot.control.policies.settings import PolicySettings
     from homebot.control.policies.verdict import FactUsed, Verdict
 
-__all__ = ["FactUsed", "Facts", "House", "Policies", "Policy", "PolicySettings", "SensorReading", "Verdict"]
+__all__ = [
+    "FactUsed",
+    "Facts",
+    "HomePolicy",
+    "House",
+    "Policies",
+    "Policy",
+    "PolicySettings",
+    "SensorReading",
+    "Verdict",
+]
 
 if not TYPE_CHECKING:  # else a name that does not exist would pass for one
     __getattr__ = lazy_names(
         __name__,
         {
             "homebot.control.policies.facts": "Facts",
+            "homebot.control.policies.home_policy": "HomePolicy",
             "homebot.control.policies.house": "House SensorReading",
             "homebot.control.policies.policies": "Policies Policy",
             "homebot.control.policies.settings": "PolicySettings",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from typing import Final, NamedTuple, TypeAlias, final
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.approval import concerns_approval, judge_approval
@@ -21,6 +21,9 @@ from homebot.control.policies.rate_limit import judge_rate
 from homebot.control.policies.settings import PolicySettings
 from homebot.control.policies.verdict import Verdict
 from homebot.devices.query import CanDo, Or, Query
+
+if TYPE_CHECKING:
+    from homebot.control.policies.home_policy import NamedPolicy
 
 __all__ = ["Policies", "Policy"]
 
@@ -48,9 +51,12 @@ class Policies:
     """
 
     def __init__(self, settings: PolicySettings) -> None:
-        self._rules = tuple(_rules(settings))
+        others = _of_packages(settings)
+        self._rules = tuple(_rules(settings, others))
         self._concerned: dict[_Place, tuple[_Described, tuple[Policy, ...]]] = {}
-        self.needs: Query = Or(tuple(_needs(settings)))
+        self.needs: Query = Or(
+            (*_needs(settings), *[one.policy.needs for one in others if one.policy.needs is not None])
+        )
 
     def judge(self, command: IssuedCommand, facts: Facts) -> tuple[Verdict, ...]:
         """Return the verdicts of those that may concern *command*, up to the first refusal, the last of them then."""
@@ -100,7 +106,15 @@ class _PolicyRule(NamedTuple):
     judge: Policy
 
 
-def _rules(settings: PolicySettings) -> Iterator[_PolicyRule]:
+def _of_packages(settings: PolicySettings) -> tuple[NamedPolicy, ...]:
+    if not settings.policies:
+        return ()
+    from homebot.control.policies.home_policy import home_policies  # noqa: PLC0415 - few homes have any
+
+    return tuple(home_policies(settings.policies))
+
+
+def _rules(settings: PolicySettings, others: Iterable[NamedPolicy]) -> Iterator[_PolicyRule]:
     """Yield the policies that are on: who may, before what may be done, before when."""
     yield _PolicyRule(concerns_grants, partial(judge_grants, settings.approvals))
     if settings.approvals:
@@ -111,6 +125,8 @@ def _rules(settings: PolicySettings) -> Iterator[_PolicyRule]:
         yield _PolicyRule(partial(_is_by_itself_among, hours.commands), partial(judge_quiet_hours, (hours,)))
     if (guard := settings.presence_guard) is not None:
         yield _PolicyRule(partial(_is_by_itself_among, guard.commands), partial(judge_presence, guard))
+    for one in others:
+        yield _PolicyRule(_any_command, one.judge)
     if settings.rate_limit is not None:
         yield _PolicyRule(_any_command, partial(judge_rate, settings.rate_limit))
 

@@ -183,6 +183,18 @@ _Hours: TypeAlias = Annotated[tuple[QuietHours, ...], Field(max_length=100)]
 _Interlocks: TypeAlias = Annotated[tuple[Interlock, ...], Field(max_length=100)]
 
 
+def _installed(tables: dict[str, dict[str, object]]) -> dict[str, dict[str, object]]:
+    """Return *tables*, which installed policies take."""
+    if not tables:
+        return tables
+    from homebot.control.policies.home_policy import check_tables  # noqa: PLC0415 - few homes have any
+
+    return check_tables(tables)
+
+
+_Policies: TypeAlias = Annotated[dict[_Name, dict[str, object]], Field(max_length=100), AfterValidator(_installed)]
+
+
 class PolicySettings(BaseModel):
     """The part of the table ``[control]`` that is about policies.
 
@@ -194,6 +206,7 @@ class PolicySettings(BaseModel):
         rate_limit: How often a device may be switched to and fro; ``false`` for no limit.
         always_ask: Whether locks, garage doors, ovens and their like take a right that names them.
         approvals: Whether these are not driven until the owner approves each device.
+        policies: The tables of the policies of other packages, by the names of their entry points.
         time_zone: The time zone of the home, such as ``Europe/Vienna``; empty for that of the computer.
     """
 
@@ -205,9 +218,10 @@ class PolicySettings(BaseModel):
     rate_limit: _Rate = RateLimitSettings()
     always_ask: bool = True
     approvals: bool = True
+    policies: _Policies = Field(default_factory=dict)
     time_zone: Annotated[str, AfterValidator(_zone)] = ""
 
     @property
     def needs_house(self) -> bool:
         """True if some policy needs the values of sensors."""
-        return self.presence_guard is not None or bool(self.interlocks)
+        return self.presence_guard is not None or bool(self.interlocks) or bool(self.policies)

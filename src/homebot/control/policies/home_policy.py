@@ -1,0 +1,129 @@
+"""Policies of other packages: the contract, and their classes by entry point. Pure."""
+
+from __future__ import annotations
+
+import logging
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from typing import ClassVar, Final, TypeAlias, final
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from homebot.control.command import IssuedCommand
+from homebot.control.policies.facts import Facts
+from homebot.control.policies.verdict import Verdict
+from homebot.devices.query import Query
+from homebot.errors import PluginError, UsageError
+from homebot.plugins import has_plugin, load_plugin, plugin_names
+from homebot.similar import did_you_mean
+
+__all__ = ["POLICIES", "HomePolicy", "PolicyTables", "check_tables", "home_policies"]
+
+POLICIES: Final = "homebot.policies"
+"""The entry-point group."""
+
+PolicyTables: TypeAlias = dict[str, dict[str, object]]
+"""The tables ``[control.policies.NAME]`` by name."""
+
+_logger = logging.getLogger(__name__)
+
+
+class NoSettings(BaseModel):
+    """The table of a policy without keys."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+class HomePolicy(ABC):
+    """A policy of another package: a pure function of a command and the facts. It never waits, reads or writes.
+
+    Args:
+        settings: Its table of the configuration, checked; an instance of :attr:`Settings`.
+
+    Attributes:
+        Settings: The model of its table.
+        needs: The query for the devices whose values it reads in ``facts.house``; None for no values.
+    """
+
+    Settings: ClassVar[type[BaseModel]] = NoSettings
+    needs: Query | None = None
+
+    def __init__(self, settings: BaseModel) -> None:
+        del settings
+
+    @abstractmethod
+    def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
+        """Return the verdict; the name of the policy in it is replaced by that of its table."""
+
+
+@final
+class NamedPolicy:
+    """A policy with the name of its table; one that fails refuses the command.
+
+    Args:
+        name: The name.
+        policy: The policy.
+    """
+
+    def __init__(self, name: str, policy: HomePolicy) -> None:
+        self.name = name
+        self.policy = policy
+        self._has_failed = False
+
+    def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
+        """Return the verdict of the policy under its name."""
+        try:
+            verdict = self.policy.judge(command, facts)
+            return Verdict(self.name, verdict.allowed, verdict.reason, verdict.facts)
+        except Exception as exc:  # by another author; nothing is sent that it did not allow
+            if not self._has_failed:
+                self._has_failed = True
+                _logger.exception("the policy %s failed, and refuses what it is asked about", self.name)
+            return Verdict(
+                self.name, allowed=False, reason=f"the policy failed: {type(exc).__name__}: {exc}"[:_LONGEST]
+            )
+
+
+_LONGEST: Final = 200
+
+
+def home_policies(tables: Mapping[str, Mapping[str, object]]) -> Iterator[NamedPolicy]:
+    """Yield the policies of *tables*.
+
+    Raises:
+        UsageError: A name is no installed policy, or its table does not fit; says what to write.
+    """
+    for name, table in tables.items():
+        kind = _kind(name)
+        try:
+            settings = kind.Settings.model_validate(table)
+        except ValidationError as exc:
+            first = exc.errors(include_url=False, include_input=False, include_context=False)[0]
+            raise UsageError(f"{'.'.join((name, *map(str, first['loc'])))}: {first['msg']}") from None
+        yield NamedPolicy(name, kind(settings))
+
+
+def check_tables(tables: PolicyTables) -> PolicyTables:
+    """Return *tables*, which installed policies take.
+
+    Raises:
+        ValueError: One does not; the message is for :mod:`pydantic`.
+    """
+    try:
+        for _ in home_policies(tables):
+            pass
+    except UsageError as exc:
+        raise ValueError(str(exc)) from exc
+    return tables
+
+
+def _kind(name: str) -> type[HomePolicy]:
+    """Return the installed class of that name; a module or file is never loaded, as a recording may name one."""
+    if not has_plugin(POLICIES, name):
+        known = plugin_names(POLICIES)
+        hint = did_you_mean(name, known, f"installed are {', '.join(known) or 'none'}")
+        raise UsageError(f"no installed package offers the policy {name!r}; {hint}")
+    kind = load_plugin(POLICIES, name)
+    if not issubclass(kind, HomePolicy):
+        raise PluginError(name, f"{kind.__name__} is not a HomePolicy; derive it from {HomePolicy.__module__}")
+    return kind

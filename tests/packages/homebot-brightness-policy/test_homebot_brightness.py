@@ -1,0 +1,65 @@
+"""The tests of the policy, in a homebot that finds it by entry point."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import homebot_brightness
+import pytest
+
+from homebot import App, ConfigError, Light, Runtime, parse_config
+from homebot.devices.outcomes import Outcome, Refused
+from homebot.testing import TestHouse
+
+CONFIG = {
+    "command_topic": "desk/set",
+    "brightness_command_topic": "desk/level",
+    "unique_id": "desk",
+    "device": {"identifiers": ["desk"], "name": "Desk"},
+}
+OUTCOMES: list[Outcome] = []
+
+
+@pytest.fixture
+def homebot_config() -> dict[str, object]:
+    return {"gateways": {"mqtt": {}}, "control": {"policies": {"brightness": {"percent": 40}}}}
+
+
+class Bright(App):
+    """Sets every lamp to two levels."""
+
+    async def run(self) -> None:
+        async for change in self.devices.follow(Light):
+            if change.kind == "appeared":
+                OUTCOMES.append(await change.handle.turn_on(level=80))
+                OUTCOMES.append(await change.handle.turn_on(level=30))
+
+
+def test_the_package_is_the_installed_one() -> None:
+    """Else nothing here would be shown of entry points."""
+    assert Path(homebot_brightness.__file__).parent != Path(__file__).parent
+
+
+@pytest.mark.homebot.with_args(Bright)
+async def test_no_app_makes_a_lamp_brighter_than_the_limit(homebot: TestHouse) -> None:
+    OUTCOMES.clear()
+    await homebot.says("homeassistant/light/desk/config", json.dumps(CONFIG))
+    assert await homebot.hears("desk/level") in {"76", "77"}  # 30 % of 255
+    (refused, *_) = OUTCOMES
+    assert isinstance(refused, Refused)
+    assert (refused.policy, refused.reason) == ("brightness", "desk is to be at most 40 % bright")
+
+
+@pytest.mark.parametrize(
+    ("tables", "problem"),
+    [
+        ({"brightness": {"percent": 400}}, "brightness.percent"),
+        ({"brightnes": {"percent": 40}}, "did you mean brightness?"),
+        ({"homebot_brightness:Brightness": {"percent": 40}}, "no installed package offers the policy"),
+    ],
+)
+def test_a_table_that_fits_no_installed_policy_is_an_error(tables: dict[str, object], problem: str) -> None:
+    config = parse_config({"gateways": {"mqtt": {}}, "control": {"policies": tables}}, "test")
+    with pytest.raises(ConfigError, match=problem):
+        Runtime(config)
