@@ -21,7 +21,8 @@ Delete Deliver Derive Describe Detach Disable Disarm Discard Disconnect Dispatch
 Encode Encrypt End Ensure Enter Escape Estimate Evaluate Execute Exit Expand Expire Export Expose Extract Fail Feel
 Fetch Mask Stream
 Fill Filter Find Flatten Flush Fold Follow Forget Format Forward Free Gather Generate Get Give Go Group Guess Hand
-Handle Hash Have Hide Hold Ignore Import Increment Insert Inspect Interpret Invoke Iterate Join Keep Launch Leave Let
+Handle Hash Have Hide Hold Ignore Import Increment Insert Inspect Interpret Invoke Iterate Join Keep Launch Learn
+Leave Let
 Limit List Load Lock Log Look Make Map Mark Match Measure Merge Move Name Need Normalise Note Notify Obey Offer Open
 Operate Order Override Pair Parse Pass Pause Perform Pick Plan Play Poll Pop Prefer Prepare Print Process Prune
 Publish Push Put Queue Quote Raise Rank Reach Read Rebuild Receive Reconnect Record Recover Reduce Refresh Refuse

@@ -72,7 +72,7 @@ class LockedStore(KeptStore):
 
 async def test_a_file_that_another_program_keeps_holds_up_no_command(open_home: OpenHome) -> None:
     store = LockedStore()
-    store.rows = {("echo", "habit"): LearntRow("echo", "habit", "nonsense", 0.0, "")}
+    store.rows = {("profile", "habit"): LearntRow("profile", "habit", "nonsense", 0.0, "")}
     with capture_logs() as lines:
         async with open_home(store=store) as home:
             home.put("lamp", "light", "on_off")
@@ -89,7 +89,7 @@ async def test_a_file_that_another_program_keeps_holds_up_no_command(open_home: 
     assert len([one for one in lines if one["event"] == "control.learnt_late"]) == 1
 
 
-@pytest.mark.parametrize("kind", ["disproof", "echo", "witness"])
+@pytest.mark.parametrize("kind", ["disproof", "profile", "witness"])
 async def test_the_presence_guard_drops_nothing_that_others_learnt(open_home: OpenHome, kind: str) -> None:
     """It reads what it has learnt itself at the start, before the first command."""
     store = KeptStore()
@@ -124,14 +124,14 @@ async def test_each_row_says_when_and_from_which_command_it_was_learnt(open_home
         await toggle(lamp, 11)
         outcome = await lamp.turn_off()
         await anyio.sleep(40)
-        (row,) = store.rows.values()
-        assert (row.kind, row.command) == ("witness", outcome.command_id)
+        row = next(one for one in store.rows.values() if one.kind == "witness")
+        assert row.command == outcome.command_id
         assert home.graph.clock.now() - row.at == pytest.approx(30, abs=1)
 
 
-async def test_echoes_are_known_after_a_restart(open_home: OpenHome) -> None:
+async def test_a_profile_is_known_after_a_restart(open_home: OpenHome) -> None:
     store = KeptStore()
-    for expected in (Confirmed, Confirmed, Contradicted):
+    for expected in (Confirmed, Confirmed, Confirmed, Contradicted):
         async with open_home(store=store) as home:
             home.put("lamp", "light", "on_off")
             home.behaviours["lamp"] = report((ECHO, True), (1.5, False))
@@ -141,9 +141,9 @@ async def test_echoes_are_known_after_a_restart(open_home: OpenHome) -> None:
 
 BAD_ROWS: Mapping[str, LearntRow] = {
     "no JSON": LearntRow("witness", "attic by lux# illuminance", "nonsense", 0.0, ""),
-    "another version": LearntRow("echo", "lamp on_off", '{"version": 0, "target": "lamp"}', 0.0, ""),
-    "another name": LearntRow("echo", "lock lock", '{"target": "lamp", "capability": "on_off"}', 0.0, ""),
-    "not finite": LearntRow("echo", "lamp on_off", '{"target":"lamp","capability":"on_off","fast":[1e999]}', 0.0, ""),
+    "another version": LearntRow("profile", "attic", '{"version": 0, "target": "attic"}', 0.0, ""),
+    "another name": LearntRow("profile", "lock", '{"target": "attic"}', 0.0, ""),
+    "not finite": LearntRow("profile", "attic", '{"target":"attic","times":{"on_off":[1e999]}}', 0.0, ""),
     "damaged": LearntRow("witness", "attic by lux# illuminance", "", 0.0, ""),
     "of a newer version": LearntRow("habit", "lamp", "{}", 0.0, ""),
 }
@@ -155,7 +155,7 @@ async def test_a_row_that_cannot_be_read_is_dropped_and_the_others_are_used(
 ) -> None:
     store = KeptStore()
     await learn_a_witness(open_home, store)
-    (good,) = store.rows.values()
+    good = next(one for one in store.rows.values() if one.kind == "witness")
     store.rows = {(one.kind, one.name): one for one in (bad, good)}
     with capture_logs() as lines:
         async with open_home(store=store) as home:

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.control.response_times import ResponseTimes
+from homebot.control.timeline.profile import DeviceProfile
 
 FIRST = 10.0
 
 
-def times(*seconds: float, sendings: int = 1) -> ResponseTimes:
-    found = ResponseTimes(FIRST)
+def times(*seconds: float, sendings: int = 1) -> DeviceProfile:
+    found = DeviceProfile()
     for one in seconds:
-        found.note("lamp", "on_off", one, sendings=sendings)
+        found.learn_time("on_off", one, FIRST, sendings=sendings)
     return found
 
 
-def limit(known: ResponseTimes, target: str = "lamp", capability: str = "on_off") -> float:
-    return known.expected(target, (capability,))[0]
+def limit(known: DeviceProfile, capability: str = "on_off") -> float:
+    return known.answer_time((capability,), FIRST)[0]
 
 
-def longest(known: ResponseTimes) -> float:
-    return known.expected("lamp", ("on_off",))[1]
+def longest(known: DeviceProfile) -> float:
+    return known.answer_time(("on_off",), FIRST)[1]
 
 
 @pytest.mark.parametrize(
@@ -39,20 +39,12 @@ def test_the_longest_answer_counts_as_a_second_where_fewer_than_three_are_known(
     assert longest(times(0.1, 0.4, 0.1)) == 0.4
 
 
-def test_each_capability_of_each_target_has_its_own_limit() -> None:
-    found = times(0.1, 0.1, 0.1)
-    assert (limit(found, "lamp", "level"), limit(found, "fan", "on_off")) == (10.0, 10.0)
+def test_each_capability_has_its_own_limit() -> None:
+    assert limit(times(0.1, 0.1, 0.1), "level") == 10.0
 
 
 def test_only_the_last_sixteen_count() -> None:
     assert limit(times(20.0, *[0.1] * 16)) == 2.0
-
-
-def test_the_longest_unused_of_ten_thousand_targets_is_forgotten() -> None:
-    found = times(20.0)
-    for number in range(10_000):
-        found.note(f"lamp{number}", "on_off", 0.1)
-    assert limit(found) == 10.0
 
 
 def test_an_answer_to_a_repeated_command_counts_as_no_longer_than_the_first_limit() -> None:
@@ -64,12 +56,12 @@ def test_a_device_that_misses_each_first_command_does_not_answer_later_each_time
     found = times()
     for _ in range(20):
         repeated_after = limit(found) / 3
-        found.note("lamp", "on_off", repeated_after + 0.1, sendings=2)
+        found.learn_time("on_off", repeated_after + 0.1, FIRST, sendings=2)
     assert limit(found) < 32.0
 
 
 def test_an_answer_that_says_what_was_known_before_never_makes_the_wait_longer() -> None:
     found = times()
     for one in (6.0, 0.4, 0.4, 0.4, 2.0):
-        found.note("lamp", "on_off", one, is_change=False)
+        found.learn_time("on_off", one, FIRST, is_change=False)
     assert limit(found) == pytest.approx(2.2)

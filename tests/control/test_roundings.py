@@ -10,11 +10,10 @@ import anyio
 import pytest
 from tests.control.conftest import Behaviour, Home, OpenHome
 
-from homebot.control.roundings import Roundings
+from homebot.control.timeline.profile import DeviceProfile
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed, Contradicted, Outcome
-from homebot.devices.value import PlainValue
 
 Rounding: TypeAlias = Callable[[float], float]
 
@@ -87,34 +86,32 @@ async def test_one_that_is_known_to_round_is_contradicted_at_another_step(open_h
         assert outcome.saw == "level is 20"
 
 
-def made_of(value: float, *answers: tuple[float, float]) -> PlainValue:
-    known = Roundings()
+def rounding(*answers: tuple[float, float]) -> float:
+    profile = DeviceProfile()
     for wanted, seen in answers:
-        known.note("lamp", "level", wanted, seen)
-    return known.expected("lamp", {"level": value})["level"]
+        profile.learn_answer("level", wanted, seen)
+    return profile.rounding("level")
 
 
-def test_a_rounding_takes_three_answers_at_two_steps() -> None:
-    assert made_of(88.0, (62.0, 60.0), (33.0, 35.0)) == 88.0
-    assert made_of(88.0, (62.0, 60.0), (58.0, 60.0), (59.0, 60.0)) == 88.0
-    assert made_of(88.0, (62.0, 60.0), (33.0, 35.0), (47.0, 45.0)) == pytest.approx(90.0)
+def test_a_rounding_takes_three_answers_with_two_values() -> None:
+    assert rounding((62.0, 60.0), (33.0, 35.0)) == 0.0
+    assert rounding((62.0, 60.0), (58.0, 60.0), (59.0, 60.0)) == 0.0
+    assert rounding((62.0, 60.0), (33.0, 35.0), (47.0, 45.0)) == pytest.approx(3.5)
 
 
-def test_answers_that_no_steps_explain_tell_nothing() -> None:
+def test_an_error_of_more_than_a_quarter_is_no_rounding() -> None:
     """A hand at the dial, a lamp that got stuck, or one that goes its own way."""
-    rounds = (62.0, 60.0), (33.0, 35.0), (47.0, 45.0)
-    assert made_of(88.0, *rounds, (20.0, 71.0)) == 88.0
-    assert made_of(88.0, (62.0, 62.0), (33.0, 33.0), (47.0, 45.0)) == 88.0
+    assert rounding((62.0, 60.0), (33.0, 35.0), (47.0, 45.0), (20.0, 71.0)) == 0.0
 
 
-def test_nothing_is_rounded_to_off() -> None:
-    rounds = (62.0, 60.0), (33.0, 30.0), (47.0, 40.0), (28.0, 20.0)
-    assert made_of(88.0, *rounds) == pytest.approx(80.0)
-    assert made_of(4.0, *rounds) == 4.0
+def test_nothing_is_kept_of_a_device_that_does_as_told() -> None:
+    profile = DeviceProfile()
+    profile.learn_answer("level", 62.0, 62.0)
+    assert not profile.answers
 
 
-def test_the_longest_unused_of_a_thousand_is_forgotten() -> None:
-    known = Roundings()
-    for number in range(1001):
-        known.note(f"lamp{number}", "level", 62.0, 60.0)
-    assert (len(known.known), ("lamp0", "level") in known.known) == (1000, False)
+def test_a_setpoint_is_not_rounded_by_degrees() -> None:
+    profile = DeviceProfile()
+    for wanted in (17.0, 19.0, 21.0):
+        profile.learn_answer("heating_setpoint", wanted, wanted + 2.0)
+    assert (profile.answers, profile.rounding("heating_setpoint")) == ({}, 0.0)

@@ -34,7 +34,8 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
         return UNEXPLAINED
     issuer = issuer_text(first["issuer"])
     if last["kind"] == "reverted":
-        return f"it went back after {issuer} had asked for {settings_text(first['settings'])}"
+        wanted = settings_text(first["settings"])
+        return f"it changed back, by a hand or by itself, after {issuer} had asked for {wanted}"
     asked = f"{issuer} {'published' if first['kind'] == 'published' else 'asked for'} {_wanted(first)}"
     cause = trigger_text(chain.trigger, names)
     reason = f"{asked}, because {cause}" if cause else asked

@@ -7,7 +7,9 @@ from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import TYPE_CHECKING, Final, TypeAlias
 
+from homebot.control import durations
 from homebot.control.held_values import COLORS, END_POSITIONS, POWERS, STOPPED, is_on
+from homebot.control.timeline.facts import Order
 from homebot.control.tolerance import fits
 from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import EVENTS, MOMENTARY
@@ -19,7 +21,7 @@ from homebot.devices.value import PlainValue
 if TYPE_CHECKING:
     from homebot.devices.client_rights import ClientRights
 
-__all__ = ["POWER", "IssuedCommand", "zero_as_off"]
+__all__ = ["POWER", "IssuedCommand", "order_of", "zero_as_off"]
 
 _ALWAYS_SENT: Final = frozenset(
     {("movement", STOPPED), ("valve", STOPPED), ("lock", "open"), ("vacuum", "spot"), ("vacuum", "idle")}
@@ -32,9 +34,6 @@ _MOTIONS: Final = frozenset({"movement", "position", "tilt"})
 
 _LEVELS: Final = ("level", "fan_speed")
 """Of these 0 is off."""
-
-_WISH: Final = 60.0
-"""Seconds for which a press or a scan is the reason for what an app does: longer sequences are its own doing."""
 
 _NAME, _READABLE = attrgetter("name"), attrgetter("readable")
 
@@ -166,9 +165,28 @@ class IssuedCommand:
 
 def _is_by_hand(trigger: Trigger, now: float) -> bool:
     """Return whether *trigger* is a recent press of a button or a scan of a tag."""
-    if trigger.kind != "report" or abs(now - trigger.at.to_seconds()) > _WISH:
+    if trigger.kind != "report" or abs(now - trigger.at.to_seconds()) > durations.WISH:
         return False
     return any(one.capability in EVENTS for one in trigger.readings)
+
+
+def order_of(command: IssuedCommand) -> Order:
+    """Return what *command* wants of its part."""
+    settings, capabilities = command.settings, command.part.part.capabilities
+    return Order(
+        command.id,
+        settings,
+        command.expected,
+        command.transition,
+        moves=command.moves,
+        is_momentary=command.is_momentary,
+        opens_further=command.opens_further,
+        turns_on=command.turns_on,
+        has_ramp=any(one.name == "level" and one.settable for one in capabilities),
+        echoed=frozenset([one.name for one in capabilities if one.echoed and one.name in settings]),
+        issuer=command.issuer,
+        label=command.label,
+    )
 
 
 def zero_as_off(settings: Mapping[str, PlainValue], part: Part) -> Mapping[str, PlainValue]:

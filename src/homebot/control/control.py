@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Final, final
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.control.journal.explained_changes import ExplainedChanges
+from homebot.control.journal.house_changes import HouseChanges
 from homebot.control.journal.house_watch import HouseWatch
+from homebot.control.reports import GatewayFeed
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import (
     ACCESS_REFUSALS,
@@ -43,10 +44,13 @@ if TYPE_CHECKING:
     from homebot.control.journal.denied_requests import DeniedRequests
     from homebot.control.journal.store import JournalStore
     from homebot.control.judge import Judge
+    from homebot.control.learnt_persistence import LearntPersistence
     from homebot.control.lease_keeper import LeaseKeeper
     from homebot.control.rehearsal import Rehearsal
     from homebot.control.settings import ControlSettings
     from homebot.control.text_commands import TextCommands
+    from homebot.control.timeline.cause import Attribution
+    from homebot.control.timelines import Timelines
     from homebot.devices.access_messages import AccessRefused, ClientLeft
     from homebot.devices.approval_messages import (
         BelieveDeviceRequest,
@@ -61,6 +65,7 @@ if TYPE_CHECKING:
         CommandResult,
     )
     from homebot.devices.configured_names import ConfiguredNames
+    from homebot.devices.device import ChangedSetting
     from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
     from homebot.devices.lease_messages import (
         EndLeasesRequest,
@@ -116,14 +121,19 @@ class Control:
         self._approves_all = approves_all
         self._journal_file = journal_file
         self._given_store = store
-        self._changes = ExplainedChanges()
+        self._changes = HouseChanges()
         self._rehearsal = rehearsal
         self._detected = detected
         is_dry_run = rehearsal is not None and rehearsal.is_live
-        self._house_watch = HouseWatch(node, self._changes, lambda: self._journal, is_dry_run=is_dry_run)
+        self._feed = GatewayFeed(node)
+        self._house_watch = HouseWatch(
+            node, self._changes, lambda: self._journal, self._cause_of_change, is_dry_run=is_dry_run
+        )
+        self._feed.on_gateway = self._house_watch.follow_gateway
         self._grants = grants
         self._trusts_apps = trusts_apps
         self._begun = anyio.Event()
+        self._has_timelines = False
         self._noted = anyio.Event()
         if settings is not None and settings.needs_house:
             _ = self._judge  # it follows the house from the start
@@ -133,7 +143,8 @@ class Control:
         self.register()
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._run_journal)
-            tasks.start_soon(self._house_watch.run)
+            self._house_watch.follow_settings()
+            tasks.start_soon(self._feed.run)
             if self._names is not None:
                 tasks.start_soon(self._names.run)
             task_status.started()
@@ -278,9 +289,33 @@ class Control:
             self._settings,
             self._grants,
             self._journal,
+            self._timelines,
             trusts_apps=self._trusts_apps,
             detected=self._detected,
         )
+
+    @cached_property
+    def _learnt(self) -> LearntPersistence:
+        from homebot.control.learnt_persistence import LearntPersistence  # noqa: PLC0415 - see above
+
+        return LearntPersistence(self._node, self._journal.store)
+
+    @cached_property
+    def _timelines(self) -> Timelines:
+        from homebot.control.profiles import PROFILE, Profiles  # noqa: PLC0415 - see above
+        from homebot.control.timelines import Timelines  # noqa: PLC0415 - see above
+
+        profiles = Profiles(self._learnt.keeper(PROFILE))
+        self._learnt.add(PROFILE, profiles)
+        self._has_timelines = True
+        return Timelines(self._node, self._feed, profiles, self._settings.timeout, self._settings.settle)
+
+    def _cause_of_change(self, change: ChangedSetting) -> Attribution | None:
+        """Return the cause of a change; None if no command was ever given to the part."""
+        if not self._has_timelines:
+            return None
+        stamp = change.told_at.to_seconds()
+        return self._timelines.cause((change.device, change.part), change.capability, change.value.plain(), stamp)
 
     @cached_property
     def _approvals(self) -> Approvals:
@@ -311,7 +346,17 @@ class Control:
 
         leases = Leases(self._settings.hand_time)
         self._journal.add_counter("leases_refused", lambda: leases.refused)
-        executor = CommandExecutor(self._node, self._settings, self._judge, self._journal, leases, self._rehearsal)
+        executor = CommandExecutor(
+            self._node,
+            self._settings,
+            self._judge,
+            self._journal,
+            leases,
+            self._timelines,
+            self._feed,
+            self._learnt,
+            self._rehearsal,
+        )
         self._begun.set()
         return executor
 

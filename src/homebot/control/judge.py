@@ -14,12 +14,11 @@ from homebot.control.journal import CommandJournal
 from homebot.control.learnt_persistence import LearntPersistence
 from homebot.control.policies.detections import DETECTION, Detections
 from homebot.control.policies.facts import Facts
-from homebot.control.policies.hands import Hands
 from homebot.control.policies.house import House
 from homebot.control.policies.policies import Policies
-from homebot.control.policies.presence_guard import hand_at
 from homebot.control.policies.recent_commands import RecentCommands
 from homebot.control.policies.settings import PolicySettings
+from homebot.control.timelines import Timelines
 from homebot.devices import DEVICE_STATES, FIND_DEVICES, FindDevices, Follow, StateChange
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
 from homebot.devices.names import DIRECTORY_NODE
@@ -30,12 +29,6 @@ from homebot.errors import ServiceError
 from homebot.graph import Node
 
 __all__ = ["Judge"]
-
-_EFFECT: Final = 60.0
-"""Seconds after a command in which a new report of what it set is the answer to it."""
-
-_ROUNDING: Final = 0.1
-"""Seconds by which stamps and the monotonic clock may differ."""
 
 _MOST_NAMED: Final = 5
 _SET: Final = 5.0
@@ -53,11 +46,11 @@ class Judge:
         settings: The policies.
         grants: The scope of each node that may not command everything, by its full name.
         journal: Notes the verdicts of policies that a command concerns.
+        timelines: Know the changes that no command explains.
         trusts_apps: Whether nodes without a scope may command what always asks.
         detected: Motion sensors that detected somebody before.
 
     Attributes:
-        watches_hands: Whether a policy asks for changes that no command explains.
         rights: Returns the rights of an issuer, by the configuration; those of a client of the door were checked
             before. Worked out once for each of the last ones.
     """
@@ -68,6 +61,7 @@ class Judge:
         settings: PolicySettings,
         grants: Mapping[str, tuple[str, ...]],
         journal: CommandJournal,
+        timelines: Timelines,
         *,
         trusts_apps: bool,
         detected: Iterable[str] = (),
@@ -85,13 +79,12 @@ class Judge:
         self._learnt.add(DETECTION, self._house.detections)
         self._house.detections.take_over(detected)
         self._recent = RecentCommands()
-        self._hands = Hands()
+        self._timelines = timelines
         self._zone = _zone(settings.time_zone)
         self._ahead = self._clock.now() - self._clock.monotonic()
         self._clock_set_at = -math.inf
         if settings.needs_house:
             node.create_task(self._follow)
-        self.watches_hands = settings.presence_guard is not None
         if settings.presence_guard is not None:
             node.create_task(self._learnt.load)
             journal.add_counter("detections_forgotten", lambda: self._house.detections.forgotten)
@@ -107,9 +100,7 @@ class Judge:
         if abs(now - monotonic - self._ahead) > _SET:
             self._clock_set_at = monotonic
         self._ahead = now - monotonic
-        facts = Facts(now, monotonic, self._zone, self._house, self._recent, self._hands, self._clock_set_at)
-        if self.watches_hands:
-            self._remember_hand(command, facts)
+        facts = Facts(now, monotonic, self._zone, self._house, self._recent, self._timelines.of, self._clock_set_at)
         verdicts = self._policies.judge(command, facts)
         for verdict in verdicts:
             if is_noted and (verdict.reason or not verdict.allowed):
@@ -140,30 +131,9 @@ class Judge:
         await self._learnt.load()
         return self._house.detections.sensors
 
-    def was_answered(self, command: IssuedCommand, capability: str) -> bool:
-        """Return whether what is known of *capability* is how the device answered the same command before.
-
-        It is where the last command set the same, and the value was first reported within a minute after that.
-        """
-        sent = self._recent.last(command, capability)
-        if sent is None or sent[0] != command.settings.get(capability):
-            return False
-        now, sent_ago = self._clock.now(), self._clock.monotonic() - sent[1]
-        for one in command.device.states:
-            if one.capability == capability and one.part == command.part.id:
-                return -_ROUNDING <= sent_ago - (now - one.since.to_seconds()) <= _EFFECT
-        return False
-
     def note_sent(self, command: IssuedCommand) -> None:
         """Note that *command* was sent."""
-        now = self._clock.monotonic()
-        if self.watches_hands:
-            self._hands.note(command, now)
-        self._recent.note(command, now)
-
-    def note_obeyed(self, command: IssuedCommand) -> None:
-        """Note that the device reported that it obeyed *command*."""
-        self._hands.note_obeyed(command, self._clock.monotonic())
+        self._recent.note(command, self._clock.monotonic())
 
     def _rights(self, issuer: str) -> ClientRights:
         if is_client(issuer):
@@ -171,14 +141,6 @@ class Judge:
         if scope := self._grants.get(issuer):
             return read_scope(scope)
         return ALL_RIGHTS if self._trusts_apps or not self._settings.always_ask else LOCAL_RIGHTS
-
-    def _remember_hand(self, command: IssuedCommand, facts: Facts) -> None:
-        """Keep what was changed by hand before a new *command*, which may hide it."""
-        guard = self._settings.presence_guard
-        if guard is not None and not self._hands.knows(command):
-            hand = hand_at(command, facts, guard.absent_after)
-            if hand is not None:
-                self._hands.remember(command.place, hand)
 
     async def _follow(self) -> None:
         needs = self._policies.needs

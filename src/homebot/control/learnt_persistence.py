@@ -15,7 +15,7 @@ from homebot.graph import Node
 
 __all__ = ["Learner", "LearntPersistence"]
 
-KINDS: Final = frozenset({"detection", "disproof", "echo", "witness"})
+KINDS: Final = frozenset({"detection", "disproof", "profile", "witness"})
 """What this version learns; other rows are dropped."""
 
 LOADED: Final = "control.learnt_loaded"

@@ -13,7 +13,6 @@ from anyio.abc import TaskGroup
 
 from homebot.control.command import zero_as_off
 from homebot.control.executor import CommandExecutor
-from homebot.control.gateway_watch import ReportWatch
 from homebot.control.held_parts import held_part
 from homebot.control.held_values import STOPPED
 from homebot.control.journal import CommandJournal
@@ -22,6 +21,7 @@ from homebot.control.journal.journal import LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, held_text
 from homebot.control.meant_part import meant_part
 from homebot.control.missing_part import missing_part
+from homebot.control.timeline.cause import Attribution, Cause
 from homebot.control.value_text import value_text
 from homebot.devices import DevicePart
 from homebot.devices.capabilities import MOMENTARY
@@ -79,7 +79,6 @@ class LeaseKeeper:
         self._journal = journal
         self._leases = executor.leases
         self._leases.on_outranked = self._note_outranked
-        self._watch = ReportWatch(node)
         self._kept: dict[Lease, _WatchedLease] = {}
         self._changed = anyio.Event()
 
@@ -114,7 +113,7 @@ class LeaseKeeper:
             return self._refused(request, lease)
         if lease not in self._kept:
             kept = self._kept[lease] = _WatchedLease(lambda: None)
-            kept.stop = self._watch.watch(part.routes, partial(self._take, lease)).stop
+            kept.stop = self._executor.timelines.watch(device, part, partial(self._on_value, lease))
             self._changed.set()
         self._log("control.held", lease, f"is {lease.text(self._clock.monotonic())}")
         self._note_step("held", lease, request.issuer, request.by)
@@ -220,8 +219,10 @@ class LeaseKeeper:
             if kept.seen is not None:
                 self._judge(lease, kept.seen)
 
-    def _take(self, lease: Lease, capability: str, value: PlainValue) -> None:
-        """Take in a live report of the part."""
+    def _on_value(self, lease: Lease, capability: str, value: PlainValue, finding: Attribution | None) -> None:
+        """Record a live report of the part, unless it is a step on the way of a command."""
+        if finding is not None and finding.cause is Cause.TRANSITION:
+            return
         kept = self._kept.get(lease)
         if kept is None or capability != lease.capability:
             return

@@ -9,7 +9,7 @@ from typing import Final
 
 from homebot.devices.value import PlainValue
 
-__all__ = ["fits", "is_intermediate", "is_same"]
+__all__ = ["fits", "is_intermediate", "is_other_end", "is_same"]
 
 _ABSOLUTE: Final[Mapping[str, float]] = MappingProxyType(
     {"level": 1.5, "position": 3.0, "tilt": 3.0, "fan_speed": 5.0, "volume": 1.5, "humidity_setpoint": 1.0}
@@ -99,7 +99,7 @@ def fits(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
             slack = _ABSOLUTE.get(capability, _NUMBER)
             if capability in _RELATIVE:
                 slack = _RELATIVE[capability] * wanted
-            return abs(wanted - seen) <= slack and not _is_other_end(capability, wanted, seen)
+            return abs(wanted - seen) <= slack and not is_other_end(capability, wanted, seen)
         case _:
             return wanted is None and seen is None
 
@@ -159,6 +159,6 @@ def _is_next_speed(wanted: float, seen: float) -> bool:
     return False
 
 
-def _is_other_end(capability: str, wanted: float, seen: float) -> bool:
+def is_other_end(capability: str, wanted: float, seen: float) -> bool:
     """Return whether one of two close levels is 0, which is off, or closed."""
     return capability in {"level", "fan_speed"} and (wanted == 0) != (seen == 0)

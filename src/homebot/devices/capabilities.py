@@ -28,6 +28,7 @@ class CapabilityType(NamedTuple):
         is_event: Whether a value is something that happened, and is over at once, rather than a state that lasts: each
             is reported once, also where it equals the one before, and none is ever reported again.
         is_momentary: Whether setting it twice does something twice, so that no command is repeated.
+        rounds: Whether many devices take it in steps of several percent.
     """
 
     name: str
@@ -39,6 +40,7 @@ class CapabilityType(NamedTuple):
     options: tuple[str, ...] = ()
     is_event: bool = False
     is_momentary: bool = False
+    rounds: bool = False
 
 
 _PERCENT = (0.0, 100.0)
@@ -46,7 +48,7 @@ _OPENINGS = ("open", "closed", "opening", "closing", "stopped")
 
 _CONTROLS = (
     CapabilityType("on_off", "bool", "whether it is on", 0x0006),
-    CapabilityType("level", "number", "brightness or strength; 0 only when off", 0x0008, "%", _PERCENT),
+    CapabilityType("level", "number", "brightness or strength; 0 only when off", 0x0008, "%", _PERCENT, rounds=True),
     CapabilityType("color_temperature", "number", "warm to cold white", 0x0300, "K", (1000.0, 40_000.0)),
     CapabilityType("color", "numbers", "hue in degrees, 0 to 360, and saturation in percent", 0x0300),
     CapabilityType("effect", "text", "light effect"),
@@ -95,7 +97,7 @@ _CONTROLS = (
     ),
     CapabilityType("alarm", "text", "state of the alarm; can be set to disarmed, armed_home, armed_away, …"),
     CapabilityType("siren_tone", "text", "tone of the siren"),
-    CapabilityType("volume", "number", "volume", 0x0008, "%", _PERCENT),
+    CapabilityType("volume", "number", "volume", 0x0008, "%", _PERCENT, rounds=True),
 )
 
 _EVENTS = (

@@ -99,7 +99,8 @@ class CommandResult(Message):
         witness: ``confirmed`` and ``contradicted``: the name of the second device that saw it; empty where none did.
         by: ``superseded``: the id of the newer command.
         policy: ``refused``: the policy, or ``gateway`` or ``device``.
-        reason: ``refused``, and ``no_answer`` where it was not sent: the reason.
+        reason: ``refused``, and ``no_answer`` where it was not sent: the reason; ``reverted``: ``device``, or
+            ``unknown`` if it may be a person's doing.
         reported: ``confirmed``: the values that the device reported.
     """
 

@@ -50,7 +50,7 @@ def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandRe
         case outcomes.Contradicted():
             fields |= {"outcome": "contradicted", "saw": outcome.saw, "witness": outcome.witness}
         case outcomes.Reverted():
-            fields |= {"outcome": "reverted", "latency": outcome.after}
+            fields |= {"outcome": "reverted", "latency": outcome.after, "reason": outcome.cause}
         case outcomes.NoAnswer():
             fields |= {"outcome": "no_answer", "latency": outcome.waited, "reason": outcome.reason}
         case outcomes.Superseded():
@@ -71,7 +71,7 @@ def outcome_of(result: CommandResult) -> Outcome:
         case "contradicted":
             return outcomes.Contradicted(result.saw, result.witness, command_id=name)
         case "reverted":
-            return outcomes.Reverted(result.latency, command_id=name)
+            return outcomes.Reverted(result.latency, result.reason or "unknown", command_id=name)
         case "no_answer":
             return outcomes.NoAnswer(result.latency, result.reason, command_id=name)
         case "superseded":

@@ -108,18 +108,21 @@ class Contradicted(Outcome):
 
 @dataclass(frozen=True, slots=True)
 class Reverted(Outcome):
-    """The device obeyed, and went back soon after, without another command.
+    """The device obeyed, and reported another value soon after, without another command.
 
     Attributes:
         after: Seconds after it had obeyed.
+        cause: ``device`` if it does so after each command, ``unknown`` if it may be a person as well.
     """
 
     after: float
+    cause: str = "unknown"
 
     @property
     def text(self) -> str:
         """As for :class:`Outcome`."""
-        return f"it obeyed and went back after {_seconds_text(self.after)} s"
+        by = "by itself, as usual" if self.cause == "device" else "by a hand or by itself"
+        return f"changed back after {_seconds_text(self.after)} s, {by}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,9 @@ from datetime import UTC, tzinfo
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies import Facts, House
-from homebot.control.policies.hands import Hands
 from homebot.control.policies.recent_commands import RecentCommands
+from homebot.control.timeline.part_timeline import PartTimeline
+from homebot.control.timeline.profile import DeviceProfile
 from homebot.devices import Device, DevicePart, Endpoint, Fact, Freshness, State
 from homebot.devices.client_rights import LOCAL_RIGHTS, read_scope
 from homebot.devices.device import Route
@@ -87,4 +88,9 @@ def make_facts(*devices: Device, now: float = START, zone: tzinfo = UTC, recent:
     for device in devices:
         house.put(device)
     house.is_known = True
-    return Facts(now, now, zone, house, recent or RecentCommands(), Hands())
+    return Facts(now, now, zone, house, recent or RecentCommands(), new_timeline)
+
+
+def new_timeline(_device: Device, _part: DevicePart) -> PartTimeline:
+    """Return a timeline without facts."""
+    return PartTimeline(DeviceProfile(), 10.0, 10.0)

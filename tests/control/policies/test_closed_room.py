@@ -5,11 +5,10 @@ from __future__ import annotations
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome
-from tests.control.policies.houses import START, make_device, make_facts
+from tests.control.policies.houses import START, make_device, make_facts, new_timeline
 
 from homebot.control.policies.closed_room import stayed_in
 from homebot.control.policies.facts import Facts
-from homebot.control.policies.hands import Hands
 from homebot.control.policies.house import House
 from homebot.control.policies.recent_commands import RecentCommands
 from homebot.devices import Device
@@ -35,7 +34,7 @@ def facts(*told: Device, now: float) -> Facts:
     for sequence, device in enumerate(told):
         house.put(device, sequence)
     house.is_known = True
-    return Facts(START + now, START + now, None, house, RecentCommands(), Hands())
+    return Facts(START + now, START + now, None, house, RecentCommands(), new_timeline)
 
 
 def stays(*told: Device, now: float = 10_000.0, doors: tuple[str, ...] = DOORS) -> bool:

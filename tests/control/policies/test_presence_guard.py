@@ -288,13 +288,12 @@ async def test_which_sensors_detect_people_is_known_after_a_restart(open_home: O
 async def test_what_commands_taught_is_kept_beside_it(open_home: OpenHome) -> None:
     """Each reads its own rows, and neither drops those of the other."""
     store = KeptStore()
-    echo = LearntRow("echo", "lamp on_off", '{"target":"lamp","capability":"on_off","answered":[true]}', 0.0, "")
-    store.learn(echo)
+    store.learn(LearntRow("profile", "plug", '{"target":"plug","echoes":{"on_off":[true]}}', 0.0, ""))
     async with open_home(presence_guard=True, store=store) as home:
         put_hall(home)
         await leave(home)
         assert (await (await home.handle(Light, "lamp")).turn_off()).succeeded
-    assert {(kind, name) for kind, name in store.rows} == {("echo", "lamp on_off"), ("detection", "motion")}
+    assert {(kind, name) for kind, name in store.rows} == {("profile", "plug"), ("detection", "motion")}
 
 
 async def test_one_of_two_sensors_that_went_silent_makes_the_room_unknown(open_home: OpenHome) -> None:

@@ -249,7 +249,7 @@ async def test_a_lamp_that_is_believed_again_is_believed_after_a_restart(open_ho
         home.behaviours["lamp"] = shining("lux", 150.0)
         await lamp.turn_on()
         await anyio.sleep(1)
-    assert {kind for kind, _ in store.rows} == {"witness"}
+    assert {kind for kind, _ in store.rows} == {"profile", "witness"}
 
 
 async def test_a_sensor_that_died_without_a_word_contradicts_an_honest_lamp_four_times(open_home: OpenHome) -> None:

@@ -6,16 +6,17 @@ from collections.abc import Callable
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Final, final
 
-from homebot.control.journal.explained_changes import ExplainedChanges
+from homebot.control.journal.house_changes import HouseChanges
 from homebot.devices import GatewayNames, RawCommand
-from homebot.devices.device import ChangedSettings
-from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE, gateway_of
+from homebot.devices.device import ChangedSetting, ChangedSettings
+from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
 from homebot.errors import InvalidNameError
-from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy, Subscription
+from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
 
 if TYPE_CHECKING:
     from homebot.control.journal.command_addresses import CommandAddresses
     from homebot.control.journal.journal import CommandJournal
+    from homebot.control.timeline.cause import Attribution
 
 __all__ = ["HouseWatch"]
 
@@ -32,20 +33,27 @@ class HouseWatch:
 
     Args:
         node: The node that listens.
-        changes: Tells which change a command explains.
+        changes: The last values, and the raw commands.
         journal: Returns what takes the entries, when there is one.
+        cause_of: Returns the cause of a change; None if no command was ever given to the part.
         is_dry_run: Whether gateways send nothing, so that a raw command has no effect.
     """
 
     def __init__(
-        self, node: Node, changes: ExplainedChanges, journal: Callable[[], CommandJournal], *, is_dry_run: bool = False
+        self,
+        node: Node,
+        changes: HouseChanges,
+        journal: Callable[[], CommandJournal],
+        cause_of: Callable[[ChangedSetting], Attribution | None],
+        *,
+        is_dry_run: bool = False,
     ) -> None:
         self._node = node
         self._clock = node.graph.clock
         self._changes = changes
         self._journal = journal
         self._is_dry_run = is_dry_run
-        self._raw: dict[str, Subscription[RawCommand]] = {}
+        self._cause_of = cause_of
 
     @cached_property
     def addresses(self) -> CommandAddresses:
@@ -54,36 +62,32 @@ class HouseWatch:
 
         return CommandAddresses(self._node)
 
-    async def run(self) -> None:
-        """Work until cancelled."""
+    def follow_settings(self) -> None:
+        """Note changes of settings from now on."""
         self._node.create_subscription(
-            ChangedSettings, DEVICE_SETTINGS, self._take, _SETTINGS, from_node=DIRECTORY_NODE
+            ChangedSettings, DEVICE_SETTINGS, self._on_settings, _SETTINGS, from_node=DIRECTORY_NODE
         )
-        await self._watch_gateways()
 
-    def _take(self, changed: ChangedSettings) -> None:
-        for change in changed.changes:
-            command_id = self._changes.take(change, change.told_at.to_seconds())
-            if command_id is not None:
-                self._journal().changed(change, command_id)
-
-    async def _watch_gateways(self) -> None:
-        """Subscribe to the raw commands for each gateway that comes."""
-        async for service in self._node.graph.watch_services():
-            names = self._node.graph.get_node_names() if service is None else (service.rpartition("/")[0],)
-            for node in names:
-                gateway = gateway_of(node)
-                if gateway and gateway not in self._raw:
-                    self._listen(gateway)
-
-    def _listen(self, gateway: str) -> None:
+    def follow_gateway(self, gateway: str) -> None:
+        """Note the raw commands for a gateway from now on."""
         try:
             names = GatewayNames(gateway)
-            self._raw[gateway] = self._node.create_subscription(
+            self._node.create_subscription(
                 RawCommand, names.out, partial(self._take_raw, gateway), _RAW, from_node=OTHERS
             )
         except InvalidNameError:
-            return  # nobody publishes under such a name
+            return  # no node publishes under such a name
+
+    def _on_settings(self, changed: ChangedSettings) -> None:
+        for change in changed.changes:
+            raw_command = self._changes.record(change, change.told_at.to_seconds())
+            if raw_command is None:
+                continue
+            if not raw_command.id:
+                if not _is_in_chain(self._cause_of(change)):
+                    self._journal().changed(change, "")
+            elif raw_command.says(change.value.plain()) or not _is_in_chain(self._cause_of(change)):
+                self._journal().changed(change, raw_command.id)
 
     async def _take_raw(self, gateway: str, command: RawCommand) -> None:
         if command.command_id:
@@ -92,3 +96,8 @@ class HouseWatch:
         device = await self.addresses.device_at(gateway, command.address)
         if device:
             self._journal().published(device, command, now, is_sent=not self._is_dry_run)
+
+
+def _is_in_chain(finding: Attribution | None) -> bool:
+    """Return whether the entries of a command have the change, or it is a part of the command's effect."""
+    return finding is not None and finding.role is not None

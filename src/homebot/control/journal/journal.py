@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, final
 import anyio
 
 from homebot.control.journal.command_folding import CommandFolding
-from homebot.control.journal.explained_changes import ExplainedChanges
 from homebot.control.journal.given_codes import CODE_GIVEN, is_for_code, public_text
+from homebot.control.journal.house_changes import HouseChanges
 from homebot.control.journal.journal_note import JournalNote
 from homebot.control.journal.memory_store import with_newer
 from homebot.devices import FIND_DEVICES, FindDevices, RawCommand
@@ -67,14 +67,14 @@ class CommandJournal:
     Args:
         node: The node that publishes them and serves the reading.
         store: Keeps them.
-        changes: Is told of commands, which explain changes.
-        settle: Seconds after a command in which a change of the part is taken for its effect.
+        changes: Receives the raw commands, which explain changes.
+        settle: Seconds after a raw command in which a change of the device is taken for its effect.
 
     Attributes:
         store: Keeps them, and what is learnt from commands.
     """
 
-    def __init__(self, node: Node, store: JournalStore, changes: ExplainedChanges, settle: float) -> None:
+    def __init__(self, node: Node, store: JournalStore, changes: HouseChanges, settle: float) -> None:
         self._clock = node.graph.clock
         self._changes = changes
         self._settle = max(settle, _SHORTEST_SETTLE)
@@ -150,15 +150,14 @@ class CommandJournal:
         text: str = "",
         verdicts: tuple[JournalVerdict, ...] = (),
         results: tuple[CommandResult, ...] = (),
-    ) -> float:
-        """Note a step of *command*; return when it was, in seconds since the Unix epoch."""
+    ) -> None:
+        """Note a step of *command*."""
         now, (device, part) = self._clock.now(), command.place
         self._keep(
             JournalNote(
                 kind, now, device, part, command.id, command.issuer, NO_TRIGGER, settings, text, verdicts, results
             )
         )
-        return now
 
     def judged(self, command: IssuedCommand, verdict: Verdict) -> None:
         """Note the verdict of a policy."""
@@ -171,9 +170,11 @@ class CommandJournal:
 
     def sent(self, command: IssuedCommand, attempt: int) -> None:
         """Note that a command is handed to its gateway, for the *attempt*-th time, from 0 on."""
-        at = self.note("sent", command, text="again" if attempt else "")
-        if not attempt:
-            self._changes.begin(*command.place, command.id, at)
+        self.note("sent", command, text="again" if attempt else "")
+
+    def reverted(self, place: _Part, command_id: str, issuer: str, result: CommandResult) -> None:
+        """Note that the confirmed value of a command to the part *place* ended."""
+        self._keep(JournalNote("reverted", self._clock.now(), *place, command_id, issuer, results=(result,)))
 
     def reported(self, command: IssuedCommand, capability: str, value: PlainValue) -> None:
         """Note that the device reported a value of what it was commanded."""
@@ -182,7 +183,6 @@ class CommandJournal:
     def decided(self, command_id: str, issuer: str, place: _Part, result: CommandResult) -> None:
         """Note the outcome of a command that *issuer* gave to the part *place*."""
         now = self._clock.now()
-        self._changes.end(*place, command_id, now + self._settle)
         self._keep(JournalNote("outcome", now, *place, command_id, issuer, results=(result,)))
 
     def changed(self, change: ChangedSetting, command_id: str) -> None:

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from datetime import datetime, tzinfo
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
-from homebot.control.policies.hands import Hands
 from homebot.control.policies.house import House
 from homebot.control.policies.recent_commands import RecentCommands
+from homebot.control.timeline.part_timeline import PartTimeline
+from homebot.devices import Device, DevicePart
 
 __all__ = ["Facts"]
+
+TimelineOf: TypeAlias = Callable[[Device, DevicePart], PartTimeline]
+"""Returns the timeline of a part."""
 
 
 class Facts(NamedTuple):
@@ -22,7 +27,7 @@ class Facts(NamedTuple):
         zone: The time zone of the home; None for that of the computer.
         house: The devices that some policy needs.
         recent: The commands that were sent lately.
-        hands: The changes that no command explains.
+        timeline_of: The timeline of each part.
         clock_set_at: When the computer's clock was last set, or its sleep ended, by the monotonic clock.
     """
 
@@ -31,7 +36,7 @@ class Facts(NamedTuple):
     zone: tzinfo | None
     house: House
     recent: RecentCommands
-    hands: Hands
+    timeline_of: TimelineOf
     clock_set_at: float = -math.inf
 
     def age(self, stamp: float) -> float:

@@ -11,16 +11,13 @@ from homebot.control.policies.house import OCCUPANCY
 from homebot.control.policies.settings import PresenceGuardSettings
 from homebot.control.policies.verdict import FactUsed, Verdict
 
-__all__ = ["Presence", "hand_at", "judge_presence", "presence_in"]
+__all__ = ["Presence", "judge_presence", "person_at", "presence_in"]
 
 Presence: TypeAlias = Literal["present", "absent", "unknown"]
 
 NAME: Final = "presence_guard"
 
 _NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
-
-_TELLS_ALL: Final = 600.0
-"""Seconds in which a device that began to report has told all that it reports by itself."""
 
 
 def judge_presence(settings: PresenceGuardSettings, command: IssuedCommand, facts: Facts) -> Verdict:
@@ -37,10 +34,10 @@ def judge_presence(settings: PresenceGuardSettings, command: IssuedCommand, fact
         detected = f"{stayed.name} was on {facts.age(stayed.since):.0f} s ago"
         reason = f"somebody is in {room}: {detected}, and no door has been opened since"
         return Verdict(NAME, allowed=False, reason=reason, facts=(stayed,))
-    if presence != "present" and (hand := hand_at(command, facts, settings.absent_after)) is not None:
-        changed = f"{command.label} changed {facts.age(hand.since):.0f} s ago, and no command explains it"
+    if presence != "present" and (person := person_at(command, facts, settings.absent_after)) is not None:
+        changed = f"{command.label} changed {facts.now - person.since:.0f} s ago, and no command explains it"
         reason = f"somebody may be in {room}: {changed}"
-        return Verdict(NAME, allowed=False, reason=reason, facts=(hand,))
+        return Verdict(NAME, allowed=False, reason=reason, facts=(person,))
     return Verdict(NAME, presence == "absent", _reason(presence, room, used, facts), used)
 
 
@@ -65,28 +62,15 @@ def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence,
     return "absent", tuple(found)
 
 
-def hand_at(command: IssuedCommand, facts: Facts, within: float) -> FactUsed | None:
-    """Return a change of the commanded part within the last seconds that no command explains: a hand at its switch.
+def person_at(command: IssuedCommand, facts: Facts, within: float) -> FactUsed | None:
+    """Return a change of the commanded part within the last seconds that no command explains: a person at its switch.
 
-    The switch tells sooner than the motion sensor. A newer command may have hidden it.
+    The switch reports sooner than the motion sensor.
     """
-    settable = [one.name for one in command.part.part.capabilities if one.settable]
-    states = [
-        (one, one.since.to_seconds())
-        for one in command.device.states
-        if one.part == command.part.id and one.live and one.capability in settable
-    ]
-    for state, since in states:
-        if state.is_first and all(since - other <= _TELLS_ALL for _, other in states):
-            continue  # of the first value after a start it is not known since when it is so
-        value = state.value.plain()
-        age = facts.age(since)
-        if age < within and not facts.hands.explain(
-            command.place, settable, state.capability, value, facts.monotonic - age
-        ):
-            return FactUsed(f"{state.capability} of {command.target}", value, since)
-    hidden = facts.hands.remembered(command.place)
-    return hidden if hidden is not None and facts.age(hidden.since) < within else None
+    change = facts.timeline_of(command.device, command.part).unexplained(facts.monotonic - within)
+    if change is None:
+        return None
+    return FactUsed(f"{change.capability} of {command.target}", change.value, facts.now - facts.monotonic + change.at)
 
 
 def _stayed(settings: PresenceGuardSettings, room: str, facts: Facts) -> FactUsed | None:

@@ -9,7 +9,7 @@ import anyio
 
 from homebot.control.command import IssuedCommand
 from homebot.control.learnt_persistence import LearntPersistence
-from homebot.control.pending import PendingCommand
+from homebot.control.sending import OpenCommand
 from homebot.control.settings import ControlSettings
 from homebot.control.witnesses.command_watch import CommandWatch, watch_of
 from homebot.control.witnesses.disbelief import Disbelief
@@ -124,9 +124,7 @@ class WitnessVerification:
         """Note that *command* is sent as a text."""
         self._disbelief.note_command(command)
 
-    async def verify(
-        self, watch: CommandWatch | None, pending: PendingCommand, outcome: Outcome, wait: _Wait
-    ) -> Outcome:
+    async def verify(self, watch: CommandWatch | None, pending: OpenCommand, outcome: Outcome, wait: _Wait) -> Outcome:
         """Return *outcome*, or what a trusted sensor knows better; waits for that sensor.
 
         Args:
@@ -139,7 +137,7 @@ class WitnessVerification:
             outcome = await self._ask(watch, pending, outcome, wait)
         return await self._disbelief.judge(pending.command, outcome)
 
-    async def _ask(self, watch: CommandWatch, pending: PendingCommand, outcome: Outcome, wait: _Wait) -> Outcome:
+    async def _ask(self, watch: CommandWatch, pending: OpenCommand, outcome: Outcome, wait: _Wait) -> Outcome:
         """Return *outcome*, or what a trusted sensor tells."""
         is_confirmed = isinstance(outcome, Confirmed)
         if not is_confirmed and (not isinstance(outcome, NoAnswer) or outcome.reason):
@@ -164,7 +162,7 @@ class WitnessVerification:
             self._note_stuck(findings)
         return outcome
 
-    async def _wait(self, watch: CommandWatch, pending: PendingCommand, trusted: list[Trusted], wait: _Wait) -> None:
+    async def _wait(self, watch: CommandWatch, pending: OpenCommand, trusted: list[Trusted], wait: _Wait) -> None:
         """Wait until a sensor saw the effect, or until the last has had its time."""
         effect, home = watch.effect(), await self._home.state(watch)
         if effect is None:

@@ -1,0 +1,103 @@
+"""Profiles of all devices, kept over a restart: one record for each part."""
+
+from __future__ import annotations
+
+from collections import OrderedDict, deque
+from typing import Annotated, Final, TypeAlias, final
+
+from pydantic import Field
+
+from homebot.control.learnt_record import KeepLearnt, LearntRecord
+from homebot.control.timeline.profile import KEPT, KEPT_ANSWERS, DeviceProfile, Return
+from homebot.devices.value import PlainValue
+
+__all__ = ["PROFILE", "Profiles"]
+
+PROFILE: Final = "profile"
+"""The kind of the records."""
+
+_MOST: Final = 10_000
+
+_Seconds: TypeAlias = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+_Times: TypeAlias = Annotated[tuple[_Seconds, ...], Field(max_length=KEPT)]
+_Returns: TypeAlias = Annotated[tuple[tuple[bool, _Seconds | None], ...], Field(max_length=KEPT)]
+_Echoes: TypeAlias = Annotated[tuple[bool, ...], Field(max_length=KEPT)]
+_Value: TypeAlias = bool | float | str | tuple[float, ...] | None
+_Answers: TypeAlias = Annotated[tuple[tuple[_Value, _Value], ...], Field(max_length=KEPT_ANSWERS)]
+
+
+class _SavedProfile(LearntRecord):
+    title = "profile of a device"
+
+    target: str
+    times: dict[str, _Times] = Field(default_factory=dict)
+    returns: dict[str, _Returns] = Field(default_factory=dict)
+    echoes: dict[str, _Echoes] = Field(default_factory=dict)
+    answers: dict[str, _Answers] = Field(default_factory=dict)
+    is_told_once: bool = False
+
+    @property
+    def kept_as(self) -> str:
+        return self.target
+
+
+@final
+class Profiles:
+    """The profiles of the last 10,000 commanded parts; the longest unused is forgotten.
+
+    Args:
+        save: Saves the record of a part, over a restart.
+    """
+
+    def __init__(self, save: KeepLearnt) -> None:
+        self._save = save
+        self._known: OrderedDict[str, DeviceProfile] = OrderedDict()
+
+    def of(self, target: str) -> DeviceProfile:
+        """Return the profile of a part; a new one if it is not known."""
+        profile = self._known.get(target)
+        if profile is None:
+            profile = self._known[target] = DeviceProfile()
+            if len(self._known) > _MOST:
+                forgotten, _ = self._known.popitem(last=False)
+                self._save(forgotten, "", "")
+        else:
+            self._known.move_to_end(target)
+        return profile
+
+    def save(self, target: str, profile: DeviceProfile, command: str) -> None:
+        """Save a profile that was changed by *command*."""
+        if not profile.is_changed:
+            return
+        profile.is_changed = False
+        record = _SavedProfile.model_construct(
+            target=target,
+            times={name: tuple(times) for name, times in profile.times.items()},
+            returns={name: tuple((one.is_fast, one.after) for one in known) for name, known in profile.returns.items()},
+            echoes={name: tuple(known) for name, known in profile.echoes.items()},
+            answers={name: tuple(known.items()) for name, known in profile.answers.items()},
+            is_told_once=profile.is_told_once,
+        )
+        self._save(target, record.model_dump_json(exclude_defaults=True), command)
+
+    def restore(self, name: str, record: str) -> None:
+        """Restore a profile of an earlier run.
+
+        Args:
+            name: The part.
+            record: The record.
+
+        Raises:
+            WireError: It cannot be read, or is of another version.
+        """
+        saved, profile = _SavedProfile.read(name, record), self.of(name)
+        for capability, times in saved.times.items():
+            profile.times.setdefault(capability, deque(times, maxlen=KEPT))
+        for capability, returns in saved.returns.items():
+            profile.returns.setdefault(capability, deque((Return(*one) for one in returns), maxlen=KEPT))
+        for capability, echoes in saved.echoes.items():
+            profile.echoes.setdefault(capability, deque(echoes, maxlen=KEPT))
+        for capability, answers in saved.answers.items():
+            known: OrderedDict[PlainValue, PlainValue] = OrderedDict(answers)
+            profile.answers.setdefault(capability, known)
+        profile.is_told_once = profile.is_told_once or saved.is_told_once

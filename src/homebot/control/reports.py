@@ -1,0 +1,163 @@
+"""Messages of gateways that control needs: live reports, answers to commands, and lost connections."""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Final, NamedTuple, TypeAlias, final
+
+from homebot.devices.device import Route
+from homebot.devices.gateway_messages import CommandAnswer, GatewayState, Report
+from homebot.devices.names import GatewayNames, gateway_of
+from homebot.devices.value import PlainValue
+from homebot.errors import InvalidNameError
+from homebot.graph import DurabilityPolicy, Node, QoSProfile
+
+__all__ = ["GatewayFeed", "LinkLoss", "OnReport", "ReportWatch"]
+
+OnReport: TypeAlias = Callable[[str, PlainValue, float], None]
+"""Called with the capability and the value of a live report, and its time in seconds since the Unix epoch."""
+
+_Place: TypeAlias = tuple[str, str, str]
+"""A gateway, and its names of a device and of a part."""
+
+_QOS: Final = QoSProfile(depth=1000)
+"""The newest report of each stream survives a flood, older ones may be lost: the newest decides."""
+
+_STATE_QOS: Final = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_MOST_ANSWERING: Final = 10_000
+
+
+class LinkLoss(NamedTuple):
+    """The last loss of a connection, on the monotonic clock and in seconds since the Unix epoch; -inf for never."""
+
+    monotonic: float = -math.inf
+    wall: float = -math.inf
+
+
+_NEVER: Final = LinkLoss()
+
+
+@final
+class ReportWatch:
+    """A watch of one part, until it is stopped; made by :meth:`GatewayFeed.watch`."""
+
+    __slots__ = ("_feed", "_places", "on_report")
+
+    def __init__(self, feed: GatewayFeed, places: list[_Place], on_report: OnReport) -> None:
+        self.on_report = on_report
+        self._feed = feed
+        self._places = places
+
+    def stop(self) -> None:
+        """Forward no more reports; twice is fine."""
+        places, self._places = self._places, []
+        for place in places:
+            self._feed.remove(place, self)
+
+
+@final
+class GatewayFeed:
+    """The one subscription to the reports, answers and states of each gateway.
+
+    Args:
+        node: The subscribing node.
+
+    Attributes:
+        on_gateway: Called with the name of each gateway.
+        on_answer: Called with the id of a command, a capability, and the problem or an empty text.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._clock = node.graph.clock
+        self._watches: dict[_Place, list[ReportWatch]] = {}
+        self._states: set[str] = set()
+        self._reports: set[str] = set()
+        self._answering: OrderedDict[_Place, None] = OrderedDict()
+        self._lost: dict[str, LinkLoss] = {}
+        self.on_gateway: Callable[[str], None] = _ignore
+        self.on_answer: Callable[[str, str, str], None] = _ignore
+
+    async def run(self) -> None:
+        """Follow the states of all gateways, also of those to come, until cancelled."""
+        async for service in self._node.graph.watch_services():
+            names = self._node.graph.get_node_names() if service is None else (service.rpartition("/")[0],)
+            for gateway in filter(None, map(gateway_of, names)):
+                if gateway not in self._states:
+                    self._follow_state(gateway)
+                    self.on_gateway(gateway)
+
+    def watch(self, routes: Iterable[Route], on_report: OnReport) -> ReportWatch:
+        """Call *on_report* with each live report by one of *routes*, until the watch is stopped."""
+        places = [(one.gateway, one.key, one.part) for one in routes]
+        watch = ReportWatch(self, places, on_report)
+        for place in places:
+            self._watches.setdefault(place, []).append(watch)
+            self._follow_reports(place[0])
+        return watch
+
+    def remove(self, place: _Place, watch: ReportWatch) -> None:
+        """Remove *watch*; called by it."""
+        watches = self._watches[place]
+        watches.remove(watch)
+        if not watches:
+            del self._watches[place]
+
+    def last_loss(self, routes: Iterable[Route]) -> LinkLoss:
+        """Return when a gateway of *routes* last lost its connection."""
+        if not self._lost:
+            return _NEVER
+        return max([self._lost.get(route.gateway, _NEVER) for route in routes], default=_NEVER)
+
+    def is_answering(self, routes: Iterable[Route]) -> bool:
+        """Return whether a device ever answered a command by one of *routes*; the last 10,000 are known."""
+        return bool(self._answering) and any((one.gateway, one.key, one.part) in self._answering for one in routes)
+
+    def _follow_state(self, gateway: str) -> None:
+        self._states.add(gateway)
+        try:
+            names = GatewayNames(gateway)
+            on_state = partial(self._on_state, gateway)
+            self._node.create_subscription(GatewayState, names.state, on_state, _STATE_QOS, from_node=names.node)
+        except InvalidNameError:
+            return  # no node publishes under such a name
+
+    def _follow_reports(self, gateway: str) -> None:
+        if gateway in self._reports:
+            return
+        self._reports.add(gateway)
+        names, create = GatewayNames(gateway), self._node.create_subscription
+        try:
+            create(Report, names.readings, self._on_report, _QOS, from_node=names.node)
+            create(CommandAnswer, names.answers, partial(self._on_answer, gateway), _QOS, from_node=names.node)
+        except InvalidNameError:
+            return  # as above
+        if gateway not in self._states:
+            self._follow_state(gateway)
+
+    def _on_report(self, report: Report) -> None:
+        if report.retained:
+            return
+        stamp = report.received_at.to_seconds()
+        for reading in report.readings:
+            for watch in tuple(self._watches.get((report.gateway, report.key, reading.part), ())):
+                watch.on_report(reading.capability, reading.value.plain(), stamp)
+
+    def _on_answer(self, gateway: str, answer: CommandAnswer) -> None:
+        place = gateway, answer.key, answer.part
+        self._answering[place] = None
+        self._answering.move_to_end(place)
+        if len(self._answering) > _MOST_ANSWERING:
+            self._answering.popitem(last=False)
+        self.on_answer(answer.command_id, answer.capability, answer.message if not answer.success else "")
+
+    def _on_state(self, gateway: str, state: GatewayState) -> None:
+        if state.state == "unavailable":
+            self._lost[gateway] = LinkLoss(self._clock.monotonic(), self._clock.now())
+
+
+def _ignore(*_: str) -> None:
+    pass

@@ -1,0 +1,187 @@
+"""Sending of commands: sent, sent again if no answer comes, never obeyed twice unseen."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from dataclasses import dataclass, field
+from typing import final
+
+from homebot.control import durations
+from homebot.control.command import IssuedCommand
+from homebot.control.journal import CommandJournal
+from homebot.control.judge import Judge
+from homebot.control.leases import Leases
+from homebot.control.reports import GatewayFeed
+from homebot.control.settings import ControlSettings
+from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
+from homebot.control.timeline.part_timeline import PartTimeline
+from homebot.control.timeline.progress import CommandProgress
+from homebot.devices.command_sender import CommandSender
+from homebot.devices.outcomes import NoAnswer, Outcome, Refused
+from homebot.errors import LinkError, RefusedError
+from homebot.graph import Node
+from homebot.time_limits import TimeLimits
+
+__all__ = ["OpenCommand", "Sending", "Signal"]
+
+
+@final
+class Signal:
+    """Wakes the one task that waits for news of a command; a task that looks before it waits misses nothing.
+
+    A future and a shared timer of the event loop: an event within a time limit would cost several times as much.
+
+    Args:
+        limits: Ends waits that take too long.
+    """
+
+    def __init__(self, limits: TimeLimits) -> None:
+        self._limits = limits
+        self._waiter: asyncio.Future[None] | None = None
+
+    def set(self) -> None:
+        """Wake the task, if it waits."""
+        if self._waiter is not None and not self._waiter.done():
+            self._waiter.set_result(None)
+
+    async def wait(self, seconds: float) -> None:
+        """Wait until it is set, for so many seconds at most."""
+        self._waiter = asyncio.get_running_loop().create_future()
+        limit = self._limits.set(seconds, self.set)
+        try:
+            await self._waiter
+        finally:
+            self._limits.discard(limit)
+
+
+@dataclass(slots=True, eq=False)
+class OpenCommand:
+    """A command whose outcome is not known yet.
+
+    Attributes:
+        command: The command.
+        timeline: The timeline of its part.
+        progress: What became of it so far.
+        changed: Wakes the task that waits for it.
+        noted: What the journal has of each capability, so that it does not get the same report again and again.
+    """
+
+    command: IssuedCommand
+    timeline: PartTimeline
+    progress: CommandProgress
+    changed: Signal
+    noted: dict[str, object] = field(default_factory=dict)
+
+    def outcome(self, now: float) -> Outcome:
+        """Return the outcome as it is at *now*."""
+        return outcome_of(self.progress, now)
+
+
+@final
+class Sending:
+    """Sends commands, and waits until the outcome of each is known.
+
+    A command is sent again only while the one before can no longer be obeyed unseen: a network that keeps it for a
+    device that is away forgets it before; and after a lost connection the device has to report another value first.
+
+    Args:
+        node: The node that sends them.
+        settings: How long it waits, and how often it sends.
+        judge: Is asked again before each repetition.
+        journal: Notes each sending.
+        leases: The values that are held.
+        feed: Knows the lost connections.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        settings: ControlSettings,
+        judge: Judge,
+        journal: CommandJournal,
+        leases: Leases,
+        feed: GatewayFeed,
+    ) -> None:
+        self._settings = settings
+        self._clock = node.graph.clock
+        self._judge = judge
+        self._journal = journal
+        self._leases = leases
+        self._feed = feed
+        self._sender = CommandSender(node)
+
+    async def run(self, sent: OpenCommand) -> Outcome:
+        """Send a command, again if no answer comes, and return its outcome once it is known."""
+        plan, progress, clock = self._plan(sent), sent.progress, self._clock
+        while (step := next_step(progress, plan, now := clock.monotonic())).kind != "done":
+            if step.kind == "wait":
+                await sent.changed.wait(step.until - now)
+            elif (problem := await self._attempt(sent, plan)) is not None:
+                return problem
+            plan.lost_at = self._feed.last_loss(sent.command.part.routes).monotonic
+        return outcome_of(progress, clock.monotonic())
+
+    def _plan(self, sent: OpenCommand) -> SendingPlan:
+        command, profile, timeout = sent.command, sent.timeline.profile, self._settings.timeout
+        tries = 1 if command.is_momentary or profile.is_told_once else 1 + self._settings.retries
+        limit, longest = profile.answer_time(command.settings, timeout)
+        interval = max((limit + command.transition) / tries, longest + command.transition + durations.BETWEEN_SENDINGS)
+        if command.moves and command.device.reachable.state != "no":
+            timeout = max(timeout, durations.MOTOR_SILENCE)
+        lasts = max(interval * tries, timeout + command.transition)
+        plan = SendingPlan(tries, interval, lasts, keeps_for=interval - longest - command.transition)
+        if echoes := sent.progress.order.echoed | sent.progress.suspected:
+            plan.echo_patience = max(profile.echo_patience(one, limit + command.transition) for one in echoes)
+        return plan
+
+    async def _attempt(self, sent: OpenCommand, plan: SendingPlan) -> Outcome | None:
+        """Send a command, unless a policy refuses its repetition; return the outcome if it was never sent."""
+        command, progress, clock = sent.command, sent.progress, self._clock
+        number, plan.attempts = plan.attempts, plan.attempts + 1
+        problem: Outcome | None = None
+        if number == 0 or self._judge.refusal(command) is None:  # by what changed meanwhile
+            self._journal.sent(command, number)
+            sent.timeline.send(progress, clock.monotonic())
+            left = plan.began + plan.lasts - clock.monotonic() if number else plan.lasts
+            kept_for = plan.keeps_for if plan.attempts < plan.tries else 0.0
+            problem = await self._send(command, left, kept_for, repeated=number > 0)
+            if problem is None or (progress.wanted and progress.is_met):
+                self._journal.note("acknowledged", command)
+                problem = None
+        plan.asked_at = clock.monotonic()
+        if plan.began == -math.inf:
+            plan.began = plan.asked_at
+        return problem if number == 0 else None
+
+    async def _send(self, command: IssuedCommand, seconds: float, kept_for: float, *, repeated: bool) -> Outcome | None:
+        """Send the settings in their order, to be done in so many *seconds*; return the outcome if that fails."""
+        began = self._clock.monotonic()
+        if command.place in self._leases.parts:  # as hardly ever
+            self._leases.note_stop(command.place, command.settings, began)
+        self._judge.note_sent(command)  # before it waits: a policy that is asked meanwhile must know of it
+        try:
+            for capability, value in command.settings.items():
+                if command.place in self._leases.parts:  # since it was judged, or the setting before was sent
+                    refused = self._leases.refuse(command, self._clock.monotonic())
+                    if refused is not None:
+                        return refused
+                await self._sender.send(
+                    command.device,
+                    command.part,
+                    capability,
+                    value,
+                    command.transition,
+                    command.code,
+                    seconds,
+                    command.id,
+                    kept_for,
+                    repeated=repeated,
+                )
+        except LinkError as exc:
+            return NoAnswer(self._clock.monotonic() - began, str(exc), command_id=command.id)
+        except RefusedError as exc:
+            return Refused("gateway", exc.reason, command_id=command.id)
+        if self._clock.monotonic() - began > durations.SENT_AT_ONCE:
+            self._judge.note_sent(command)  # it may not have reached the device before
+        return None

@@ -1,0 +1,150 @@
+"""Evidence of a command: its outcome so far, and what to do next. Pure."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final, Literal, NamedTuple
+
+from homebot.control import durations
+from homebot.control.timeline.progress import CommandProgress
+from homebot.control.value_text import value_text
+from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, NoAnswer, Outcome, Superseded
+
+__all__ = ["SendingPlan", "Step", "next_step", "outcome_of"]
+
+
+class Step(NamedTuple):
+    """The next thing to do for a command.
+
+    Attributes:
+        kind: ``send``: send it, again if it was sent; ``wait``: until a fact comes or *until*; ``done``: it is decided.
+        until: Seconds on the monotonic clock.
+    """
+
+    kind: Literal["send", "wait", "done"]
+    until: float = math.inf
+
+
+_DONE: Final = Step("done")
+_SEND: Final = Step("send")
+
+
+@dataclass(slots=True)
+class SendingPlan:
+    """Times of the sendings of one command, and how far they are.
+
+    Attributes:
+        tries: How often it is sent at most.
+        interval: Seconds between two sendings.
+        lasts: Seconds from the first sending to the end.
+        keeps_for: Seconds for which the network may keep a sending that another one follows.
+        echo_patience: Seconds after an echo in which the device's own report is waited for; inf without echoes.
+        attempts: How often it was sent, or was to be.
+        asked_at: When the last of them ended.
+        began: When the first of them ended: a gateway may have had to connect before.
+        lost_at: When the connection was last lost; -inf for never.
+    """
+
+    tries: int
+    interval: float
+    lasts: float
+    keeps_for: float = 0.0
+    echo_patience: float = math.inf
+    attempts: int = 0
+    asked_at: float = -math.inf
+    began: float = -math.inf
+    lost_at: float = -math.inf
+
+
+def next_step(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
+    """Return what to do for a command at *now*."""
+    if progress.superseded_by or progress.refusal:
+        return _DONE
+    if not plan.attempts:
+        return _SEND
+    if progress.is_over:
+        return _DONE
+    has_given_up = weakly_met_at(progress) + plan.echo_patience <= now
+    until = _answer_until(progress, plan)
+    if now < until and not has_given_up:
+        return Step("wait", until)
+    is_on_its_way = progress.moved_at is not None and not progress.has_faded  # a stuck fade is sent again
+    if not (is_on_its_way or has_given_up) and plan.attempts < plan.tries and not progress.is_overruled:
+        return _repetition(progress, plan, now)
+    return _last_wait(progress, plan, now)
+
+
+def outcome_of(progress: CommandProgress, now: float) -> Outcome:
+    """Return the outcome of a command as it is at *now*."""
+    name, waited = progress.order.id, now - progress.given_at
+    if progress.superseded_by:
+        return Superseded(progress.superseded_by, command_id=name)
+    if progress.refusal:
+        return Contradicted(progress.refusal, command_id=name)
+    if progress.is_met:
+        if not progress.wanted:
+            return Confirmed(waited, Evidence.ACKNOWLEDGED, command_id=name)
+        latency = max(progress.fitting.values()) - progress.given_at
+        return Confirmed(latency, Evidence.REPORTED, command_id=name)
+    if others := progress.others:
+        if not progress.has_faded and all(map(progress.is_stale, others)):
+            return NoAnswer(waited, command_id=name)
+        saw = ", ".join(f"{capability} is {value_text(value)}" for capability, value in others.items())
+        return Contradicted(saw, command_id=name)
+    return _silent_outcome(progress, waited)
+
+
+def weakly_met_at(progress: CommandProgress) -> float:
+    """Return when all was reported or echoed, or sent if an echo is declared; inf if it was not."""
+    order = progress.order
+    if not progress.wanted or not progress.has_echo:
+        return math.inf
+    latest = -math.inf
+    for name in progress.wanted:
+        at = progress.fitting.get(name)
+        if at is None and name not in progress.seen:
+            at = progress.echoed.get(name, progress.sent_at if name in order.echoed else None)
+        latest = max(latest, math.inf if at is None else at)
+    return latest
+
+
+def _silent_outcome(progress: CommandProgress, waited: float) -> Outcome:
+    """Return the outcome of a command of which the device reported nothing."""
+    name = progress.order.id
+    if progress.is_accepted:
+        latency = max(progress.accepted.values()) - progress.given_at
+        return Confirmed(latency, Evidence.ACKNOWLEDGED, command_id=name)
+    if (weak_at := weakly_met_at(progress)) < math.inf:
+        return Confirmed(weak_at - progress.given_at, Evidence.ACKNOWLEDGED, command_id=name)
+    if not progress.was_so:
+        return NoAnswer(waited, command_id=name)
+    if progress.has_echo:  # what was reported before may have been an echo
+        return Confirmed(waited, Evidence.ACKNOWLEDGED, command_id=name)
+    return AlreadySo(command_id=name)
+
+
+def _answer_until(progress: CommandProgress, plan: SendingPlan) -> float:
+    """Return how long the answer to the last sending may take; longer while the device is on its way."""
+    until = min(plan.asked_at + plan.interval, plan.began + plan.lasts)
+    if progress.moved_at is None:
+        return min(until, weakly_met_at(progress) + plan.echo_patience)
+    ends_at = progress.moved_at + (durations.FADE_SILENCE if progress.has_faded else durations.MOTOR_SILENCE)
+    if progress.has_stopped:
+        ends_at = progress.stopped_at + durations.STOPPED
+    return min(max(until, ends_at), plan.began + durations.LONGEST_MOVE)
+
+
+def _repetition(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
+    """Return whether to send again: after a lost connection the device has to report first that it did not obey."""
+    if plan.lost_at < max(progress.first_sent_at, progress.told_otherwise_at):
+        return _SEND
+    end = plan.began + plan.lasts
+    return Step("wait", end) if now < end else _DONE
+
+
+def _last_wait(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
+    """Return whether to wait until the end: a device that usually answers sooner may be slow for once."""
+    end = now if progress.has_stopped else plan.began + plan.lasts
+    is_known = isinstance(outcome_of(progress, now), Confirmed | AlreadySo)
+    return _DONE if is_known or now >= end else Step("wait", end)

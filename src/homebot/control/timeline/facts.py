@@ -1,0 +1,152 @@
+"""Facts of a part: commands, sendings, answers and reports, each with its time on the monotonic clock. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from homebot.devices.outcomes import Outcome
+from homebot.devices.value import PlainValue
+
+__all__ = [
+    "Acknowledged",
+    "Commanded",
+    "Decided",
+    "Fact",
+    "Order",
+    "RefusedByDevice",
+    "Reported",
+    "Sent",
+    "Witnessed",
+]
+
+
+@dataclass(slots=True, eq=False)
+class Order:
+    """Wanted state of a part, as one command states it.
+
+    Attributes:
+        id: The id of the command.
+        settings: The commanded values by capability.
+        wanted: The values that the part is to report; empty if it reports none of them.
+        transition: Seconds that the change takes.
+        moves: Whether a motor runs.
+        is_momentary: Whether a second sending would act twice.
+        opens_further: Whether it opens a part that is open, but not all the way.
+        turns_on: Whether it turns on a part that reports "off" without a setting for that.
+        has_ramp: Whether the part has a level that can be set.
+        echoed: The capabilities with a declared echo.
+        issuer: Who gave it.
+        label: The commanded part for people.
+    """
+
+    id: str
+    settings: Mapping[str, PlainValue]
+    wanted: Mapping[str, PlainValue]
+    transition: float = 0.0
+    moves: bool = False
+    is_momentary: bool = False
+    opens_further: bool = False
+    turns_on: bool = False
+    has_ramp: bool = False
+    echoed: frozenset[str] = frozenset()
+    issuer: str = ""
+    label: str = ""
+
+
+@dataclass(slots=True, eq=False)
+class Commanded:
+    """A command was given.
+
+    Attributes:
+        at: Seconds.
+        order: The command.
+        known: The values of the part that are certain.
+        last: The values that the part reported last, certain or not.
+        is_raw: Whether it is a raw text, of which no outcome is awaited.
+    """
+
+    at: float
+    order: Order
+    known: Mapping[str, PlainValue] = field(default_factory=dict)
+    last: Mapping[str, PlainValue] = field(default_factory=dict)
+    is_raw: bool = False
+
+
+@dataclass(slots=True, eq=False)
+class Sent:
+    """A gateway began to send a command."""
+
+    at: float
+    command: str
+
+
+@dataclass(slots=True, eq=False)
+class Acknowledged:
+    """The network accepted one setting of a command."""
+
+    at: float
+    command: str
+    capability: str
+
+
+@dataclass(slots=True, eq=False)
+class RefusedByDevice:
+    """The device refused a command."""
+
+    at: float
+    command: str
+    reason: str
+
+
+@dataclass(slots=True, eq=False)
+class Witnessed:
+    """A second device observed the effect of a command, or its absence."""
+
+    at: float
+    command: str
+    agrees: bool
+    witness: str
+
+
+@dataclass(slots=True, eq=False)
+class Decided:
+    """The outcome of a command became known."""
+
+    at: float
+    command: str
+    outcome: Outcome
+
+
+@dataclass(slots=True, eq=False)
+class Reported:
+    """A live report of one value.
+
+    Attributes:
+        at: Seconds.
+        stamp: The time of the message, in seconds since the Unix epoch.
+        number: Its number in the timeline.
+        capability: The capability.
+        value: The value.
+        previous: The live value before; None if there was none.
+        is_first: Whether there was no live value before.
+        is_after_loss: Whether the connection was lost since the value before.
+    """
+
+    at: float
+    stamp: float
+    number: int
+    capability: str
+    value: PlainValue
+    previous: PlainValue = None
+    is_first: bool = False
+    is_after_loss: bool = False
+
+    @property
+    def is_change(self) -> bool:
+        """True if the value is known to have been another one before."""
+        return not self.is_first and self.value != self.previous
+
+
+Fact: TypeAlias = Commanded | Sent | Acknowledged | RefusedByDevice | Witnessed | Decided | Reported

@@ -1,0 +1,97 @@
+"""Lessons of commands for the profile of their device. Pure."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from homebot.control.timeline.profile import DeviceProfile
+from homebot.control.timeline.progress import CommandProgress
+from homebot.control.tolerance import fits
+from homebot.devices.outcomes import Contradicted, NoAnswer, Outcome
+
+__all__ = ["learn_failure", "learn_late_answer", "learn_outcome", "learn_settled"]
+
+_NOTHING: Final = object()
+
+
+def learn_outcome(progress: CommandProgress, profile: DeviceProfile, first: float) -> None:
+    """Learn from a confirmed command."""
+    _learn_times(progress, profile, first)
+    _learn_answers(progress, profile)
+    _learn_echoes(progress, profile)
+    _set_told_once(profile, is_told_once=False)
+
+
+def learn_failure(progress: CommandProgress, profile: DeviceProfile) -> None:
+    """Learn from a command of which nothing is known, or that the device contradicted."""
+    outcome = progress.outcome
+    if not isinstance(outcome, NoAnswer | Contradicted):
+        return
+    _learn_answers(progress, profile)
+    if isinstance(outcome, Contradicted):
+        _learn_echoes(progress, profile)
+    progress.learns_late = _may_answer_late(progress, outcome)
+    was_told_once = profile.is_told_once
+    if isinstance(outcome, NoAnswer) or was_told_once or progress.order.is_momentary:
+        is_silent = isinstance(outcome, NoAnswer) and progress.sendings > 1 and progress.order.has_ramp
+        _set_told_once(profile, is_told_once=is_silent)
+
+
+def learn_late_answer(progress: CommandProgress, profile: DeviceProfile, first: float) -> None:
+    """Learn from an answer after the failure; told once, the device shows how long it takes."""
+    progress.learns_late = False
+    _learn_times(progress, profile, first)
+    _set_told_once(profile, is_told_once=True)
+
+
+def learn_settled(progress: CommandProgress, profile: DeviceProfile) -> None:
+    """Learn from the end of a confirmed value, or from one that held."""
+    settling = progress.settling
+    undoing = None if settling is None else settling.undoing
+    for capability in progress.wanted:
+        is_undone = undoing is not None and undoing.capability == capability
+        if undoing is not None and not is_undone:
+            continue
+        is_fast = capability in progress.fast and not progress.is_witnessed
+        profile.learn_return(capability, undoing.after if undoing is not None else None, is_fast=is_fast)
+        if is_undone and capability in progress.echoed:
+            profile.learn_echo(capability, is_answered=True)
+
+
+def _learn_times(progress: CommandProgress, profile: DeviceProfile, first: float) -> None:
+    for name, at in progress.fitting.items():
+        is_change = progress.last.get(name, _NOTHING) != progress.seen[name]
+        seconds = at - progress.given_at
+        profile.learn_time(name, seconds, first, sendings=progress.sendings, is_change=is_change)
+
+
+def _learn_answers(progress: CommandProgress, profile: DeviceProfile) -> None:
+    for capability, seen in progress.seen.items():
+        if progress.known.get(capability, _NOTHING) != seen and capability in progress.order.settings:
+            profile.learn_answer(capability, progress.order.settings[capability], seen)
+
+
+def _learn_echoes(progress: CommandProgress, profile: DeviceProfile) -> None:
+    order = progress.order
+    if not progress.has_echo:
+        return
+    for capability in progress.wanted:
+        if capability in progress.echoed or capability in order.echoed:
+            profile.learn_echo(capability, is_answered=capability in progress.seen)
+    for capability, seconds in progress.returned.items():
+        if capability not in progress.fitting:
+            profile.learn_return(capability, seconds, is_fast=True)
+
+
+def _may_answer_late(progress: CommandProgress, outcome: Outcome) -> bool:
+    """Return whether an answer may still come; a deaf device that says again how it is gives none."""
+    was_sent = not (isinstance(outcome, NoAnswer) and outcome.reason)
+    if not was_sent or progress.is_over or not progress.wanted or progress.order.is_momentary:
+        return False
+    last = progress.last
+    return not all(name in last and fits(name, value, last[name]) for name, value in progress.wanted.items())
+
+
+def _set_told_once(profile: DeviceProfile, *, is_told_once: bool) -> None:
+    if profile.is_told_once is not is_told_once:
+        profile.is_told_once, profile.is_changed = is_told_once, True

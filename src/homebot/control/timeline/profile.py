@@ -1,0 +1,179 @@
+"""Profile of a device: its response times, returns, echoes and rounding, learnt from its timeline. Pure.
+
+A profile may be deleted at any time: commands then wait a little longer, and no outcome becomes wrong.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict, deque
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
+
+from homebot.control import durations
+from homebot.control.tolerance import fits, is_same
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.value import PlainValue
+
+__all__ = ["KEPT", "KEPT_ANSWERS", "DeviceProfile", "Return"]
+
+KEPT: Final = 16
+KEPT_ANSWERS: Final = 8
+"""Answers to different values that are kept of each capability."""
+
+_ENOUGH: Final = 3
+_FIRST_ECHOES: Final = 3
+_LARGEST_ERROR: Final = 25.0
+"""Percent by which a dimmer may round; a larger error is no rounding."""
+
+_SLACK: Final = 1.5
+"""Percent by which the errors of one dimmer differ: most count to 254."""
+
+
+class Return(NamedTuple):
+    """End of one confirmed value.
+
+    Attributes:
+        is_fast: Whether its report came so fast that it may have been an echo.
+        after: Seconds after which another value followed; None if none did.
+    """
+
+    is_fast: bool
+    after: float | None
+
+
+@dataclass(slots=True, eq=False)
+class DeviceProfile:
+    """Knowledge of one part, by capability; the last 16 of each.
+
+    Attributes:
+        times: The response times, in seconds.
+        returns: The ends of confirmed values; empty as long as no value was taken back.
+        echoes: For each expected echo, whether the device reported by itself after it.
+        answers: The values that the device took for others that it was told.
+        is_told_once: Whether it is a dimmer that gave no answer to several sendings: each may have begun its ramp anew.
+        is_changed: Whether it has knowledge that is not saved yet.
+    """
+
+    times: dict[str, deque[float]] = field(default_factory=dict)
+    returns: dict[str, deque[Return]] = field(default_factory=dict)
+    echoes: dict[str, deque[bool]] = field(default_factory=dict)
+    answers: dict[str, OrderedDict[PlainValue, PlainValue]] = field(default_factory=dict)
+    is_told_once: bool = False
+    is_changed: bool = False
+
+    def answer_time(self, capabilities: Iterable[str], first: float) -> tuple[float, float]:
+        """Return how long to wait for an answer, and the longest known answer, in seconds.
+
+        Args:
+            capabilities: What is commanded.
+            first: The least wait if fewer than three answers are known.
+        """
+        longest, is_known = 0.0, True
+        for capability in capabilities:
+            times = self.times.get(capability, ())
+            longest = max((longest, *times))
+            is_known = is_known and len(times) >= _ENOUGH
+        limit = durations.ANSWER_FACTOR * longest + durations.ANSWER_SPARE
+        if not is_known:
+            limit, longest = max(limit, first), max(longest, durations.UNKNOWN_ANSWER)
+        return min(max(limit, durations.SHORTEST_ANSWER), durations.LONGEST_ANSWER), longest
+
+    def learn_time(
+        self, capability: str, seconds: float, first: float, *, sendings: int = 1, is_change: bool = True
+    ) -> None:
+        """Record a response time, counted from the first of so many *sendings*.
+
+        After several sendings it counts as *first* at most, or each repetition would make the next ones later. A report
+        that is no change may have come by chance, so it never makes the wait longer.
+        """
+        limit = durations.ANSWER_FACTOR * seconds + durations.ANSWER_SPARE
+        if not is_change and limit > self.answer_time((capability,), first)[0]:
+            return
+        times = self.times.setdefault(capability, deque(maxlen=KEPT))
+        longest, count = max(times, default=0.0), len(times)
+        times.append(min(seconds, first) if sendings > 1 else seconds)
+        if count == _ENOUGH - 1 or abs(max(times) - longest) >= durations.ANSWER_SPARE:  # what the next wait depends on
+            self.is_changed = True
+
+    def learn_return(self, capability: str, after: float | None, *, is_fast: bool) -> None:
+        """Record the end of a confirmed value; nothing is kept of a device that never takes a value back."""
+        if after is not None or capability in self.returns:
+            self.returns.setdefault(capability, deque(maxlen=KEPT)).append(Return(is_fast, after))
+            self.is_changed = True
+
+    def learn_echo(self, capability: str, *, is_answered: bool) -> None:
+        """Record whether the device reported by itself after an echo."""
+        self.echoes.setdefault(capability, deque(maxlen=KEPT)).append(is_answered)
+        self.is_changed = True
+
+    def learn_answer(self, capability: str, wanted: PlainValue, seen: PlainValue) -> None:
+        """Record that the device, told *wanted*, reported *seen*; nothing is kept of a device that does as told."""
+        is_rounded = _rounds(capability) or fits(capability, wanted, seen)
+        if capability not in self.answers and (not is_rounded or is_same(capability, wanted, seen)):
+            return
+        answers = self.answers.setdefault(capability, OrderedDict())
+        if answers.get(wanted, _NONE) == seen:
+            return
+        answers.pop(wanted, None)
+        answers[wanted] = seen
+        if len(answers) > KEPT_ANSWERS:
+            answers.popitem(last=False)
+        self.is_changed = True
+
+    def is_answer(self, capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
+        """Return whether *seen* was the answer to the same command before."""
+        answers = self.answers.get(capability)
+        return answers is not None and answers.get(wanted, _NONE) == seen
+
+    def rounding(self, capability: str) -> float:
+        """Return by how much the device rounds values of *capability*; 0 if that is not known.
+
+        It is the largest error of at least three answers with two different values.
+        """
+        if capability not in self.answers or not _rounds(capability):
+            return 0.0
+        known = [
+            (wanted, seen)
+            for wanted, seen in self.answers[capability].items()
+            if isinstance(wanted, float) and isinstance(seen, float)
+        ]
+        if len(known) < _ENOUGH or len({seen for _, seen in known}) < 2:
+            return 0.0
+        largest = max(abs(wanted - seen) for wanted, seen in known)
+        return largest + _SLACK if largest <= _LARGEST_ERROR else 0.0
+
+    def is_echo(self, capability: str) -> bool:
+        """Return whether fast reports are a bridge's echoes: the last three were taken back, soon and regularly.
+
+        One that holds ends it.
+        """
+        if capability not in self.returns:
+            return False
+        fast = [one.after for one in self.returns[capability] if one.is_fast][-_ENOUGH:]
+        taken_back = [after for after in fast if after is not None and after <= durations.TAKEN_BACK]
+        return len(taken_back) == _ENOUGH and max(taken_back) - min(taken_back) <= durations.REGULAR
+
+    def usual_return(self, capability: str) -> float | None:
+        """Return the seconds after which the device goes back by itself; None if it is not known to."""
+        if capability not in self.returns:
+            return None
+        known = [one.after for one in list(self.returns[capability])[-_ENOUGH:] if one.after is not None]
+        if len(known) < _ENOUGH or max(known) - min(known) > durations.REGULAR:
+            return None
+        return sum(known) / len(known)
+
+    def echo_patience(self, capability: str, limit: float) -> float:
+        """Return how long to wait after an echo, *limit* seconds at most: not at all if nothing ever follows."""
+        echoes = self.echoes.get(capability, ())
+        if any(echoes) or capability in self.returns:
+            return limit
+        return min(durations.ECHO_PATIENCE, limit) if len(echoes) < _FIRST_ECHOES else 0.0
+
+
+_NONE: Final = object()
+
+
+def _rounds(capability: str) -> bool:
+    known = CAPABILITIES.get(capability)
+    return known is not None and known.rounds

@@ -1,0 +1,190 @@
+"""The seconds after a confirmation, in which a device may still go back. Pure."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final, NamedTuple, final
+
+from homebot.control import durations
+from homebot.control.held_values import departs
+from homebot.control.timeline.motion import FadeOut, FadeSign
+from homebot.control.timeline.roles import ReportRole
+from homebot.control.tolerance import is_intermediate
+from homebot.devices.value import PlainValue
+
+if TYPE_CHECKING:
+    from homebot.control.timeline.facts import Reported
+    from homebot.control.timeline.progress import CommandProgress
+
+__all__ = ["Settling", "Undoing"]
+
+_ON: Final = "on_off"
+
+
+class Undoing(NamedTuple):
+    """The end of a confirmed value.
+
+    Attributes:
+        at: When another value was reported.
+        capability: Of which.
+        after: Seconds after the confirmation.
+    """
+
+    at: float
+    capability: str
+    after: float
+
+
+@final
+class Settling:
+    """Judgement of the reports after a confirmation: further steps of a transition, or the end of the value.
+
+    Args:
+        progress: The confirmed command.
+        at: When it was confirmed.
+        seconds: How long values have to hold.
+
+    Attributes:
+        watched: The capabilities that no newer command is about.
+        until: When it ends, unless further steps come.
+        undoing: The end of a value; None if all held so far.
+        has_held: Whether the values held until the end.
+    """
+
+    def __init__(self, progress: CommandProgress, at: float, seconds: float) -> None:
+        order = progress.order
+        self._progress = progress
+        self._confirmed_at = at
+        self._seconds = seconds
+        self._steps_until = at + order.transition + durations.LAST_STEPS
+        self._fades_until = at + order.transition + durations.LAST_STEPS if order.transition else -math.inf
+        self._fade = FadeOut(progress.last.get("level")) if order.settings.get(_ON) is False else None
+        self._is_fading = False
+        self._step = ""  # the capability of which a value on the way was reported last
+        self._step_value: PlainValue = None
+        self._level_until = math.inf
+        self._steps: list[int] = []
+        self.watched = set(order.settings)
+        self.until = at + seconds + order.transition
+        self.undoing: Undoing | None = None
+        self.has_held = False
+
+    @property
+    def is_over(self) -> bool:
+        """True if nothing can undo it any more, or something did."""
+        return self.undoing is not None or self.has_held or not self.watched
+
+    @property
+    def next_at(self) -> float:
+        """The time at which :meth:`advance` has something to do."""
+        return min(self.until, self._level_until)
+
+    def release(self, capabilities: set[str], at: float) -> None:
+        """Watch *capabilities* no more: a newer command is about them."""
+        self.watched -= capabilities
+        if not self.watched:
+            self.until = min(self.until, at)
+
+    def advance(self, now: float) -> None:
+        """Take a step that no other followed for the end of the value."""
+        if self.is_over:
+            return
+        if self._step and (now >= self.until or (now >= self._level_until and not self._is_fading)):
+            self._undo(self._step, min(now, self.next_at))
+        elif now >= self.until:
+            self.has_held = True
+
+    def report(self, fact: Reported) -> ReportRole:
+        """Return the role of a report, which may be the end of a value."""
+        capability = fact.capability
+        if self._fade is not None and capability == "level":
+            return self._fade_role(self._fade.report(fact.value, fact.at), fact)
+        if not self._departs(capability, fact.value):
+            return self._kept_role(fact)
+        is_fade = self._fade is not None and self._fade.is_possible
+        is_late_step = capability == _ON and fact.at <= self._fades_until
+        if not (is_fade or is_late_step or self._may_move_on(fact)):
+            self._undo(capability, fact.at)
+            return ReportRole.UNDONE
+        if (self._step, self._step_value) != (capability, fact.value):
+            self._begin_step(fact, is_late_step=is_late_step)
+        return self._step_role(fact.number)
+
+    def _kept_role(self, fact: Reported) -> ReportRole:
+        progress = self._progress
+        if self._step == fact.capability:
+            self._end_steps()
+        if fact.capability not in progress.wanted:
+            return progress.side_role(fact.capability, fact.value)
+        progress.refine(fact.capability, fact.value)
+        return ReportRole.EFFECT
+
+    def _departs(self, capability: str, value: PlainValue) -> bool:
+        """Return whether *value* is not the wanted one, nor on the way there."""
+        progress = self._progress
+        is_commanded = capability in progress.order.settings
+        if capability not in progress.wanted or (is_commanded and capability not in self.watched):
+            return False
+        if capability == _ON and not is_commanded:
+            return False  # a newer command may have turned it off
+        return departs(capability, progress.wanted[capability], value) and not progress.fits(capability, value)
+
+    def _may_move_on(self, fact: Reported) -> bool:
+        """Return whether a dimmer or a motor that reported the wanted value may still be on its way there."""
+        progress, capability, value = self._progress, fact.capability, fact.value
+        before, wanted = progress.known.get(capability), progress.wanted.get(capability)
+        if not (isinstance(wanted, float) and isinstance(value, float)):
+            return False
+        if is_intermediate(capability, wanted, value):
+            return True
+        if fact.at > self._steps_until:
+            return False
+        if capability == "level" and progress.order.turns_on and value < wanted:
+            return True  # it fades up from nothing, whatever level it had
+        return not isinstance(before, float) or min(before, wanted) < value < max(before, wanted)
+
+    def _begin_step(self, fact: Reported, *, is_late_step: bool) -> None:
+        """Wait for the next step; of a lamp that is on again, for its level."""
+        self._step, self._step_value = fact.capability, fact.value
+        self._steps_until = max(self._steps_until, fact.at + durations.LAST_STEPS)
+        self._wait_on(fact.at)
+        if self._fade is None or not self._fade.is_possible or is_late_step:
+            return
+        sign = self._fade.sign(fact.at)
+        self._judge_fade(sign, fact.at)
+        if sign == "unknown":
+            self._level_until = fact.at + durations.LEVEL_FOLLOWS
+
+    def _fade_role(self, sign: FadeSign, fact: Reported) -> ReportRole:
+        if not self._step:  # it did not report that it is on again
+            return ReportRole.STEP if sign == "fading" else ReportRole.AGREES
+        self._judge_fade(sign, fact.at)
+        return self._step_role(fact.number)
+
+    def _judge_fade(self, sign: FadeSign, at: float) -> None:
+        if sign == "back" and not (self._step == _ON and at <= self._fades_until):
+            self._undo(self._step, at)
+        elif sign == "fading":
+            self._is_fading, self._level_until = True, math.inf
+            self._wait_on(at)
+
+    def _wait_on(self, now: float) -> None:
+        until = min(now + self._seconds, self._confirmed_at + durations.LONGEST_MOVE)
+        self.until = max(self.until, until)
+
+    def _step_role(self, number: int) -> ReportRole:
+        if self.undoing is not None:
+            return ReportRole.UNDONE
+        self._steps.append(number)
+        return ReportRole.STEP
+
+    def _end_steps(self) -> None:
+        self._step, self._step_value, self._is_fading, self._level_until = "", None, False, math.inf
+        self._steps.clear()
+
+    def _undo(self, capability: str, at: float) -> None:
+        for number in self._steps:
+            self._progress.roles[number] = ReportRole.UNDONE
+        self._steps.clear()
+        self.undoing = Undoing(at, capability, at - self._confirmed_at)
+        self.until = at

@@ -1,0 +1,183 @@
+"""Timelines of all commanded parts, fed with the reports of their gateways."""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Final, TypeAlias, final
+
+from homebot.control.held_values import related
+from homebot.control.profiles import Profiles
+from homebot.control.reports import GatewayFeed, ReportWatch
+from homebot.control.timeline.cause import Attribution
+from homebot.control.timeline.facts import Reported
+from homebot.control.timeline.part_timeline import PartTimeline
+from homebot.control.timeline.progress import CommandProgress
+from homebot.control.timeline.seeding import seed
+from homebot.devices import Device, DevicePart
+from homebot.devices.device import Route
+from homebot.devices.value import PlainValue
+from homebot.graph import Node
+from homebot.time_limits import TimeLimits
+
+__all__ = ["OnValue", "Timelines"]
+
+OnValue: TypeAlias = Callable[[str, PlainValue, Attribution | None], None]
+"""Called with the capability and the value of a report, and its cause; None for a repetition."""
+
+_MOST: Final = 10_000
+
+_Place: TypeAlias = tuple[str, str]
+
+
+@dataclass(slots=True, eq=False)
+class _TrackedPart:
+    timeline: PartTimeline
+    target: str
+    routes: tuple[Route, ...] = ()
+    relevant: frozenset[str] = frozenset()
+    watch: ReportWatch | None = None
+    timer: int = 0
+    timer_at: float = math.inf
+    listeners: list[OnValue] = field(default_factory=list)
+
+
+@final
+class Timelines:
+    """The timelines of the last 10,000 commanded parts; the longest unused is forgotten.
+
+    Args:
+        node: For its clock.
+        feed: The reports.
+        profiles: The knowledge of the devices.
+        timeout: Seconds that a device with unknown response times has for its answer.
+        settle: Seconds for which a confirmed value has to hold.
+
+    Attributes:
+        on_report: Called with each report for each command that it may be due to.
+        on_end: Called with a command that a newer one replaced, or that was answered.
+        on_undone: Called with a part and a command when its confirmed value ended.
+    """
+
+    def __init__(self, node: Node, feed: GatewayFeed, profiles: Profiles, timeout: float, settle: float) -> None:
+        self._clock = node.graph.clock
+        self._feed = feed
+        self._profiles = profiles
+        self._timeout = timeout
+        self._settle = settle
+        self._limits = TimeLimits()
+        self._entries: OrderedDict[_Place, _TrackedPart] = OrderedDict()
+        self.on_report: Callable[[CommandProgress, Reported], None] = _ignore
+        self.on_end: Callable[[CommandProgress], None] = _ignore
+        self.on_undone: Callable[[_Place, CommandProgress], None] = _ignore
+
+    def get(self, place: _Place) -> PartTimeline | None:
+        """Return the timeline of a part; None if it was never commanded."""
+        entry = self._entries.get(place)
+        return None if entry is None else entry.timeline
+
+    def of(self, device: Device, part: DevicePart) -> PartTimeline:
+        """Return the timeline of a part; a new one begins with what the directory knows."""
+        return self._entry(device, part).timeline
+
+    def watch(self, device: Device, part: DevicePart, on_value: OnValue) -> Callable[[], None]:
+        """Call *on_value* with each live report of a part; return the function that ends it."""
+        listeners = self._entry(device, part).listeners
+        listeners.append(on_value)
+        return partial(listeners.remove, on_value)
+
+    def schedule(self, place: _Place, command: str) -> None:
+        """Set the timer for what a decided *command* still waits for, and save what it taught."""
+        entry = self._entries.get(place)
+        if entry is not None:
+            self._profiles.save(entry.target, entry.timeline.profile, command)
+            self._set_timer(place, entry)
+
+    def cause(self, place: _Place, capability: str, value: PlainValue, stamp: float) -> Attribution | None:
+        """Return the cause of the report with that *stamp*; None if no command explains or ended it."""
+        timeline = self.get(place)
+        fact = None if timeline is None else timeline.find(capability, value, stamp)
+        return None if timeline is None or fact is None else timeline.cause_of(fact)
+
+    def _entry(self, device: Device, part: DevicePart) -> _TrackedPart:
+        place = device.id, part.id
+        entry = self._entries.get(place)
+        if entry is None:
+            entry = self._create(place, device, part)
+        else:
+            self._entries.move_to_end(place)
+        if entry.routes is not part.routes and entry.routes != part.routes:
+            self._follow(place, entry, part)
+        return entry
+
+    def _create(self, place: _Place, device: Device, part: DevicePart) -> _TrackedPart:
+        target = f"{device.id}#{part.id}" if part.id else device.id
+        timeline = PartTimeline(self._profiles.of(target), self._timeout, self._settle)
+        seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
+        timeline.on_report, timeline.on_end = self._on_report, self._on_end
+        timeline.on_undone = partial(self._on_undone, place)
+        entry = self._entries[place] = _TrackedPart(timeline, target)
+        if len(self._entries) > _MOST:
+            self._forget_oldest()
+        return entry
+
+    def _follow(self, place: _Place, entry: _TrackedPart, part: DevicePart) -> None:
+        if entry.watch is not None:
+            entry.watch.stop()
+        entry.routes = part.routes
+        settable = [one.name for one in part.part.capabilities if one.settable]
+        entry.relevant = frozenset([other for one in settable for other in related(one)])
+        entry.watch = self._feed.watch(part.routes, partial(self._take, place, entry))
+
+    def _take(self, place: _Place, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float) -> None:
+        if capability not in entry.relevant:
+            return
+        now, timeline = self._clock.monotonic(), entry.timeline
+        fact = timeline.report(now, stamp, capability, value, self._feed.last_loss(entry.routes).monotonic)
+        if entry.listeners:
+            finding = None if fact is None else timeline.cause_of(fact)
+            for listener in tuple(entry.listeners):
+                listener(capability, value, finding)
+        if timeline.next_at < entry.timer_at:
+            self._set_timer(place, entry)
+        if timeline.profile.is_changed:
+            self._profiles.save(entry.target, timeline.profile, "")
+
+    def _set_timer(self, place: _Place, entry: _TrackedPart) -> None:
+        at = entry.timeline.next_at
+        if at >= entry.timer_at:
+            return
+        self._limits.discard(entry.timer)
+        entry.timer_at = at
+        entry.timer = self._limits.set(max(0.0, at - self._clock.monotonic()), partial(self._advance, place, entry))
+
+    def _advance(self, place: _Place, entry: _TrackedPart) -> None:
+        entry.timer_at = math.inf
+        entry.timeline.advance(self._clock.monotonic())
+        self._profiles.save(entry.target, entry.timeline.profile, "")
+        self._set_timer(place, entry)
+
+    def _forget_oldest(self) -> None:
+        for place, entry in self._entries.items():
+            if not entry.listeners and not any(True for _ in entry.timeline.open_commands()):
+                del self._entries[place]
+                self._limits.discard(entry.timer)
+                if entry.watch is not None:
+                    entry.watch.stop()
+                return
+
+    def _on_report(self, progress: CommandProgress, fact: Reported) -> None:
+        self.on_report(progress, fact)
+
+    def _on_end(self, progress: CommandProgress) -> None:
+        self.on_end(progress)
+
+    def _on_undone(self, place: _Place, progress: CommandProgress) -> None:
+        self.on_undone(place, progress)
+
+
+def _ignore(*_: object) -> None:
+    pass
