@@ -27,7 +27,7 @@ SLOW = tests/system tests/fuzz tests/cli tests/bridges/rosbridge tests/mqtt/brok
 	tests/test_logger.py tests/test_production_loop.py tests/test_public_face.py tests/test_readme.py
 SLOW_KINDS = *_against_* *_any_* *_fuzz* *_hostile*
 
-.PHONY: help run test coverage test-fast test-peers fuzz houses days check format docs bench lock test-lowest clean
+.PHONY: help run test coverage test-fast test-peers fuzz houses days nightly check format docs wheel bench lock test-lowest clean
 
 ## Prints this list.
 help:
@@ -73,6 +73,9 @@ houses: $(VENV)/.dev
 days: $(VENV)/.dev
 	@$(BIN)/python -m tests.days.table --days $(DAYS) $(ARGS)
 
+## Runs the long sets: generated cases, random days, lowest versions, coverage. Takes hours.
+nightly: fuzz days test-lowest coverage
+
 ## Checks format, lint, types, and which package may import which.
 check: $(VENV)/.dev
 	$(BIN)/ruff format --check .
@@ -89,6 +92,12 @@ format: $(VENV)/.dev
 docs: $(DOCS)/.ready
 	@NO_MKDOCS_2_WARNING=1 $(DOCS)/bin/mkdocs build --strict $(ARGS)
 	@echo "open site/index.html, or: $(DOCS)/bin/mkdocs serve"
+
+## Builds the wheel into dist/ and checks it for a package index.
+wheel: $(DOCS)/.ready
+	@rm -rf dist
+	@$(DOCS)/bin/pip wheel --quiet --disable-pip-version-check --no-deps -w dist .
+	@$(DOCS)/bin/twine check --strict dist/*
 
 ## Measures speed and memory, compared with Home Assistant if it can be installed.
 bench: $(BENCH)/.ready $(BENCH)-ha/.tried
@@ -109,7 +118,7 @@ test-lowest:
 
 ## Removes everything that these targets created.
 clean:
-	rm -rf $(VENV) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha $(DOCS) site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+	rm -rf dist $(VENV) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha $(DOCS) site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
