@@ -13,6 +13,9 @@ from pathlib import Path
 
 import pytest
 
+from homebot.house import thesis_world
+from homebot.testing import EventLog, virtual_house_of
+
 EXAMPLES = Path(__file__).parent.parent / "examples"
 
 
@@ -82,6 +85,30 @@ def test_every_example_is_in_the_list() -> None:
 
 BARE = tuple(flag for name in ("asyncio", "timeout", "xdist", "cov", "anyio") for flag in ("-p", f"no:{name}"))
 """As in an environment with no plug-in of pytest but ours and Hypothesis's: their options are unknown then."""
+
+
+@pytest.mark.virtual_time
+async def test_the_app_of_the_readme_commands_nothing_at_a_heartbeat(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each device repeats its state every two seconds; lamps are commanded when the window opens and closes."""
+    monkeypatch.syspath_prepend(str(EXAMPLES / "02_window_light"))
+    told = "home425/lights/"
+    async with (
+        virtual_house_of("window_light:WindowLight", world=thesis_world(), heartbeat="2s") as house,
+        EventLog.of(house) as log,
+    ):
+
+        def commands() -> int:
+            return sum(told in one and "/in " in one for one in str(log).splitlines())
+
+        await house.run_for("5m")
+        assert commands() == 0
+        await house.press("firstlevel1", "open")
+        await house.run_for("5m")
+        assert commands() == 2
+        assert [house.world.device(one).state() for one in ("philips165", "roomlights405")] == ["on", "on"]
+        await house.press("firstlevel1", "close")
+        await house.run_for("5m")
+        assert commands() == 4
 
 
 @pytest.mark.parametrize("folder", ["02_window_light", "05_random_days", "07_thesis_light_service"])

@@ -1,15 +1,12 @@
-from homebot import App, RawMessage, run
+from homebot import App, Closure, Light, run
 
 
 class WindowLight(App):
     async def run(self) -> None:
-        async for change in self.devices.follow("windows"):
-            if change.kind == "appeared":
-                await self.devices.listen(change.device, self.window_says)
-
-    async def window_says(self, message: RawMessage) -> None:
-        for lamp in await self.devices.find("lights"):
-            await self.devices.tell(lamp, "on" if message.text() == "open" else "off")
+        async for change in self.devices.follow(Closure, closed=False):
+            if change.kind != "changed":
+                for lamp in await self.devices.find(Light):
+                    await (lamp.turn_on() if change.kind == "appeared" else lamp.turn_off())
 
 
 if __name__ == "__main__":
