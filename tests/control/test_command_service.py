@@ -12,6 +12,7 @@ from homebot.devices import KeyValue
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, CommandDevicesResponse
 from homebot.devices.gateway_messages import Command
 from homebot.devices.names import COMMAND_DEVICES
+from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 
@@ -486,3 +487,30 @@ async def test_each_reading_that_is_offered_is_carried_out(open_home: OpenHome) 
         kitchen_and_hall(home)
         assert (await command(home, "(lights in hall) or (kitchen)", "on")).success
         assert [key for key, _, _ in sent(home)] == ["fan", "hall_lamp", "kettle", "kitchen_lamp", "worktop"]
+
+
+async def test_an_option_is_for_the_setting_that_has_it(open_home: OpenHome) -> None:
+    """A television takes its source, and its other settings do not refuse it."""
+
+    def select(name: str, *options: str) -> Part:
+        option = Capability(name="option", options=options, settable=True)
+        return Part(id=name, service_type="x_setting", name=name, capabilities=(option,))
+
+    parts = (select("Source", "HDMI 1", "HDMI 2"), select("Sound", "Movie", "Music"))
+    async with open_home() as home:
+        home.gateway.devices.put(GatewayDevice("tv", "TV", parts), "the test says so")
+        home.behaviours["tv"] = ignore
+        answer = await command(home, "TV", values={"option": "HDMI 2"})
+        assert [one.part for one in answer.results] == ["Source"]
+        answer = await command(home, "TV", values={"option": "Opera"})
+        assert (answer.success, len(answer.results)) == (False, 2)
+
+
+async def test_heating_means_the_thermostats_also_while_they_idle(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        readable = ("thermostat_action",)
+        home.put("heat", "thermostat", "heating_setpoint", readable=readable, name="Heater", area="Living")
+        home.put("other", "thermostat", "heating_setpoint", name="Radiator", area="Hall")
+        await home.report("heat", "thermostat_action", "idle")
+        assert (await command(home, "heating in living", "22.5")).success
+        assert sent(home) == [("heat", "heating_setpoint", 22.5)]

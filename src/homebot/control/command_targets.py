@@ -208,7 +208,8 @@ def settings_by_part(
 
     Parts that cannot are left out where one of another type can: a speed is for the fan, and not for its lamp. So are
     the switches of an appliance that can: to turn an air conditioner on is not to turn on its powerful mode. A setting
-    that can, as a free text can be ``off``, is left out where any other part can.
+    that can, as a free text can be ``off``, is left out where any other part can; one that cannot, where another can:
+    each sets something else, such as the source and the sound of a television.
     """
     found: list[tuple[DevicePart, SpokenSettings]] = []
     for part in parts:
@@ -220,7 +221,11 @@ def settings_by_part(
     if not able.isdisjoint(_APPLIANCES):
         able -= _FUNCTIONS
     able = able - _SETTINGS or able
-    return [one for one in found if not able or one[0].part.service_type in able]
+    return [one for one in found if not able or (one[0].part.service_type in able and not _is_other_setting(*one))]
+
+
+def _is_other_setting(part: DevicePart, spoken: SpokenSettings) -> bool:
+    return part.part.service_type in _SETTINGS and isinstance(spoken, RefusedError)
 
 
 def _takes(request: CommandDevicesRequest, target: _Target) -> bool:

@@ -40,6 +40,10 @@ UNDERSTOOD: dict[str, Query] = {
     "the Lamps": type_is("lamps"),
     "light and dimmable in kitchen": And((type_is("light"), CanDo("level", settable=True), InArea("kitchen"))),
     "on lights": And((ON_LIGHT, type_is("lights"))),
+    "heating in living": And((type_is("heating"), InArea("living"))),
+    "heating thermostats": And(
+        (StateIs("thermostat_action", "=", "heating", frozenset({"thermostat"})), type_is("thermostats"))
+    ),
     "lights not on": And((type_is("lights"), Not(ON_LIGHT))),
     "sensor with temperature not stale": And((type_is("sensor"), CanDo("temperature"), Not(FreshnessIs("stale")))),
     "lamps in living room on": And((type_is("lamps"), InArea("living room"), ON_LIGHT)),

@@ -12,7 +12,7 @@ What stands in quotation marks is taken as it is: ``"near the door"`` looks for 
 name, ``type="coffee"`` for devices that call themselves so. Without them, an unknown field or type is an error.
 
 An adjective of a state is about the parts of the types that stand beside it: ``on lights`` is not found by the plug
-in the same device.
+in the same device. ``heating`` is one beside a type, and without one a type: ``heating in living``.
 """
 
 from __future__ import annotations
@@ -275,6 +275,8 @@ def _is_known(word: str) -> bool:
 
 
 def _all_of(terms: list[Query]) -> Query:
+    if not any(isinstance(term, TypeIs) for term in terms):
+        terms = [_NOUNS.get(term, term) for term in terms]
     scoped = _with_scopes(terms)
     return scoped[0] if len(scoped) == 1 else And(tuple(scoped))
 
@@ -296,6 +298,11 @@ def _scoped(term: Query, types: frozenset[str]) -> Query:
 
 
 _ADJECTIVE_TERMS = frozenset(states[0] if len(states) == 1 else Or(states) for states in ADJECTIVES.values())
+
+_NOUNS: dict[Query, Query] = {
+    states[0]: type_is(word) for word, states in ADJECTIVES.items() if len(states) == 1 and wanted_types(word)
+}
+"""Types whose word is an adjective too, such as ``heating``, for that adjective where no type stands beside it."""
 
 
 def _all_words(text: str) -> Query:
