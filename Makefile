@@ -100,7 +100,7 @@ wheel: $(DOCS)/.ready
 	@$(DOCS)/bin/twine check --strict dist/*
 
 ## Measures speed and memory, compared with Home Assistant if it can be installed.
-bench: $(BENCH)/.ready $(BENCH)-ha/.tried
+bench: $(BENCH)/.ready $(BENCH)-ha/.tried $(BENCH)-zigbee/.tried
 	@$(BENCH)/bin/python benchmarks/run.py --home-assistant $(BENCH)-ha/bin/python $(ARGS)
 
 ## Updates the versions that CI installs to the newest.
@@ -118,7 +118,7 @@ test-lowest:
 
 ## Removes everything that these targets created.
 clean:
-	rm -rf dist $(VENV) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha $(DOCS) site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+	rm -rf dist $(VENV) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha $(BENCH)-zigbee $(DOCS) site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
@@ -150,4 +150,11 @@ $(BENCH)-ha/.tried:
 		&& $(BENCH)-ha/bin/python benchmarks/home_assistant_requirements.py > $(BENCH)-ha/mqtt.txt \
 		&& $(BENCH)-ha/bin/python -m pip install --quiet --disable-pip-version-check -r $(BENCH)-ha/mqtt.txt \
 		|| { echo "Home Assistant cannot be installed here: the benchmarks skip it"; rm -rf $(BENCH)-ha/bin; }
+	@touch $@
+
+# The program whose messages are the input of a benchmark; it is run without a radio. GPL-3.0, so it is not in the repository.
+$(BENCH)-zigbee/.tried:
+	@mkdir -p $(BENCH)-zigbee
+	@npm install --silent --ignore-scripts --prefix $(BENCH)-zigbee zigbee2mqtt@2.14.1 \
+		|| echo "Zigbee2MQTT cannot be installed here: the benchmark zigbee_house is skipped"
 	@touch $@

@@ -28,6 +28,7 @@ BENCHMARKS = (
     "broker_fixture",
     "start_up",
     "ingest",
+    "zigbee_house",
     "states",
     "command_line",
     "walks",
