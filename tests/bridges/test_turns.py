@@ -68,7 +68,7 @@ async def test_turns_go_round_in_the_order_of_asking(turns: Turns, clock: WorkCl
     assert "".join(got) == "abcabcabc"
 
 
-async def test_one_who_gives_up_costs_nobody_a_turn(turns: Turns) -> None:
+async def test_one_who_gives_up_costs_nobody_a_turn(turns: Turns, clock: WorkClock) -> None:
     got: list[str] = []
 
     async def worker(name: str) -> None:
@@ -77,7 +77,7 @@ async def test_one_who_gives_up_costs_nobody_a_turn(turns: Turns) -> None:
 
     async with anyio.create_task_group() as tasks, anyio.create_task_group() as gone:
         for _ in range(50):
-            turns.defer(lambda: None)
+            turns.defer(clock.work)
         gone.start_soon(worker, "gone")
         await anyio.lowlevel.checkpoint()
         tasks.start_soon(worker, "b")

@@ -81,10 +81,9 @@ class FilterTree(Generic[Key, Value]):
             if not parent.children:
                 parent.children = None
 
-    def matching(self, topic: Sequence[str]) -> tuple[list[dict[Key, Value]], int]:
-        """Return the values of all filters that match a topic of these levels, and how many nodes were looked at."""
+    def matching(self, topic: Sequence[str]) -> list[dict[Key, Value]]:
+        """Return the values of all filters that match a topic of these levels."""
         found: list[dict[Key, Value]] = []
-        visited = 0
         nodes = [self._root]
         wild = not topic[0].startswith("$")
         for level in topic:
@@ -102,15 +101,14 @@ class FilterTree(Generic[Key, Value]):
                         found.append(values)
             nodes = following
             if not nodes:
-                return found, visited
-            visited += len(nodes)
+                return found
             wild = True
         for node in nodes:
             if node.values is not None:
                 found.append(node.values)
             if node.children is not None and "#" in node.children and (values := node.children["#"].values) is not None:
                 found.append(values)
-        return found, visited
+        return found
 
 
 def has_wildcard(topic_filter: str) -> bool:
@@ -155,12 +153,12 @@ class FilterIndex(Generic[Key]):
         """Return whether *topic* finds any item."""
         if topic in self._exact or topic in self._shared:
             return True
-        return self._wild.nodes > 0 and bool(self._wild.matching(topic.split("/"))[0])
+        return self._wild.nodes > 0 and bool(self._wild.matching(topic.split("/")))
 
     def match(self, topic: str) -> tuple[Key, ...]:
         """Return the items of every filter that matches *topic*, each once."""
         exact = (self._exact[topic],) if topic in self._exact else self._shared.get(topic, ())
-        wild = self._wild.matching(topic.split("/"))[0] if self._wild.nodes else ()
+        wild = self._wild.matching(topic.split("/")) if self._wild.nodes else ()
         if not wild:
             return tuple(exact)
         if not exact and len(wild) == 1:

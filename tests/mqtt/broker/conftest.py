@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import ssl
+import time
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import suppress
 from typing import TypeVar
@@ -15,7 +16,7 @@ from tests.patience import PATIENCE
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import Broker, BrokerLimits, BrokerPolicy, BrokerState, Peer
 from homebot.mqtt.broker.authentication import Authentication
-from homebot.mqtt.broker.deadlines import BrokerTimers, SliceBudget
+from homebot.mqtt.broker.deadlines import BrokerTimers
 from homebot.mqtt.broker.retained import Owed, Replay, RetainedMessages
 from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.packets import (
@@ -37,23 +38,48 @@ from homebot.mqtt.packets import (
     Will,
     encode,
 )
+from homebot.turn_budget import TurnBudget
 
 Kind = TypeVar("Kind")
 
 
+class WorkClock:
+    """A clock that is moved by hand, and goes on while the processor works.
+
+    Args:
+        slowness: Times longer that a slow computer takes.
+    """
+
+    def __init__(self, start: float = 0.0, slowness: float = 1.0) -> None:
+        self._slowness = slowness
+        self._moved = start
+
+    def monotonic(self) -> float:
+        """Return the seconds that passed and those that were worked."""
+        return self._moved + self._slowness * time.thread_time()
+
+    def now(self) -> float:
+        """Return seconds since the Unix epoch."""
+        return self.monotonic()
+
+    def advance(self, seconds: float) -> None:
+        """Move it forward."""
+        self._moved += seconds
+
+
 def owed(retained: RetainedMessages, *filters: str) -> list[Owed]:
     """What new subscriptions to *filters* get, with pauses wherever the broker makes one."""
-    clock = ManualClock()
-    work = SliceBudget(clock, BrokerTimers())
+    clock, deadlines = WorkClock(), BrokerTimers()
+    turn = TurnBudget(clock.monotonic, lambda call: deadlines.at(0.0, call))
     replay = Replay(retained, lambda _: True)
     for name in filters:
         replay.add(SessionSubscription(name, name, 0))
     replay.complete = True
     found = []
     while not replay.is_over:
-        first = replay.first(work, 0.0)
+        first = replay.first(turn, 0.0)
         if first is None:
-            clock.advance(1.0)
+            deadlines.run(1.0)
         else:
             replay.popleft()
             found.append(first)

@@ -15,6 +15,7 @@ from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.subscriptions import SubscriptionTree
 from homebot.mqtt.topics import topic_matches
+from homebot.turn_budget import TurnBudget
 
 LEVEL = st.sampled_from(["a", "b", "", "$s", "*.x"])
 TOPIC = st.lists(LEVEL, min_size=1, max_size=4).map("/".join).filter(bool)
@@ -26,7 +27,8 @@ FILTER = (
 
 
 def new_session() -> BrokerSession:
-    return BrokerSession("c", ManualClock(), BrokerLimits(), Counters())
+    clock = ManualClock()
+    return BrokerSession("c", clock, BrokerLimits(), Counters(), TurnBudget(clock.monotonic, lambda _: None))
 
 
 @given(st.lists(FILTER, max_size=8, unique=True), st.lists(FILTER, max_size=4), TOPIC)

@@ -7,7 +7,7 @@ its acknowledgements and pings are still handled, everything else waits in its o
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import ClassVar, final
+from typing import ClassVar, Final, final
 
 from homebot.mqtt.broker.backpressure import Backpressure
 from homebot.mqtt.broker.filter_requests import FilterRequests
@@ -35,6 +35,8 @@ from homebot.mqtt.packets import (
 )
 
 __all__ = ["ClientPackets"]
+
+_UNCHECKED: Final = 8  # packets that are handled before the clock is read
 
 
 @final
@@ -76,14 +78,18 @@ class ClientPackets:
         """True if the client's socket is read."""
         return self._holding.reading
 
-    def take_all(self, reader: PacketReader) -> None:
-        """Take all packets that are complete; one call of ``pump`` is for all PUBACK that follow each other.
+    def take_all(self, reader: PacketReader) -> bool:
+        """Take the packets that are complete; one call of ``pump`` is for all PUBACK that follow each other.
+
+        Returns:
+            False if there was no time for all of them in this turn.
 
         Raises:
             PacketError: The client must not have sent this.
         """
         pop, acknowledged = reader.pop, self._session.in_flight.acknowledged
-        freed = False
+        has_time = self._state.turn.has_time
+        freed, unchecked = False, _UNCHECKED
         while (packet := pop()) is not None:
             if type(packet) is Puback:  # comes once for each message sent, and never waits
                 acknowledged(packet[0])
@@ -94,9 +100,15 @@ class ClientPackets:
                 freed = False
             self.take(packet)
             if self._stopped:
-                return
+                return True
+            unchecked -= 1
+            if not unchecked:
+                if not has_time():
+                    break
+                unchecked = _UNCHECKED
         if freed:
             self._session.pump()
+        return packet is None
 
     def take(self, packet: Packet) -> None:
         """Take one packet.
@@ -125,7 +137,7 @@ class ClientPackets:
         self._stopped = True
         self._holding.stop()
         self._holding.paused = False
-        self._state.turn.forget(self._resume)
+        self._state.turn.forget(self._go_on)
         self._filters.stop()
         self._inbound.gone = True
         try:
@@ -147,9 +159,6 @@ class ClientPackets:
             slow = self._inbound.publish(packet)
             if slow:
                 self._holding.wait_for(slow)
-            if self._state.turn.units <= 0:
-                self._holding.paused = True
-                self._state.turn.later(self._resume)
         else:
             handler = self._HANDLERS.get(type(packet))
             if handler is None:
@@ -203,7 +212,13 @@ class ClientPackets:
 
     def _go_on(self) -> None:
         try:
-            while not self._stopped and (packet := self._holding.take()) is not None:
+            while not self._stopped and self._holding.packets:
+                if not self._state.turn.has_time():
+                    self._state.turn.defer(self._go_on)
+                    return
+                packet = self._holding.take()
+                if packet is None:
+                    return
                 self._act(packet)
         except PacketError as error:
             self._on_failure(error)

@@ -16,7 +16,7 @@ from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["BrokerConnection", "Sockets"]
 
-_READ_AT_MOST = 16 * 1024  # handled in one turn of the loop: some hundred messages, then it is the others' turn
+_READ_AT_MOST = 16 * 1024
 _PER_CLIENT = 2  # those not logged in must not keep the others out, nor be without bound
 
 

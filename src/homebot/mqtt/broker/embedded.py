@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping
 from random import Random
@@ -126,6 +127,7 @@ class EmbeddedBroker(ABC):
                 self._keep_alive,
                 self._on_message,
                 self._random,
+                _call_soon,
             )
         await self._open(self._state)
         self._timer = DeadlineTimer(self._state)
@@ -164,3 +166,7 @@ class EmbeddedBroker(ABC):
         """Do what is due by the clock; needed only by those who move a clock of their own by hand."""
         if self._timer is not None:
             self._timer.tick()
+
+
+def _call_soon(call: Callable[[], None]) -> None:
+    asyncio.get_running_loop().call_soon(call)

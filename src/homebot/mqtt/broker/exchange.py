@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable
-from typing import Final, NamedTuple, final
+from typing import NamedTuple, final
 
 from homebot.clock import Clock
-from homebot.mqtt.broker.deadlines import BrokerTimers, SliceBudget
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BULKY, BrokerMessage
 from homebot.mqtt.broker.queue import REFUSED, TAKEN, DeliveryResult, QueuedMessage
@@ -17,11 +16,9 @@ from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.subscriptions import ShareGroup, SubscriptionTree, Target
 from homebot.mqtt.packets import FilterRequest, ReasonCode
+from homebot.turn_budget import TurnBudget
 
-__all__ = ["COST", "MessageRouter", "Receipt"]
-
-COST: Final = 8
-"""Units of work to add or remove a subscription, and one for each level."""
+__all__ = ["MessageRouter", "Receipt"]
 
 
 class Receipt(NamedTuple):
@@ -36,7 +33,6 @@ class Receipt(NamedTuple):
     slow: tuple[BrokerSession, ...] = ()
 
 
-_MANY = 20  # sessions
 _GRANTED = (ReasonCode.SUCCESS, ReasonCode.GRANTED_QOS_1, ReasonCode.GRANTED_QOS_2)
 _DELIVERED = Receipt(ReasonCode.SUCCESS)
 _UNMATCHED = Receipt(ReasonCode.NO_MATCHING_SUBSCRIBERS)
@@ -50,9 +46,8 @@ class MessageRouter:
         clock: For expiry.
         limits: Bounds of the retained messages and subscriptions.
         counters: Counts what is not retained.
+        turn: The share of the broker in a turn of the event loop.
         on_message: Called with each message.
-        turn: What is done in one turn of the event loop; charged for messages that go to many.
-        work: How much may be done now of what can take long.
 
     Attributes:
         subscriptions: All subscriptions by topic.
@@ -65,18 +60,16 @@ class MessageRouter:
         clock: Clock,
         limits: BrokerLimits,
         counters: Counters,
+        turn: TurnBudget,
         on_message: Callable[[BrokerMessage], None] | None = None,
-        turn: SliceBudget | None = None,
-        work: SliceBudget | None = None,
     ) -> None:
         self._clock = clock
         self._limits = limits
         self._counters = counters
         self._on_message = on_message
         self._turn = turn
-        self._work = SliceBudget(clock, BrokerTimers()) if work is None else work
         self._ended: deque[BrokerSession] = deque()
-        self.subscriptions = SubscriptionTree(turn)
+        self.subscriptions = SubscriptionTree()
         self.crowded: dict[BrokerSession, None] = {}
         self.retained = RetainedMessages(limits.max_retained_messages, limits.max_retained_bytes)
 
@@ -88,8 +81,6 @@ class MessageRouter:
         targets, groups = self.subscriptions.route(message.topic)
         slow: list[BrokerSession] = []
         large = message.size >= BULKY
-        if len(targets) > _MANY and self._turn is not None:
-            self._turn.spend(2 * len(targets))
         refused = bool(targets) and _deliver_to_all(targets, message, large, slow)
         for group in groups:
             chosen, outcome = _deliver_to_one(group, message, large)
@@ -179,12 +170,11 @@ class MessageRouter:
         while self._ended:
             left = self._ended[0].subscriptions
             while left:
-                if not self._work.left:
-                    self._work.later(self._remove_some)
+                if not self._turn.has_time():
+                    self._turn.defer(self._remove_some)
                     return
                 _, subscription = left.popitem()
                 self.subscriptions.remove(self._ended[0], subscription)
-                self._work.spend(COST + subscription.filter.count("/"))
             self._ended.popleft()
 
     def _retain(self, message: BrokerMessage) -> bool:

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import final
 
 from homebot.mqtt.broker.backpressure import Backpressure
-from homebot.mqtt.broker.exchange import COST
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.retained import Replay, RetainedMessages
 from homebot.mqtt.broker.session import BrokerSession
@@ -68,7 +67,7 @@ class FilterRequests:
     def stop(self) -> None:
         """Stop, as the client is gone; what was done stays done."""
         self._current = None
-        self._state.work.forget(self._go_on)
+        self._state.turn.forget(self._go_on)
 
     def _go_on(self) -> None:
         """Take as many filters as may be taken now."""
@@ -77,7 +76,7 @@ class FilterRequests:
         answer = self._current.go_on(self._state)
         if answer is None:
             self._holding.paused = True
-            self._state.work.later(self._go_on)
+            self._state.turn.defer(self._go_on)
             return
         self._current = None
         self._outbound.send(answer)
@@ -115,7 +114,7 @@ class _Subscribing:
         session, requests, reasons = self._session, self._packet.filters, self._reasons
         identifier = (*self._packet.properties.subscription_identifiers, 0)[0]
         while len(reasons) < len(requests):
-            if not state.work.left:
+            if not state.turn.has_time():
                 self._queue()  # now, so that nothing that comes meanwhile overtakes it
                 return None
             request = requests[len(reasons)]
@@ -123,7 +122,6 @@ class _Subscribing:
             if not reason.failed:
                 reason = state.exchange.subscribe(session, request, identifier, self._replay)
             reasons.append(reason)
-            state.work.spend(COST + request.filter.count("/"))
         self._replay.complete = True
         if self._replay.size:
             self._queue()
@@ -155,9 +153,8 @@ class _Unsubscribing:
         """Take as many filters as may be taken now; the answer, or None where some are left."""
         names, reasons = self._packet.filters, self._reasons
         while len(reasons) < len(names):
-            if not state.work.left:
+            if not state.turn.has_time():
                 return None
             name = names[len(reasons)]
             reasons.append(state.exchange.unsubscribe(self._session, name))
-            state.work.spend(COST + name.count("/"))
         return Unsuback(self._packet.packet_id, tuple(reasons))

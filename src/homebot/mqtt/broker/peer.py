@@ -99,6 +99,7 @@ class PeerLog:
 
 
 _CONNECT = b"\x10"
+_MOST_DEFERRED = 16 * 1024  # bytes that wait for a later turn
 _KEEP_ALIVE_GRACE = 1.5  # MQTT 5.0, section 3.1.2.10
 
 
@@ -125,6 +126,7 @@ class Peer:
         self.failure: PacketError | None = None
         self._started = False
         self._closed = False
+        self._is_deferred = self._is_lost = False
         self._received_at = state.clock.monotonic()
         self._silence = state.deadlines.at(self._received_at + state.limits.connect_timeout, self._no_connect)
         self._unread = UnreadMark(state.unread_logins, self._give_up_unread)
@@ -158,18 +160,17 @@ class Peer:
         try:
             if self._client is None:
                 self._check_start(data)
-                self._reader.feed(data)
-                self._take_login()
-            else:
-                self._reader.feed(data)
-                self._client.packets.take_all(self._reader)
-                if self._closed:
-                    return
+            self._reader.feed(data)
         except PacketError as error:
             self._fail(error)
             return
-        if self._reader.missing or self._unread.size or self._client is None:
-            self._unread.note(self._reader.held)
+        if self._is_deferred:
+            if self._reader.held >= _MOST_DEFERRED:
+                self._link.pause_reading()
+        elif self._state.turn.has_time():
+            self._go_on()
+        else:
+            self._defer()
 
     def writable(self) -> None:
         """Go on writing: the link takes bytes again."""
@@ -177,8 +178,11 @@ class Peer:
             self._client.session.pump()
 
     def lost(self) -> None:
-        """End, as the link is gone."""
-        self._finish(publish_will=True)
+        """End, as the link is gone; what came before is handled first."""
+        if self._is_deferred:
+            self._is_lost = True
+        else:
+            self._finish(publish_will=True)
 
     def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
         """Close the connection from the broker's side: MQTT 5 clients are sent *reason*.
@@ -194,11 +198,34 @@ class Peer:
         self._state.counters.logins_pushed_out += 1
         self._push_out()
 
-    def _handle(self, packet: Packet) -> None:
-        if self._client is None:
-            self._login(packet)
-        else:
-            self._client.packets.take(packet)
+    def _go_on(self) -> None:
+        """Handle the packets that have come; those for which there is no time in this turn wait for a later one."""
+        try:
+            self._take_login()
+            if self._client is not None and not self._closed and not self._client.packets.take_all(self._reader):
+                self._defer()
+                return
+        except PacketError as error:
+            self._fail(error)
+            return
+        if not self._closed and (self._reader.missing or self._unread.size or self._client is None):
+            self._unread.note(self._reader.held)
+
+    def _defer(self) -> None:
+        self._is_deferred = True
+        self._state.turn.defer(self._go_on_later)
+
+    def _go_on_later(self) -> None:
+        self._is_deferred = False
+        if self._closed:
+            return
+        self._go_on()
+        if self._is_deferred or self._closed:
+            return
+        if self._is_lost:
+            self._finish(publish_will=True)
+        elif self._connect is None and (self._client is None or self._client.packets.reading):
+            self._link.resume_reading()
 
     def _check_start(self, data: bytes) -> None:
         """Refuse what is not MQTT, such as a browser, without waiting for the rest of a packet."""
@@ -207,9 +234,9 @@ class Peer:
         self._started = True
 
     def _take_login(self) -> None:
-        """Take the CONNECT, and what came with it unless the CONNECT has to wait."""
-        while not self._closed and self._connect is None and (packet := self._reader.pop()) is not None:
-            self._handle(packet)
+        """Take the CONNECT, unless it has to wait."""
+        if self._client is None and self._connect is None and (packet := self._reader.pop()) is not None:
+            self._login(packet)
 
     def _wait_to_log_in(self, packet: Connect, until: float) -> None:
         """Keep *packet* until its host, from which wrong passwords came, has waited; ``connect_timeout`` goes on."""
@@ -224,10 +251,12 @@ class Peer:
             return
         self._link.resume_reading()
         try:
-            self._handle(packet)
-            self._take_login()
+            self._login(packet)
         except PacketError as error:
             self._fail(error)
+            return
+        if not self._is_deferred and not self._closed:
+            self._go_on()
 
     def _login(self, packet: Packet) -> None:
         if not isinstance(packet, Connect):
@@ -352,6 +381,7 @@ class Peer:
         self._state.waiting_logins.discard(self)
         self._unread.note(0)
         self._reader = _NOTHING_MORE
+        self._state.turn.forget(self._go_on_later)
         if client is not None:
             error = client.packets.stop()
             if error is not None:

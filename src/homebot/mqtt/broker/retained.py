@@ -6,13 +6,14 @@ import re
 from bisect import bisect_left, bisect_right
 from collections import deque
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Final, final
 
-from homebot.mqtt.broker.deadlines import SliceBudget
 from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.filter_tree import FilterTree
 from homebot.timer_queue import TimerQueue
+from homebot.turn_budget import TurnBudget
 
 __all__ = ["Owed", "Replay", "RetainedMessages"]
 
@@ -117,7 +118,7 @@ class RetainedMessages:
 
 _FEW: Final = 4  # filters that are sooner matched one by one than in a tree,
 _MANY: Final = 1_000  # where there are so many topics that it is worth making a pattern of each
-_CHUNK: Final = 100  # topics looked at between two looks at the budget; in a tree each may cost a thousand nodes:
+_CHUNK: Final = 100  # topics looked at between two looks at the clock; in a tree each may cost a thousand nodes:
 _SMALL_CHUNK: Final = 5
 _WEIGHT: Final = 500  # bytes that a waiting filter takes, about
 
@@ -143,7 +144,9 @@ class Replay:
         self._place = 0
         self._exact: deque[SessionSubscription] = deque()
         self._wild: list[SessionSubscription] = []
-        self._matching: Callable[[str], tuple[list[SessionSubscription], int]] | None = None
+        self._matching: Callable[[str], list[SessionSubscription]] | None = None
+        self._tree: FilterTree[int, SessionSubscription] = FilterTree()
+        self._in_tree = 0
         self._found: deque[Owed] = deque()
         self._only_kept = False
         self.complete = False
@@ -166,12 +169,12 @@ class Replay:
         self._only_kept = True
         self.complete = True
 
-    def first(self, work: SliceBudget, now: float) -> Owed | None:
-        """Return the next message; None where there is none, or nothing may be done now: see :attr:`is_over`."""
+    def first(self, turn: TurnBudget, now: float) -> Owed | None:
+        """Return the next message; None where there is none, or no time in this turn: see :attr:`is_over`."""
         while not self._found:
-            if not self.complete or self.is_over or not work.left:
+            if not self.complete or self.is_over or not turn.has_time():
                 return None
-            self._look(work, now)
+            self._look(now)
         return self._found[0]
 
     def popleft(self) -> None:
@@ -185,22 +188,33 @@ class Replay:
             return False
         return not self._wild or self._place >= self._until
 
-    def _look(self, work: SliceBudget, now: float) -> None:
+    def _look(self, now: float) -> None:
         if self._exact:
             subscription = self._exact.popleft()
             message = self._retained.get(subscription.filter)
-            work.spend(2)
             if message is not None:
                 self._owe(message, [subscription], now)
             return
         if self._matching is None:
-            self._matching = _matcher(self._wild, len(self._retained), work)
+            self._prepare()
+            return
         messages, self._place = self._retained.after(self._place, _CHUNK if len(self._wild) <= _FEW else _SMALL_CHUNK)
         for message in messages:
-            matched, cost = self._matching(message.topic)
-            work.spend(cost)
-            if matched:
+            if matched := self._matching(message.topic):
                 self._owe(message, matched, now)
+
+    def _prepare(self) -> None:
+        """Make a pattern of each filter if they are few, or add some more of them to a tree."""
+        if len(self._wild) <= _FEW and len(self._retained) >= _MANY:
+            patterns = [(_pattern(each.filter).fullmatch, each) for each in self._wild]
+            self._matching = lambda topic: [each for matches, each in patterns if matches(topic)]
+            return
+        some = self._wild[self._in_tree : self._in_tree + _CHUNK]
+        for place, subscription in enumerate(some, self._in_tree):
+            self._tree.add(subscription.levels, place, subscription)
+        self._in_tree += len(some)
+        if self._in_tree == len(self._wild):
+            self._matching = partial(_in_order, self._tree)
 
     def _owe(self, message: BrokerMessage, subscriptions: list[SessionSubscription], now: float) -> None:
         if message.order > self._until or message.expired(now):
@@ -212,28 +226,8 @@ class Replay:
                 self._found.append((message, subscription))
 
 
-def _matcher(
-    wild: list[SessionSubscription], topics: int, work: SliceBudget
-) -> Callable[[str], tuple[list[SessionSubscription], int]]:
-    if len(wild) > _FEW or topics < _MANY:
-        tree: FilterTree[int, SessionSubscription] = FilterTree()
-        for place, subscription in enumerate(wild):
-            tree.add(subscription.levels, place, subscription)
-            work.spend(2 + len(subscription.levels))
-        return lambda topic: _in_order(tree, topic)
-    patterns = [(_pattern(each.filter).fullmatch, each) for each in wild]
-    work.spend(300 * len(patterns))  # about a third of a millisecond to make one
-
-    def matching(topic: str) -> tuple[list[SessionSubscription], int]:
-        return [each for matches, each in patterns if matches(topic)], len(patterns)
-
-    return matching
-
-
-def _in_order(tree: FilterTree[int, SessionSubscription], topic: str) -> tuple[list[SessionSubscription], int]:
-    found, visited = tree.matching(topic.split("/"))
-    places = sorted(_items(found))
-    return [subscription for _, subscription in places], 1 + visited + len(places)
+def _in_order(tree: FilterTree[int, SessionSubscription], topic: str) -> list[SessionSubscription]:
+    return [subscription for _, subscription in sorted(_items(tree.matching(topic.split("/"))))]
 
 
 def _items(found: list[dict[int, SessionSubscription]]) -> Iterator[tuple[int, SessionSubscription]]:

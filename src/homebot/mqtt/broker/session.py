@@ -11,7 +11,6 @@ from typing import Final, Protocol, final
 
 from homebot.clock import Clock
 from homebot.mqtt.broker.byte_limits import QueuePool
-from homebot.mqtt.broker.deadlines import BrokerTimers, SliceBudget
 from homebot.mqtt.broker.in_flight import InFlight
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BULKY
@@ -21,12 +20,11 @@ from homebot.mqtt.broker.retained import Replay
 from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.packets import ReasonCode
+from homebot.turn_budget import TurnBudget
 
 __all__ = ["BrokerSession", "HeldPublisher"]
 
-_SENT: Final = 6  # units of work to send a retained message,
-_BYTES: Final = 1000  # and bytes of it that are one more
-_COPIED: Final = 4000  # bytes that are copied for one unit
+_UNCHECKED: Final = 16  # messages that are sent before the clock is read
 
 
 class HeldPublisher(Protocol):
@@ -57,9 +55,9 @@ class BrokerSession:
         clock: For expiry.
         limits: Bounds of the queue and of what is in flight.
         counters: Counts what is dropped.
+        turn: The share of the broker in a turn of the event loop.
         crowded: Where a session notes itself when its queue is three quarters full and its client connected; who
             reads it strikes it out.
-        work: How much may be done for it now.
         pool: Counts what waits for all sessions.
         host: Where its client is.
     """
@@ -70,8 +68,8 @@ class BrokerSession:
         clock: Clock,
         limits: BrokerLimits,
         counters: Counters,
+        turn: TurnBudget,
         crowded: dict[BrokerSession, None] | None = None,
-        work: SliceBudget | None = None,
         pool: QueuePool | None = None,
         host: str = "",
     ) -> None:
@@ -84,7 +82,7 @@ class BrokerSession:
         self.overrun = False
         self.held_publishers: dict[HeldPublisher, None] = {}  # in their order, so that runs are alike
         self._congested = {} if crowded is None else crowded
-        self._work = SliceBudget(clock, BrokerTimers()) if work is None else work
+        self._turn = turn
         self._clock = clock
         self._limits = limits
         self._counters = counters
@@ -172,11 +170,10 @@ class BrokerSession:
         """Do as :meth:`deliver`, for a message of at least ``BULKY`` bytes, of which each copy takes its time."""
         if self.outbound is None or self._queue:
             return self.deliver(queued)
-        if self._work.left:
-            self._work.spend(queued.message.size // _COPIED)
+        if self._turn.has_time():
             return self.deliver(queued)
         self._queue.append(queued)
-        self._work.later(self.pump)
+        self._turn.defer(self.pump)
         return TAKEN
 
     def replay(self, replay: Replay) -> None:
@@ -215,10 +212,15 @@ class BrokerSession:
         self._release_publishers()
 
     def pump(self) -> None:
-        """Send what waits, as far as the client takes it."""
+        """Send what waits, as far as the client takes it and there is time in this turn."""
         outbound, queue, in_flight = self.outbound, self._queue, self.in_flight
         messages, sent, resend, window = queue.messages, in_flight.messages, in_flight.resend, in_flight.window
+        unchecked = _UNCHECKED
         while outbound is not None and not outbound.link.write_blocked:
+            unchecked -= 1
+            if unchecked < 0 and not self._turn.has_time():
+                self._turn.defer(self.pump)
+                break
             if resend and len(sent) - len(resend) < window:
                 in_flight.send_again(outbound)
             elif not messages:
@@ -231,10 +233,7 @@ class BrokerSession:
                 if qos and len(sent) >= window:
                     break
                 if message.size >= BULKY:
-                    if not self._work.left:
-                        self._work.later(self.pump)
-                        break
-                    self._work.spend(message.size // _COPIED)
+                    unchecked = 0
                 queue.popleft()
                 if message.expires_at is not None and message.expires_at <= self._clock.monotonic():
                     self._counters.dropped_expired += 1
@@ -280,24 +279,19 @@ class BrokerSession:
 
     def _go_on_with(self, outbound: Outbound, replay: Replay) -> bool:
         """Send a message of *replay*, or strike it out when it is over; False where it has to wait."""
-        work = self._work
-        owed = replay.first(work, self._clock.monotonic())
+        owed = replay.first(self._turn, self._clock.monotonic())
         if owed is None:
             if replay.is_over:
                 self._queue.popleft()
                 return True
             if replay.complete:
-                work.later(self.pump)
+                self._turn.defer(self.pump)
             return False
         message, subscription = owed
         qos = min(message.qos, subscription.qos)
         if qos and self.in_flight.full:
             return False
-        if not work.left:
-            work.later(self.pump)
-            return False
         replay.popleft()
-        work.spend(_SENT + message.size // _BYTES)
         identifiers = (subscription.identifier,) if subscription.identifier else ()
         queued = QueuedMessage(message, qos, retain=True, identifiers=identifiers)
         if qos:

@@ -10,13 +10,14 @@ from typing import final
 
 from homebot.clock import Clock
 from homebot.mqtt.broker.byte_limits import QueuePool
-from homebot.mqtt.broker.deadlines import BrokerTimers, Deadline, SliceBudget
+from homebot.mqtt.broker.deadlines import BrokerTimers, Deadline
 from homebot.mqtt.broker.exchange import MessageRouter
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BrokerMessage, size_of
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.packets import Will
+from homebot.turn_budget import TurnBudget
 
 __all__ = ["Sessions", "will_size"]
 
@@ -31,7 +32,7 @@ class Sessions:
         deadlines: Where ends and delayed wills are noted.
         limits: How many sessions there may be.
         counters: Counts those pushed out.
-        work: How much may be done for them now.
+        turn: The share of the broker in a turn of the event loop.
         pool: Counts what waits for all of them.
     """
 
@@ -42,7 +43,7 @@ class Sessions:
         deadlines: BrokerTimers,
         limits: BrokerLimits,
         counters: Counters,
-        work: SliceBudget,
+        turn: TurnBudget,
         pool: QueuePool,
     ) -> None:
         self._exchange = exchange
@@ -50,7 +51,7 @@ class Sessions:
         self._deadlines = deadlines
         self._limits = limits
         self._counters = counters
-        self._work = work
+        self._turn = turn
         self._pool = pool
         self._sessions: dict[str, BrokerSession] = {}
         self._away: dict[str, _Absence] = {}  # in the order of leaving
@@ -90,7 +91,7 @@ class Sessions:
             self._counters.sessions_evicted += 1
             self.end(self._least_missed())
         session = BrokerSession(
-            client_id, self._clock, self._limits, self._counters, self._exchange.crowded, self._work, self._pool, host
+            client_id, self._clock, self._limits, self._counters, self._turn, self._exchange.crowded, self._pool, host
         )
         self._sessions[client_id] = session
         return session, False

@@ -14,7 +14,7 @@ from homebot.log import LogLimit, more_like_this
 from homebot.logger import get_logger
 from homebot.mqtt.broker.authentication import Authentication, LoginThrottle, WaitingLogins
 from homebot.mqtt.broker.byte_limits import QueuePool, UnreadPackets, UnsentBytes
-from homebot.mqtt.broker.deadlines import BrokerTimers, SliceBudget
+from homebot.mqtt.broker.deadlines import BrokerTimers
 from homebot.mqtt.broker.exchange import MessageRouter
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BrokerMessage
@@ -22,11 +22,11 @@ from homebot.mqtt.broker.ports import BrokerPolicy, ConnectedClient, RefusedFilt
 from homebot.mqtt.broker.sessions import Sessions
 from homebot.mqtt.broker.stats import BrokerStats, Counters
 from homebot.mqtt.packets import ReasonCode
+from homebot.turn_budget import TurnBudget
 
 __all__ = ["BrokerState", "short"]
 
 _CUT_BY_A_READ = 4096  # bytes: about a read may leave as much of a packet on every connection
-_IN_A_TURN = 20_000  # units of work
 _WARNINGS = 20  # of one event in ten seconds: enough to tell a few clients apart
 _LONGEST_TEXT = 100  # a client may choose a name or topic of 65,535 bytes
 _log = get_logger()
@@ -44,12 +44,12 @@ class BrokerState:
         keep_alive: The longest keep-alive interval a client may have, in seconds; None leaves it to them.
         on_message: Called with each message that is forwarded, wills included; must not raise.
         random: Where assigned client ids come from; by default nobody can guess them.
+        call_soon: Schedules a call in the next turn of the event loop; by default the next run of the deadlines.
 
     Attributes:
         peers: Logged-in connections by client id.
         deadlines: What is due when; the carrier runs it.
-        work: How much may be done now of what can take long.
-        turn: What is done in one turn of the event loop by messages that go to many, or are compared with many filters.
+        turn: The share of each turn of the event loop for all connections together.
         waiting_logins: Connections that have not logged in.
         throttle: How long they have to wait after wrong passwords.
         unread_logins: Their incomplete packets.
@@ -67,6 +67,7 @@ class BrokerState:
         keep_alive: int | None = None,
         on_message: Callable[[BrokerMessage], None] | None = None,
         random: Random | None = None,
+        call_soon: Callable[[Callable[[], None]], object] | None = None,
     ) -> None:
         self.clock = clock
         self.limits = limits
@@ -76,8 +77,7 @@ class BrokerState:
         self.random = random or SystemRandom()
         self.counters = Counters()
         self.deadlines = BrokerTimers()
-        self.work = SliceBudget(clock, self.deadlines)
-        self.turn = SliceBudget(clock, self.deadlines, _IN_A_TURN, 0.0)
+        self.turn = TurnBudget(clock.monotonic, call_soon or self._call_at_next_run)
         self._on_message = on_message
         self.peers: dict[str, ConnectedClient] = {}
         self.waiting_logins = WaitingLogins(limits.max_waiting_logins)
@@ -128,6 +128,9 @@ class BrokerState:
         """The size of the wills of all clients, and of those that wait for their time."""
         return self.sessions.will_bytes + sum(peer.will_bytes for peer in self.peers.values())
 
+    def _call_at_next_run(self, call: Callable[[], None]) -> None:
+        self.deadlines.at(self.clock.monotonic(), call)
+
     def _plan_relief(self) -> None:
         """Plan to make room soon, because whoever fills the queues is in the middle of it."""
         if not self._is_relief_planned:
@@ -158,9 +161,9 @@ class BrokerState:
                 self.sessions.end(session.client_id)
 
     def _clear(self) -> None:
-        self.exchange = MessageRouter(self.clock, self.limits, self.counters, self._on_message, self.turn, self.work)
+        self.exchange = MessageRouter(self.clock, self.limits, self.counters, self.turn, self._on_message)
         self.sessions = Sessions(
-            self.exchange, self.clock, self.deadlines, self.limits, self.counters, self.work, self.pool
+            self.exchange, self.clock, self.deadlines, self.limits, self.counters, self.turn, self.pool
         )
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple, final
 
-from homebot.mqtt.broker.deadlines import SliceBudget
 from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.filter_tree import FilterTree
 
@@ -15,7 +14,6 @@ __all__ = ["Recipients", "ShareGroup", "SubscriptionTree", "Target"]
 
 _MAX_CACHED_TOPICS = 4096  # enough for the busy topics of a house; beyond it the cache starts anew
 _MOST_CACHED = 50_000  # targets of all cached topics
-_CHEAP = 100  # units of work
 _LONGEST_CACHED = 512  # characters of a topic
 
 
@@ -94,16 +92,12 @@ class Recipients(NamedTuple):
 class SubscriptionTree:
     """All subscriptions of all sessions, by the levels of their filters.
 
-    Args:
-        turn: What is done in one turn of the event loop; charged for topics that many filters have to be looked at for.
-
     Attributes:
         shared: How many of them are shared subscriptions.
         text: The length of all filters.
     """
 
-    def __init__(self, turn: SliceBudget | None = None) -> None:
-        self._turn = turn
+    def __init__(self) -> None:
         self._members: FilterTree[BrokerSession, SessionSubscription] = FilterTree()
         self._groups: FilterTree[str, ShareGroup] = FilterTree()
         self._cache: dict[str, Recipients] = {}
@@ -177,9 +171,7 @@ class SubscriptionTree:
     def _find(self, topic: str) -> Recipients:
         levels = topic.split("/")
         matched: dict[BrokerSession, list[SessionSubscription]] = {}
-        found, cost = self._members.matching(levels)
-        for members in found:
-            cost += len(members)
+        for members in self._members.matching(levels):
             for session, subscription in members.items():
                 if session.has_ended:
                     continue
@@ -187,7 +179,5 @@ class SubscriptionTree:
                     matched[session].append(subscription)
                 else:
                     matched[session] = [subscription]
-        groups = [group for shares in self._groups.matching(levels)[0] for group in shares.values()]
-        if cost > _CHEAP and self._turn is not None:
-            self._turn.spend(cost)
+        groups = [group for shares in self._groups.matching(levels) for group in shares.values()]
         return Recipients(tuple(Target.of(session, found) for session, found in matched.items()), tuple(groups))
