@@ -2,8 +2,8 @@
 
 The same commands are given to the same lamps twice: fire and forget, as most programs do, and through handles, whose
 outcome is held against what the lamp did. A failure is silent where the outcome, or what was reported of it within the
-settle time, says that the lamp obeyed and it did not. Of lamps with a metering plug or a light sensor beside
-them, the first commands are not counted: homebot learns from them what that sees.
+settle time, says that the lamp obeyed and it did not. The metering plug and the light sensor beside some lamps are
+named as their witnesses.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ __all__ = ["run"]
 
 COMMANDS = 20
 GAP = 40.0  # seconds between two commands to a lamp
-LEARNS = 12
-"""Commands from which it is learnt what a metering plug or a light sensor sees."""
+NAMES = ("plug", "lux")
+"""The second devices, as the owner names them for witnesses."""
 
 OFTEN, SELDOM = 2.0, 300.0  # seconds between two reports of the same
 WITNESSES = {
@@ -44,7 +44,7 @@ WITNESSES = {
 SEEN_FAULTS = {
     "none": "",
     "slow": FAULTS["slow, 5 to 7.5 s"],
-    "liar": f"liar = {{ since = {60.0 + (LEARNS - 0.5) * GAP} }}",
+    "liar": f"liar = {{ since = {60.0 - 0.5 * GAP} }}",
 }
 WITNESSED = {
     f"{fault}, {witness}": (settings, device)
@@ -60,8 +60,9 @@ def run(plan: Plan) -> Report:
         for dialect in sorted(DIALECTS):
             for found, forgets in ((forgotten, True), (told, False)):
                 world, count = _world(dialect, settings, witness), plan.count(COMMANDS)
+                name = next((one for one in NAMES if f"devices.{one} " in witness), "")
                 with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
-                    runner.run(_measure(world, count, found, LEARNS if witness else 0, forgets=forgets))
+                    runner.run(_measure(world, count, found, name, forgets=forgets))
         rows.append(row(fault, forgotten, told))
     lamps = (
         f"A lamp of each dialect: {', '.join(sorted(DIALECTS))}. Where no second device sees it, a liar is believed and"
@@ -78,7 +79,7 @@ def _world(dialect: str, fault: str, more: str) -> World:
         return load_world(file)
 
 
-async def _measure(world: World, count: int, found: OutcomeCount, learns: int, *, forgets: bool) -> None:
+async def _measure(world: World, count: int, found: OutcomeCount, witness: str, *, forgets: bool) -> None:
     real = unwrap(world.devices["lamp"].device)
     assert isinstance(real, SimulatedLamp)
     reverted: dict[str, float] = {}
@@ -86,13 +87,17 @@ async def _measure(world: World, count: int, found: OutcomeCount, learns: int, *
     def note_event(event: CommandEvent) -> None:
         reverted[event.result.command_id] = anyio.current_time()
 
-    heartbeat = OFTEN if learns else SELDOM  # what says nothing in time is no witness
-    async with virtual_house_of(world=world, heartbeat=heartbeat) as house, Node(house.runtime.graph, "app") as node:
+    heartbeat = OFTEN if witness else SELDOM  # a silent sensor is no witness
+    config = {"control": {"witnesses": {"light": witness}}} if witness else None
+    async with (
+        virtual_house_of(world=world, heartbeat=heartbeat, config=config) as house,
+        Node(house.runtime.graph, "app") as node,
+    ):
         node.create_subscription(CommandEvent, COMMAND_EVENTS, note_event, 1000)
         devices = Devices(node)
         await anyio.sleep(60)
         (lamp,) = await devices.find(Light)
-        for number in range(-learns, count):
+        for number in range(count):
             wanted = number % 2 == 0
             began = anyio.current_time()
             outcome = None if forgets else await (lamp.turn_on() if wanted else lamp.turn_off())
@@ -101,5 +106,4 @@ async def _measure(world: World, count: int, found: OutcomeCount, learns: int, *
             ended = anyio.current_time()
             await anyio.sleep(began + GAP - ended)
             reverted_at = None if outcome is None else reverted.get(outcome.command_id)
-            if number >= 0:
-                found.note(outcome, began, ended, reverted_at, obeyed=real.is_on is wanted)
+            found.note(outcome, began, ended, reverted_at, obeyed=real.is_on is wanted)

@@ -38,7 +38,7 @@ PRINTED: Mapping[str, tuple[int, str]] = {
     "homebot leases": (0, "nobody holds anything"),
     "homebot release 'Front door'": (1, "homebot: nobody holds front_door"),
     "homebot approve 'Front door'": (0, "front_door is approved"),
-    "homebot believe 'Hall lamp'": (0, "hall_lamp was believed already"),
+    "homebot trust 'Hall lamp'": (0, "hall_lamp was trusted already"),
     "homebot do 'Hall lamp' on": (0, "hall_lamp: "),
     "homebot do 'Hall lamp' off": (0, "hall_lamp: "),
     "homebot why 'Hall lamp'": (0, "hall_lamp is o"),

@@ -39,7 +39,7 @@ COMMANDS: Final = {
     "place": "say which room a device is in",
     "alias": "give a device a further name",
     "approve": "approve a device that can hurt, so that it may be driven",
-    "believe": "believe a device again that a sensor contradicted",
+    "trust": "trust a device again that a sensor contradicted",
     "leases": "list what programs hold as it is, and until when",
     "release": "end the leases of a device",
     "places": "list, export and import the rooms of the house",

@@ -21,7 +21,6 @@ from homebot.control.reports import GatewayFeed
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import (
     ACCESS_REFUSALS,
-    BELIEVE_DEVICE,
     CLIENTS_LEFT,
     COMMAND_DEVICES,
     END_LEASES,
@@ -33,6 +32,7 @@ from homebot.devices.names import (
     RELEASE_LEASE,
     RENEW_LEASE,
     SEND_TEXT,
+    TRUST_DEVICE,
 )
 from homebot.graph import Node, QoSProfile
 
@@ -53,8 +53,8 @@ if TYPE_CHECKING:
     from homebot.control.timelines import Timelines
     from homebot.devices.access_messages import AccessRefused, ClientLeft
     from homebot.devices.approval_messages import (
-        BelieveDeviceRequest,
-        BelieveDeviceResponse,
+        TrustDeviceRequest,
+        TrustDeviceResponse,
         UnapprovedRequest,
         UnapprovedResponse,
     )
@@ -149,7 +149,7 @@ class Control:
                 tasks.start_soon(self._names.run)
             task_status.started()
             if self._journal_file is not None and await anyio.Path(self._journal_file).exists():
-                _ = self._executor  # what was learnt names sensors, which have to be followed before the first command
+                _ = self._executor  # what was learnt is read before the first command
             await self._begun.wait()
             tasks.start_soon(self._executor.run)
             await self._leasing.run()
@@ -158,7 +158,7 @@ class Control:
         """Offer the services; what they begin is carried out while it serves."""
         from homebot.devices import lease_messages as leases  # noqa: PLC0415 - likewise
         from homebot.devices.access_messages import AccessRefused, ClientLeft  # noqa: PLC0415 - likewise
-        from homebot.devices.approval_messages import BelieveDevice, GetUnapproved  # noqa: PLC0415 - see above
+        from homebot.devices.approval_messages import GetUnapproved, TrustDevice  # noqa: PLC0415 - see above
         from homebot.devices.command_messages import CommandDevices, PerformCommand  # noqa: PLC0415 - see above
         from homebot.devices.journal_messages import ReadJournal  # noqa: PLC0415 - likewise
         from homebot.devices.text_messages import SendText  # noqa: PLC0415 - likewise
@@ -172,7 +172,7 @@ class Control:
         self._node.create_service(leases.GetLeases, GET_LEASES, self.held_parts)
         self._node.create_service(leases.EndLeases, END_LEASES, self.end_leases)
         self._node.create_service(GetUnapproved, GET_UNAPPROVED, self.unapproved)
-        self._node.create_service(BelieveDevice, BELIEVE_DEVICE, self.believe)
+        self._node.create_service(TrustDevice, TRUST_DEVICE, self.trust)
         self._node.create_service(GetHealth, "~/health", self.health)
         self._node.create_service(ReadJournal, READ_JOURNAL, self.read_journal, concurrent=True)
         self._node.create_subscription(AccessRefused, ACCESS_REFUSALS, self._take_refusal, QoSProfile(depth=_REFUSALS))
@@ -218,11 +218,11 @@ class Control:
         """Return the devices that wait for the owner's approval."""
         return await self._approvals.unapproved(request)
 
-    async def believe(self, request: BelieveDeviceRequest) -> BelieveDeviceResponse:
+    def trust(self, request: TrustDeviceRequest) -> TrustDeviceResponse:
         """Forget that a witness contradicted a device."""
-        from homebot.devices.approval_messages import BelieveDeviceResponse  # noqa: PLC0415 - see above
+        from homebot.devices.approval_messages import TrustDeviceResponse  # noqa: PLC0415 - see above
 
-        return BelieveDeviceResponse(witnesses=await self._executor.witnesses.believe(request.device))
+        return TrustDeviceResponse(witnesses=self._executor.witnesses.trust(request.device))
 
     async def health(self, _: HealthRequest) -> HealthResponse:
         """Return the health of the journal, with notes on what waits for the owner."""

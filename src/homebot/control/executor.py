@@ -6,8 +6,6 @@ import asyncio
 from functools import lru_cache
 from typing import Final, final
 
-import anyio
-
 from homebot.control import durations
 from homebot.control.client_commands import POLICY
 from homebot.control.command import IssuedCommand, order_of, zero_as_off
@@ -31,7 +29,7 @@ from homebot.control.timeline.roles import ReportRole
 from homebot.control.timelines import Timelines
 from homebot.control.undoings import Undoings
 from homebot.control.value_text import value_text
-from homebot.control.witnesses import WitnessVerification
+from homebot.control.witnesses import Witnesses
 from homebot.devices import FIND_DEVICES, Device, DevicePart, FindDevices
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
 from homebot.devices.command_results import result_of
@@ -104,15 +102,13 @@ class CommandExecutor:
         timelines.on_report, timelines.on_end = self._on_report, self._on_end
         timelines.on_undone = Undoings(node, journal, is_watched=settings.settle > 0).publish
         feed.on_answer = self._on_answer
-        self.witnesses = WitnessVerification(node, settings, learnt)
+        self.witnesses = Witnesses(node, settings, feed)
         for name, read in self.witnesses.counters.items():
             journal.add_counter(name, read)
 
     async def run(self) -> None:
-        """Read what was learnt, and follow what sensors observe, until cancelled."""
-        async with anyio.create_task_group() as tasks:
-            tasks.start_soon(self._learnt.load)
-            tasks.start_soon(self.witnesses.run)
+        """Read what was learnt."""
+        await self._learnt.load()
 
     async def perform(self, request: CommandRequest) -> CommandResult:
         """Carry a command out, and return its result."""
@@ -161,8 +157,6 @@ class CommandExecutor:
         if command.place in self.leases.parts:
             self.leases.note_stop(command.place, command.settings, now)
         self._judge.note_sent(command)
-        if self.witnesses.doubted:
-            self.witnesses.note_text(command)
         self.timelines.of(command.device, command.part).command(Commanded(now, order_of(command), is_raw=True))
 
     def rehearsed(self, command: IssuedCommand) -> Outcome | None:
@@ -212,7 +206,7 @@ class CommandExecutor:
                 return self._decided(opened, AlreadySo(command_id=command.id))
             if self.rehearsal is not None and (assumed := self.rehearsed(command)) is not None:
                 return await self._rehearse(opened, assumed)
-            outcome = await (self._sending.run(opened) if self.witnesses.are_none else self._send_and_verify(opened))
+            outcome = await self._send_and_verify(opened)
             if _is_lost(outcome) and await self._is_gone(command):
                 outcome = Gone(command_id=command.id)
             return self._decided(opened, outcome)
@@ -227,9 +221,9 @@ class CommandExecutor:
         return self.refusal(command)
 
     def _known(self, command: IssuedCommand, order: Order, timeline: PartTimeline) -> KnownState:
-        """Return the certain values of the part: none while an older command would change them."""
+        """Return the certain values of the part: none while an older command or a witness contradicts them."""
         is_doubted = any(_wants_otherwise(one, command) for one in timeline.open_commands())
-        if is_doubted or (self.witnesses.doubted and self.witnesses.disproves(command)):
+        if is_doubted or command.place in self.witnesses.contradicted:
             return KnownState({}, is_recent=False)
         lost_at = self._feed.last_loss(command.part.routes).wall
         asked = {*order.settings, *order.wanted}
@@ -251,15 +245,12 @@ class CommandExecutor:
 
     async def _send_and_verify(self, opened: OpenCommand) -> Outcome:
         """Send a command and return its outcome, by what the device reports and by what sensors observe."""
-        command = opened.command
-        watch = self.witnesses.begin(command, opened.changed.set)
+        witnesses = await self.witnesses.begin(opened)
         try:
             outcome = await self._sending.run(opened)
-            if watch is None and not self.witnesses.disproves(command):
-                return outcome
-            return await self.witnesses.verify(watch, opened, outcome, opened.changed.wait)
+            return await self.witnesses.verify(opened, witnesses, outcome) if witnesses else outcome
         finally:
-            self.witnesses.end(command)
+            self.witnesses.end(witnesses)
 
     def _decided(self, opened: OpenCommand, outcome: Outcome) -> CommandResult:
         """Record the outcome of a command, learn from it, and return its result."""

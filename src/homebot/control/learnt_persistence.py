@@ -15,7 +15,7 @@ from homebot.graph import Node
 
 __all__ = ["Learner", "LearntPersistence"]
 
-KINDS: Final = frozenset({"detection", "disproof", "profile", "witness"})
+KINDS: Final = frozenset({"detection", "profile"})
 """What this version learns; other rows are dropped."""
 
 LOADED: Final = "control.learnt_loaded"

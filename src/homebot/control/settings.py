@@ -21,8 +21,7 @@ class ControlSettings(PolicySettings):
     Attributes:
         timeout: Seconds that a device has for its answer; one that usually takes longer has longer.
         retries: How often a command without an answer is sent again. Momentary ones, such as a press, never are.
-        witnesses: Which sensor, by its id or name, sees what the devices that fit a query do; an empty one is none.
-            Without an entry that is learnt.
+        witnesses: The sensor, by its id or name, that observes the devices that fit a query; an empty one is none.
         settle: Seconds after a confirmed command in which a device that goes back is reported as reverted.
         hand_time: Seconds for which a person's hand outranks a lease.
         journal_days: Days for which the journal keeps what happened.

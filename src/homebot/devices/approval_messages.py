@@ -1,9 +1,9 @@
-"""The services by which the owner approves devices that can hurt, and believes those that a witness contradicted."""
+"""The services by which the owner approves devices that can hurt, and trusts those that a witness contradicted."""
 
 from homebot.devices.device import KeyValue
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["ApproveDevice", "BelieveDevice", "DescribeCommands", "GetUnapproved"]
+__all__ = ["ApproveDevice", "DescribeCommands", "GetUnapproved", "TrustDevice"]
 
 
 class ApproveDeviceRequest(Message):
@@ -77,8 +77,8 @@ class UnapprovedResponse(Message):
     reasons: tuple[KeyValue, ...] = ()
 
 
-class BelieveDeviceRequest(Message):
-    """Believe a device again.
+class TrustDeviceRequest(Message):
+    """Trust a device again.
 
     Attributes:
         device: The id of the device.
@@ -87,11 +87,11 @@ class BelieveDeviceRequest(Message):
     device: str
 
 
-class BelieveDeviceResponse(Message):
+class TrustDeviceResponse(Message):
     """The contradictions that count no more.
 
     Attributes:
-        witnesses: The names of the sensors that had contradicted a part of the device; empty where it was believed.
+        witnesses: The names of the sensors that had contradicted a part of the device; empty if it was trusted.
     """
 
     witnesses: tuple[str, ...] = ()
@@ -100,4 +100,4 @@ class BelieveDeviceResponse(Message):
 ApproveDevice = ServiceType("homebot/srv/ApproveDevice", ApproveDeviceRequest, ApproveDeviceResponse)
 DescribeCommands = ServiceType("homebot/srv/DescribeCommands", DescribeCommandsRequest, DescribeCommandsResponse)
 GetUnapproved = ServiceType("homebot/srv/GetUnapproved", UnapprovedRequest, UnapprovedResponse)
-BelieveDevice = ServiceType("homebot/srv/BelieveDevice", BelieveDeviceRequest, BelieveDeviceResponse)
+TrustDevice = ServiceType("homebot/srv/TrustDevice", TrustDeviceRequest, TrustDeviceResponse)

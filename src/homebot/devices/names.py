@@ -8,7 +8,6 @@ __all__ = [
     "ACCESS_REFUSALS",
     "ALIAS_DEVICE",
     "APPROVE_DEVICE",
-    "BELIEVE_DEVICE",
     "CHANGE_ROOM",
     "CLIENTS_LEFT",
     "COMMAND_DEVICES",
@@ -52,6 +51,7 @@ __all__ = [
     "TEACH_PLACE",
     "TEXT_SCHEME",
     "THING_DIRECTORY_NODE",
+    "TRUST_DEVICE",
     "CommissioningNames",
     "GatewayNames",
     "TagNames",
@@ -95,7 +95,7 @@ END_LEASES = "/control/end_leases"
 COMMAND_EVENTS = "/control/events"
 READ_JOURNAL = "/control/journal"
 GET_UNAPPROVED = "/control/unapproved"
-BELIEVE_DEVICE = "/control/believe"
+TRUST_DEVICE = "/control/trust"
 JOURNAL_ENTRIES = "/control/journal_entries"
 START_RECORDER = "/homebot/start_recorder"
 READ_RECORDING = "/homebot/recorder/read"

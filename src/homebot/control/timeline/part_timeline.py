@@ -107,6 +107,10 @@ class PartTimeline:
             learn_failure(progress, self.profile)
         self._append(fact)
 
+    def witness(self, fact: facts.Witnessed) -> None:
+        """Append the observation of a second device."""
+        self._append(fact)
+
     def report(
         self, at: float, stamp: float, capability: str, value: PlainValue, lost_at: float = -math.inf
     ) -> facts.Reported | None:

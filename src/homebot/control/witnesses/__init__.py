@@ -1,5 +1,5 @@
-"""Witnesses: sensors that see whether a commanded device did what it reports."""
+"""Witnesses of commands: sensors that observe their effects."""
 
-from homebot.control.witnesses.verification import WitnessVerification
+from homebot.control.witnesses.witnesses import Witnesses
 
-__all__ = ["WitnessVerification"]
+__all__ = ["Witnesses"]

@@ -1,4 +1,4 @@
-"""``homebot believe``."""
+"""``homebot trust``."""
 
 from __future__ import annotations
 
@@ -9,34 +9,34 @@ from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.table import printable
-from homebot.devices.names import BELIEVE_DEVICE
+from homebot.devices.names import TRUST_DEVICE
 
 __all__ = ["add_arguments"]
 
 _EXAMPLES = """\
-  homebot believe 'Hall lamp'
+  homebot trust 'Hall lamp'
 
-For a device that is contradicted by a sensor although it obeys, for example since it was repaired. It is believed again
+For a device that is contradicted by a sensor although it obeys, for example since it was repaired. It is trusted again
 by itself once the sensor sees it obey. It takes the right `manage`. `homebot doctor` names such devices.
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot believe``."""
-    set_client_command(parser, _believe, _EXAMPLES)
+    """Add those of ``homebot trust``."""
+    set_client_command(parser, _trust, _EXAMPLES)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
 
 
-def _believe(options: argparse.Namespace) -> int:
+def _trust(options: argparse.Namespace) -> int:
     """Forget that a sensor contradicted a device."""
 
     def run(door: DoorClient) -> int:
         device = named_device(door, options.device)["id"]
-        witnesses = cast("list[str]", door.call(BELIEVE_DEVICE, {"device": device})["witnesses"])
+        witnesses = cast("list[str]", door.call(TRUST_DEVICE, {"device": device})["witnesses"])
         for name in witnesses:
-            print(f"{printable(device)} is believed again; {printable(name)} had measured no change")
+            print(f"{printable(device)} is trusted again; {printable(name)} had measured no change")
         if not witnesses:
-            print(f"{printable(device)} was believed already")
+            print(f"{printable(device)} was trusted already")
         return 0
 
     return with_client(options, run)

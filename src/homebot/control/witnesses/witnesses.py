@@ -1,0 +1,203 @@
+"""Witnesses of commands: sensors that the owner names, and meters of the same device."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Final, TypeAlias, final
+
+from homebot.control.command import IssuedCommand
+from homebot.control.reports import GatewayFeed, ReportWatch
+from homebot.control.sending import OpenCommand
+from homebot.control.settings import ControlSettings
+from homebot.control.timeline.facts import Witnessed
+from homebot.control.witnesses.observation import Measurement, Observed, observed, rises, sensed_by
+from homebot.devices import FIND_DEVICES, Device, DevicePart, FindDevices
+from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
+from homebot.devices.query import NameIs, Or, PartFacets, fits, query_terms
+from homebot.devices.query.terms import FactIs
+from homebot.devices.services import FindDevicesRequest
+from homebot.devices.value import PlainValue
+from homebot.errors import ServiceError
+from homebot.graph import Node
+
+__all__ = ["Witness", "Witnesses"]
+
+CONTRADICTED = "control.contradicted_by_witness"
+
+_MOST_FOR_ONE: Final = 4
+_METERS: Final = frozenset({"power", "flow"})
+"""Capabilities by which a device measures its own effect."""
+
+
+@dataclass(slots=True, eq=False)
+class Witness:
+    """A sensor that observes one command.
+
+    Attributes:
+        name: The name of its device.
+        is_named: Whether the owner named it, so that it is waited for, and contradicts the device.
+        values: What it measured.
+        seen_at: When it last reported, on the monotonic clock.
+        watch: The watch of its reports.
+    """
+
+    name: str
+    is_named: bool
+    values: Measurement
+    seen_at: float = 0.0
+    watch: ReportWatch | None = None
+
+    def answer(self, reported_at: float, *, is_rise: bool) -> Observed:
+        """Return what it shows of a command that the device reported to have obeyed then."""
+        return observed(self.values, is_rise=is_rise, is_heard=self.seen_at > reported_at)
+
+
+_Sensor: TypeAlias = tuple[Witness, DevicePart]
+
+
+@final
+class Witnesses:
+    """Asks sensors about commands.
+
+    Args:
+        node: The node whose clients ask the directory.
+        settings: The sensors that the owner names, and for how long they are waited for.
+        feed: The reports of the sensors.
+
+    Attributes:
+        contradicted: The name of the witness that contradicted each part, until one sees it obey, or the owner trusts
+            it.
+    """
+
+    def __init__(self, node: Node, settings: ControlSettings, feed: GatewayFeed) -> None:
+        self._node = node
+        self._clock = node.graph.clock
+        self._named = settings.named_witnesses
+        self._timeout = settings.timeout
+        self._feed = feed
+        self._find = node.create_client(FindDevices, FIND_DEVICES)
+        self._counts = {"commands_witnessed": 0, "commands_disproved": 0}
+        self.contradicted: dict[tuple[str, str], str] = {}
+
+    @property
+    def counters(self) -> Mapping[str, Callable[[], int]]:
+        """The functions that read each counter, by its name in the health of the node."""
+        return {name: partial(self._counts.__getitem__, name) for name in self._counts}
+
+    def notes(self) -> tuple[str, ...]:
+        """Return a note on the devices that a witness contradicts, for people."""
+        return tuple(
+            f"{device}: {witness} saw no effect of its last command; `homebot trust {device}` once it is repaired"
+            for (device, _), witness in self.contradicted.items()
+        )
+
+    def trust(self, device: str) -> tuple[str, ...]:
+        """Forget that witnesses contradicted *device*; return their names."""
+        places = [one for one in self.contradicted if one[0] == device]
+        return tuple(self.contradicted.pop(one) for one in places)
+
+    async def begin(self, opened: OpenCommand) -> list[Witness]:
+        """Return the witnesses of a command that is about to be sent; :meth:`end` must follow."""
+        command = opened.command
+        wanted = sensed_by(command.settings)
+        if not wanted or rises(command.settings) is None:
+            return []
+        found = await self._sensors_for(command, wanted)
+        for witness, part in found:
+            on_report = partial(self._on_report, witness, opened.changed.set)
+            witness.watch = self._feed.watch(part.routes, on_report)
+        return [witness for witness, _ in found]
+
+    def end(self, witnesses: Iterable[Witness]) -> None:
+        """Ask *witnesses* no more."""
+        for one in witnesses:
+            if one.watch is not None:
+                one.watch.stop()
+
+    async def verify(self, opened: OpenCommand, witnesses: list[Witness], outcome: Outcome) -> Outcome:
+        """Return *outcome*, or what a witness knows better; a named one is waited for."""
+        if not isinstance(outcome, Confirmed) and (not isinstance(outcome, NoAnswer) or outcome.reason):
+            return outcome
+        reported_at = self._clock.monotonic()
+        until = reported_at + self._timeout + opened.command.transition
+        is_rise = rises(opened.command.settings) is True
+        while True:
+            now = self._clock.monotonic()
+            newest = opened.outcome(now) if isinstance(outcome, Confirmed) else outcome
+            if type(newest) is not type(outcome):
+                return newest  # a newer command, or the device went back
+            saw = [one for one in witnesses if one.answer(reported_at, is_rise=is_rise) is Observed.EFFECT]
+            if saw:
+                return self._confirmed(opened, saw[0], outcome)
+            if now >= until or isinstance(outcome, NoAnswer) or not any(one.is_named for one in witnesses):
+                break
+            await opened.changed.wait(until - now)
+        for one in witnesses if isinstance(outcome, Confirmed) else ():
+            if one.is_named and one.answer(reported_at, is_rise=is_rise) is Observed.NOTHING:
+                return self._contradict(opened, one)
+        return outcome
+
+    def _name_for(self, command: IssuedCommand) -> str | None:
+        """Return the sensor that the owner names for a part, empty for none; None if nothing is said about it."""
+        facets = PartFacets(command.device)
+        facets.part = command.part
+        return next((name for query, name in self._named if fits(query, facets)), None)
+
+    async def _sensors_for(self, command: IssuedCommand, wanted: frozenset[str]) -> list[_Sensor]:
+        """Return the named sensor, or the meters of the same device."""
+        name = self._name_for(command) if self._named else None
+        if name is None:
+            return _sensors(command.device, wanted & _METERS, is_named=False)
+        if not name:
+            return []
+        query = query_terms(Or((FactIs("id", name), NameIs(name))))
+        try:
+            devices = (await self._find.call(FindDevicesRequest(query=query))).devices
+        except ServiceError:
+            return []
+        return [one for device in devices for one in _sensors(device, wanted, is_named=True)][:_MOST_FOR_ONE]
+
+    def _on_report(
+        self, witness: Witness, wake: Callable[[], None], capability: str, value: PlainValue, _stamp: float
+    ) -> None:
+        if capability == witness.values.capability:
+            witness.values = witness.values._replace(newest=value)
+            witness.seen_at = self._clock.monotonic()
+            wake()
+
+    def _confirmed(self, opened: OpenCommand, witness: Witness, outcome: Outcome) -> Outcome:
+        command, now = opened.command, self._clock.monotonic()
+        self._counts["commands_witnessed"] += 1
+        self.contradicted.pop(command.place, None)
+        opened.timeline.witness(Witnessed(now, command.id, agrees=True, witness=witness.name))
+        reported = outcome.latency if isinstance(outcome, Confirmed) else 0.0
+        latency = max(reported, witness.seen_at - opened.progress.given_at)
+        return Confirmed(latency, Evidence.WITNESSED, witness.name, command_id=command.id)
+
+    def _contradict(self, opened: OpenCommand, witness: Witness) -> Outcome:
+        command = opened.command
+        self._counts["commands_disproved"] += 1
+        self.contradicted[command.place] = witness.name
+        opened.timeline.witness(Witnessed(self._clock.monotonic(), command.id, agrees=False, witness=witness.name))
+        saw = f"{witness.name} measured no change"
+        self._node.log.warning(
+            CONTRADICTED, message=f"{command.label}: {saw}", device=command.device.id, command=command.id
+        )
+        return Contradicted(saw, witness.name, command_id=command.id)
+
+
+def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[_Sensor]:
+    """Return the sensors of a device that measure one of *wanted*; a silent or stale one cannot tell."""
+    if device.freshness != "fresh" or device.reachable.state == "no":
+        return []
+    values = {(one.part, one.capability): one.value.plain() for one in device.states if one.live}
+    found: list[_Sensor] = []
+    for part in device.parts:
+        for one in part.part.capabilities:
+            is_sensor = one.name in wanted and one.readable and not one.settable and part.id not in device.offline_parts
+            if is_sensor and (part.id, one.name) in values:
+                value = values[part.id, one.name]
+                found.append((Witness(device.name, is_named, Measurement(one.name, value, value)), part))
+    return found
