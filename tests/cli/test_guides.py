@@ -39,8 +39,8 @@ PRINTED: Mapping[str, tuple[int, str]] = {
     "homebot release 'Front door'": (1, "homebot: nobody holds front_door"),
     "homebot approve 'Front door'": (0, "front_door is approved"),
     "homebot trust 'Hall lamp'": (0, "hall_lamp was trusted already"),
-    "homebot do 'Hall lamp' on": (0, "hall_lamp: "),
-    "homebot do 'Hall lamp' off": (0, "hall_lamp: "),
+    "homebot do 'Hall lamp' on": (0, "hall_lamp in "),
+    "homebot do 'Hall lamp' off": (0, "hall_lamp in "),
     "homebot why 'Hall lamp'": (0, "hall_lamp is o"),
     "homebot why-not 'Hall lamp' on": (0, "hall_lamp is o"),
 }

@@ -96,7 +96,7 @@ class MotionSensor(SimulatedDevice):
 
 
 @dataclass(eq=False)
-class _Meter(SimulatedDevice):
+class _MeasuringSensor(SimulatedDevice):
     """A sensor of a number; a number by hand is what it measures until ``measure`` by hand."""
 
     def __post_init__(self) -> None:
@@ -130,7 +130,7 @@ class _Meter(SimulatedDevice):
 
 
 @dataclass(eq=False)
-class LuxSensor(_Meter):
+class LuxSensor(_MeasuringSensor):
     """A light sensor: senses lux and reports them when they changed enough.
 
     Attributes:
@@ -155,7 +155,7 @@ class LuxSensor(_Meter):
 
 
 @dataclass(eq=False)
-class PowerMeter(_Meter):
+class PowerMeter(_MeasuringSensor):
     """A power meter: senses the watts of all that is on, or of one device, as a metering plug does.
 
     Attributes:
