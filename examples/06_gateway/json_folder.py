@@ -9,6 +9,7 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel, ValidationError
 
 from homebot.devices.gateway_messages import Command
+from homebot.devices.implied_settings import implied_settings
 from homebot.errors import LinkError
 from homebot.gateways import Gateway, GatewayContext, GatewaySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
@@ -25,6 +26,10 @@ class Lamp(BaseModel):
 
     name: str
     on: bool
+    level: float = 100.0  # kept while it is off
+
+
+FIELDS = {"on_off": "on", "level": "level"}  # by capability
 
 
 class FolderGateway(Gateway):
@@ -68,13 +73,14 @@ class FolderGateway(Gateway):
             return
         if self._lamps.get(key) != lamp:
             self._lamps[key] = lamp
-            part = simple_part("light", settable=("on_off",))
+            part = simple_part("light", settable=tuple(FIELDS))
             self._devices.put(GatewayDevice(key, lamp.name, (part,), raw_address=f"{key}.json"), "its file was written")
             await self._devices.deliver_raw(key, content)
-            await self._devices.report(key, {"on_off": lamp.on})
+            await self._devices.report(key, {"on_off": lamp.on, "level": lamp.level})
 
     async def _perform(self, command: Command) -> None:
         if not await self._folder.is_dir():
             raise LinkError(self._problem)
-        lamp = self._lamps[command.key].model_copy(update={"on": command.value.plain()})
+        settings = implied_settings(command.capability, command.value.plain(), FIELDS)  # a level turns it on, too
+        lamp = self._lamps[command.key].model_copy(update={FIELDS[name]: value for name, value in settings})
         await (self._folder / f"{command.key}.json").write_text(lamp.model_dump_json())

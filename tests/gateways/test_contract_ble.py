@@ -2,37 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 from random import Random
+from typing import ClassVar
 
 import anyio
 import pytest
-from tests.gateways.contract import GatewayContract, Lamp
 
+from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
 from homebot.gateways.ble import BleBackend, BleGateway, BleGatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
 from homebot.house.virtual_radio import GattValue, VirtualPeripheral, VirtualRadio
+from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 SERVICE = "6e1d0001-0000-4000-8000-0123456789ab"
 COMMAND = "6e1d0002-0000-4000-8000-0123456789ab"
 STATE = "6e1d0003-0000-4000-8000-0123456789ab"
-PROFILE = {"service": SERVICE, "command": COMMAND, "state": STATE, "on": "01", "off": "00", "report": "{on}"}
+PROFILE = {
+    "service": SERVICE,
+    "command": COMMAND,
+    "state": STATE,
+    "on": "01",
+    "off": "00",
+    "level": "02{level}",
+    "color": "03{red}{green}{blue}",
+    "report": "{on}",
+}
 ADDRESS = "F0:F0:F0:F0:F0:02"
 FORGET_AFTER = 20.0
 """Seconds; a lamp that was carried out of the house does not say so."""
 
 
 class GattLamp(Lamp):
-    """A lamp that is connected to."""
+    """A lamp that is connected to, and that its brightness and its colour leave off."""
+
+    settings: ClassVar[Mapping[str, PlainValue]] = {"level": 40.0, "color": (120.0, 100.0)}
 
     def __init__(self, radio: VirtualRadio) -> None:
         super().__init__(ADDRESS, address=f"ble/{ADDRESS}")
         self.radio = radio
         self.is_on = False
         self._told: bool | None = None
+        self._values: dict[str, PlainValue] = {}
         self._house = AsyncExitStack()
         self._peripheral: VirtualPeripheral | None = None
 
@@ -49,7 +63,13 @@ class GattLamp(Lamp):
         await self._peripheral.advertise(fields, 0.5, connectable=True)
 
     def _tell(self, data: bytes) -> None:
-        self._told = data == b"\x01"
+        match data[0]:
+            case 2:
+                self._values["level"] = data[1] * 100 / 255
+            case 3:
+                self._values["color"] = (120.0, 100.0) if data[1:] == b"\x00\xff\x00" else None
+            case switch:
+                self._told = switch == 1
 
     async def report(self, *, on: bool) -> None:
         self.is_on = on
@@ -71,6 +91,9 @@ class GattLamp(Lamp):
 
     async def told(self) -> bool | None:
         return self._told
+
+    async def told_value(self, capability: str) -> PlainValue:
+        return self._values.get(capability)
 
     async def lose_link(self) -> None:
         await self.radio.unplug()

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
+from typing import ClassVar
 
 import aiocoap
 import anyio
 from aiocoap import resource
 from aiocoap.cli.rd import StandaloneResourceDirectory
 from anyio.abc import TaskGroup, TaskStatus
-from tests.gateways.contract import GatewayContract, Lamp
+from tests.gateways.lamp_orders import is_told_on, value_told
 from tests.ports import reserve_datagram_port
 
+from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
 from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
 from homebot.graph import Node
 from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 
 async def serve(port: int, site: resource.Site | None, *, task_status: TaskStatus[None]) -> None:
@@ -65,6 +68,8 @@ class Background:
 class CoapLamp(Lamp):
     """A simulated lamp that registers itself."""
 
+    settings: ClassVar[Mapping[str, PlainValue]] = {"level": 40.0}
+
     def __init__(self, directory_port: int, world: Background) -> None:
         self.world = world
         self.directory = f"coap://127.0.0.1:{directory_port}"
@@ -78,7 +83,8 @@ class CoapLamp(Lamp):
 
     def _obey(self, command: str) -> None:
         self.commands.append(command)
-        self.device.publish(DeviceState(text=command, is_on=command == "on"))
+        is_on = is_told_on(self.commands) is True
+        self.device.publish(DeviceState(text="on" if is_on else "off", is_on=is_on))
 
     async def announce(self) -> None:
         self.is_there = True
@@ -134,7 +140,10 @@ class CoapLamp(Lamp):
         await self.device.deregister()
 
     async def told(self) -> bool | None:
-        return {"on": True, "off": False}[self.commands[-1]] if self.commands else None
+        return is_told_on(self.commands)
+
+    async def told_value(self, capability: str) -> PlainValue:
+        return value_told(self.commands, capability)
 
     async def lose_link(self) -> None:
         await self.world.end()

@@ -5,20 +5,22 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import Any, ClassVar
 
 import anyio
 import pytest
-from tests.gateways.contract import GatewayContract, Lamp
 from tests.patience import PATIENCE
 
 from homebot import App, Light
+from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
 from homebot.graph import Node
 from homebot.plugins import load_plugin
 from homebot.testing import TestHouse
+from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 EXAMPLE = Path(__file__).parent.parent.parent / "examples" / "06_gateway"
 CLASS = "json_folder:FolderGateway"
@@ -40,6 +42,8 @@ def write(file: Path, *, on: bool) -> None:
 
 class FileLamp(Lamp):
     """A lamp that is a file."""
+
+    settings: ClassVar[Mapping[str, PlainValue]] = {"level": 40.0}
 
     def __init__(self, folder: Path) -> None:
         super().__init__("hall", address="hall.json")
@@ -64,9 +68,17 @@ class FileLamp(Lamp):
         self._file.unlink()
 
     async def told(self) -> bool | None:
+        order = self._order()
+        return None if order is None else bool(order["on"])
+
+    async def told_value(self, capability: str) -> PlainValue:
+        order = self._order()
+        return None if order is None else float(order[capability])
+
+    def _order(self) -> dict[str, Any] | None:
         """The gateway writes what it tells the lamp into the file, in a spelling of its own."""
         content = self._file.read_text()
-        return None if content in {"", self._own} else bool(json.loads(content)["on"])
+        return None if content in {"", self._own} else json.loads(content)
 
     async def lose_link(self) -> None:
         self._file.parent.rename(self._file.parent.with_name("away"))
@@ -137,7 +149,7 @@ async def test_the_command_line_lists_the_lamp_with_its_state(homebot: TestHouse
     door = {**os.environ, "HOMEBOT_DOOR": f"127.0.0.1:{homebot.runtime.door.port}"}
     with anyio.fail_after(PATIENCE):
         lines: list[list[str]] = []
-        while len(lines) < 2 or "on" not in lines[1]:
+        while len(lines) < 2 or "on," not in lines[1]:
             done = await anyio.run_process([sys.executable, "-m", "homebot", "devices"], env=door)
             lines = [line.split() for line in done.stdout.decode().splitlines()]
     assert lines[0][0] == "DEVICE"
@@ -146,4 +158,4 @@ async def test_the_command_line_lists_the_lamp_with_its_state(homebot: TestHouse
 
 def test_the_program_is_short() -> None:
     """As the guide promises."""
-    assert len((EXAMPLE / "json_folder.py").read_text().splitlines()) <= 80
+    assert len((EXAMPLE / "json_folder.py").read_text().splitlines()) <= 90

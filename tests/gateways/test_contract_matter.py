@@ -3,30 +3,70 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
+from typing import ClassVar
 
 import anyio
 from anyio.abc import TaskGroup, TaskStatus
-from tests.gateways.contract import GatewayContract, Lamp
 
+from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
 from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.matter import ServedMatterNode, SimulatedMatterServer
+from homebot.testing.gateway_contract import GatewayContract, Lamp
+
+
+class RecordingNode(ServedMatterNode):
+    """A node that takes all orders, and does what Matter makes of them: a colour leaves a lamp off."""
+
+    def __init__(self, device: SimulatedDeviceInfo, server: SimulatedMatterServer) -> None:
+        super().__init__(device, lambda _: None, server)
+        self.told: bool | None = None
+        self.values: dict[str, PlainValue] = {}
+
+    def describe(self) -> dict[str, object]:
+        """The lamp of the house is white; this one has hue and saturation as well."""
+        self.attributes |= {"1/768/0": 0, "1/768/1": 0, "1/768/65532": 0b10001}
+        return super().describe()
+
+    def invoke(self, endpoint: int, cluster: int, command: str, payload: Mapping[str, object]) -> bool:
+        assert cluster in {3, 6, 8, 768}
+        match command:
+            case "On" | "Off":
+                self.told = command == "On"
+            case "MoveToLevelWithOnOff":
+                self.values["level"] = float(str(payload["level"])) * 100 / 254
+                self.told = bool(payload["level"])
+            case "MoveToColorTemperature":
+                self.values["color_temperature"] = 1e6 / float(str(payload["colorTemperatureMireds"]))
+            case "MoveToHueAndSaturation":
+                hue, saturation = (float(str(payload[name])) for name in ("hue", "saturation"))
+                self.values["color"] = hue * 360 / 254, saturation * 100 / 254
+            case "Identify":
+                self.values["locate"] = True
+            case _:
+                return False
+        return endpoint == 1
 
 
 class MatterLamp(Lamp):
     """A lamp that is commissioned when it comes into the house."""
 
+    settings: ClassVar[Mapping[str, PlainValue]] = {
+        "level": 40.0,
+        "color": (120.0, 80.0),
+        "color_temperature": 2700.0,
+        "locate": True,
+    }
+
     def __init__(self, server: SimulatedMatterServer, tasks: TaskGroup) -> None:
         super().__init__("node-1", "1", address="matter/node-1")
         self.server = server
         self.tasks = tasks
-        self.orders: list[str] = []
-        device = SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "hall")
-        self.node = ServedMatterNode(device, self.orders.append, server)
+        self.node = RecordingNode(SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "hall"), server)
         self.node.begin(DeviceState(text="off"), has_power=True)
         self._serving: anyio.CancelScope | None = None
 
@@ -49,7 +89,10 @@ class MatterLamp(Lamp):
         self.server.remove(self.node)
 
     async def told(self) -> bool | None:
-        return self.orders[-1] == "on" if self.orders else None
+        return self.node.told
+
+    async def told_value(self, capability: str) -> PlainValue:
+        return self.node.values.get(capability)
 
     async def _serve(self, *, task_status: TaskStatus[None]) -> None:
         with anyio.CancelScope() as self._serving:

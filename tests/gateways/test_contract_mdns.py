@@ -7,7 +7,6 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import anyio
-from tests.gateways.contract import GatewayContract, Lamp
 from tests.gateways.mdns.lamp import DRIVER, LOOPBACK, SERVICE_TYPE, LampServer, Publisher, publisher
 from tests.gateways.mdns.packets import answer, pointer
 
@@ -15,6 +14,7 @@ from homebot.gateways import Gateway, GatewayContext
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings, NetworkInterfaces
 from homebot.gateways.mdns.interfaces import Interfaces
 from homebot.graph import Node
+from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 
 class Cable(NetworkInterfaces):

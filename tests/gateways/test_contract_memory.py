@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
+from typing import ClassVar
 
 import pytest
-from tests.gateways.contract import GatewayContract, Lamp, Neighbour
 
-from homebot.devices.gateway_messages import Command
-from homebot.devices.value import Value
+from homebot.devices.gateway_messages import Command, Report
+from homebot.devices.value import PlainValue, Value
 from homebot.gateways import Gateway
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
 from homebot.graph import Node
+from homebot.testing.gateway_contract import GatewayContract, Lamp, Neighbour
+from homebot.testing.gateway_contract.steps import kept, listen, value
 
 UNPLUGGED = "the radio is unplugged"
 
@@ -24,9 +26,17 @@ class MemoryLamp(Lamp):
 
     gateway: MemoryGateway
     is_linked = True
+    settings: ClassVar[Mapping[str, PlainValue]] = {
+        "level": 40.0,
+        "color": (120.0, 80.0),
+        "color_temperature": 2700.0,
+        "effect": "fire",
+    }
 
     async def announce(self) -> None:
-        part = simple_part("light", settable=("on_off",))
+        self._reports = listen(self.gateway.node, Report, self.gateway.names.readings)
+        self._is_on = False
+        part = simple_part("light", settable=("on_off", *self.settings))
         self.gateway.devices.put(GatewayDevice(self.key, self.name, (part,), raw_address=self.address), "new")
         await self.report(on=False)
 
@@ -48,8 +58,15 @@ class MemoryLamp(Lamp):
         self.gateway.devices.remove(self.key, "it was sold")
 
     async def told(self) -> bool | None:
-        value = self.gateway.commands[-1].value.plain() if self.gateway.commands else None
-        return value if isinstance(value, bool) else None
+        """What it is after that: it does what it is told, and reports it."""
+        for report in kept(self._reports):
+            if (is_on := value(self, report)) is not None:
+                self._is_on = is_on is True
+        return self._is_on if self.gateway.commands else None
+
+    async def told_value(self, capability: str) -> PlainValue:
+        told = [one.value.plain() for one in self.gateway.commands if one.capability == capability]
+        return told[-1] if told else None
 
     async def lose_link(self) -> None:
         self.is_linked = False

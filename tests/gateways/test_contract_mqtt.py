@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
+from typing import Any, ClassVar
 
 import anyio
 import pytest
-from tests.gateways.contract import GatewayContract, Lamp, Neighbour
 
+from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway, GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import Node
@@ -18,29 +19,49 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
+from homebot.testing.gateway_contract import GatewayContract, Lamp, Neighbour
 
-CONFIG = {"name": "Hall", "unique_id": "hall", "state_topic": "hall/state", "command_topic": "hall/set"}
+CONFIG = {
+    "name": "Hall",
+    "unique_id": "hall",
+    "schema": "json",
+    "state_topic": "hall/state",
+    "command_topic": "hall/set",
+    "brightness": True,
+    "color_temp_kelvin": True,
+    "supported_color_modes": ["color_temp", "hs"],
+    "effect": True,
+    "effect_list": ["fire", "none"],
+}
 
 
 class MqttLamp(Lamp):
     """A lamp that announces itself as Home Assistant wants it."""
 
+    settings: ClassVar[Mapping[str, PlainValue]] = {
+        "level": 40.0,
+        "color": (120.0, 80.0),
+        "color_temperature": 2700.0,
+        "effect": "fire",
+    }
+
     def __init__(self, wire: MqttConnection, broker: MemoryBroker) -> None:
         super().__init__("homeassistant:light/hall", "hall", address="hall/state")
         self.wire = wire
         self.broker = broker
+        self._orders: list[dict[str, Any]] = []
 
     async def announce(self) -> None:
         await self.wire.wait_connected()
         await self.wire.subscribe(MqttSubscription("hall/set", qos=1))
         await self.wire.publish("homeassistant/light/hall/config", json.dumps(CONFIG).encode(), qos=1, retain=True)
-        await self.wire.publish("hall/state", b"OFF", qos=1, retain=True)
+        await self.wire.publish("hall/state", self.raw(on=False), qos=1, retain=True)
 
     async def report(self, *, on: bool) -> None:
         await self.wire.publish("hall/state", self.raw(on=on), qos=1)
 
     def raw(self, *, on: bool) -> bytes:
-        return b"ON" if on else b"OFF"
+        return json.dumps({"state": "ON" if on else "OFF"}).encode()
 
     async def misbehave(self) -> None:
         for number in range(100):
@@ -56,13 +77,29 @@ class MqttLamp(Lamp):
         await self.broker.start()
 
     async def told(self) -> bool | None:
-        told: bool | None = None
+        await self._listen()
+        return self._orders[-1].get("state") == "ON" if self._orders else None
+
+    async def told_value(self, capability: str) -> PlainValue:
+        await self._listen()
+        told = self._orders[-1] if self._orders else {}
+        match capability:
+            case "level" if "brightness" in told:
+                return float(told["brightness"] * 100 / 255)
+            case "color" if "color" in told:
+                return float(told["color"]["h"]), float(told["color"]["s"])
+            case "color_temperature" if "color_temp" in told:
+                return float(told["color_temp"])
+            case "effect":
+                return str(told.get("effect", ""))
+        return None
+
+    async def _listen(self) -> None:
         with anyio.move_on_after(0.1):
             while True:
                 batch = await self.wire.receive()
                 self.wire.ack(batch)
-                told = batch[-1].payload == b"ON"
-        return told
+                self._orders += [json.loads(one.payload) for one in batch]
 
 
 class Onlooker(Neighbour):

@@ -6,7 +6,6 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import anyio
-from tests.gateways.contract import GatewayContract, Lamp
 from tests.gateways.nfc.world import UID, uri
 from tests.patience import PATIENCE
 
@@ -19,6 +18,7 @@ from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders
 from homebot.gateways.nfc.tag import PresentTag
 from homebot.graph import Node
 from homebot.house.nfc import TagField, Type4Card
+from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 MESSAGE = uri("homebot:device/lights/hall")
 

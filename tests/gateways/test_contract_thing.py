@@ -7,16 +7,18 @@ from contextlib import asynccontextmanager
 from typing import ClassVar
 
 import anyio
-from tests.gateways.contract import GatewayContract, Lamp
+from tests.gateways.lamp_orders import SETTINGS, is_told_on, value_told
 from tests.gateways.mdns.lamp import LOOPBACK, SERVICE_TYPE, Publisher, publisher
 from tests.gateways.test_contract_mdns import Cable, MdnsLamp
 
+from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway, GatewayContext
 from homebot.gateways.drivers.thing import ThingDriver
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings, NetworkInterfaces
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.http.thing import ServedThing
+from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 
 class AnnouncedThingDriver(ThingDriver):
@@ -27,6 +29,8 @@ class AnnouncedThingDriver(ThingDriver):
 
 class ThingLamp(Lamp):
     """A thing on loopback."""
+
+    settings = SETTINGS
 
     def __init__(self, computer: Publisher) -> None:
         key = f"Hall.{SERVICE_TYPE}"
@@ -53,7 +57,10 @@ class ThingLamp(Lamp):
         await self.computer.withdraw("Hall")
 
     async def told(self) -> bool | None:
-        return self.commands[-1] == "on" if self.commands else None
+        return is_told_on(self.commands)
+
+    async def told_value(self, capability: str) -> PlainValue:
+        return value_told(self.commands, capability)
 
     async def lose_link(self) -> None:
         self.cable.move(is_in=False)

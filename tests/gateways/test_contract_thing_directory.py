@@ -6,19 +6,23 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import anyio
-from tests.gateways.contract import GatewayContract, Lamp
+from tests.gateways.lamp_orders import SETTINGS, is_told_on, value_told
 from tests.gateways.test_contract_coap import Background
 
+from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
 from homebot.gateways.thing_directory import ThingDirectoryGateway, ThingDirectorySettings
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.http.thing import ServedThing
 from homebot.house.http.thing_directory import ThingDirectoryServer
+from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 
 class ListedLamp(Lamp):
     """A thing on loopback, and the directory that lists it."""
+
+    settings = SETTINGS
 
     def __init__(self, world: Background) -> None:
         self.world = world
@@ -48,7 +52,10 @@ class ListedLamp(Lamp):
         self.directory.delete(self.key)
 
     async def told(self) -> bool | None:
-        return self.commands[-1] == "on" if self.commands else None
+        return is_told_on(self.commands)
+
+    async def told_value(self, capability: str) -> PlainValue:
+        return value_told(self.commands, capability)
 
     async def lose_link(self) -> None:
         await self.world.end()

@@ -19,7 +19,6 @@ from pathlib import Path
 import anyio
 import ifaddr  # noqa: F401 - it starts a program when it is imported, which must not be in the event loop
 import pytest
-from tests.gateways.contract import KEPT, running
 from tests.patience import PATIENCE
 from tests.peers.avahi import avahi, why_no_avahi
 from tests.peers.network import Lan, Machine
@@ -30,6 +29,8 @@ from homebot.devices.gateway_messages import Command, Report, SendCommand
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
 from homebot.graph import Graph, Node, Subscription
+from homebot.testing.gateway_contract import running
+from homebot.testing.gateway_contract.steps import KEPT
 
 CONFIGURATION = Path(__file__).parent / "esphome" / "peer-light.yaml"
 BUILT = ".esphome/build/peer-light/.pioenvs/peer-light/program"

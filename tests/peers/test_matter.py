@@ -11,7 +11,6 @@ from pathlib import Path
 
 import anyio
 import pytest
-from tests.gateways.contract import KEPT, running
 from tests.peers.network import INTERFACE, Lan, Machine, Program
 from tests.peers.node_package import node_folder
 from tests.peers.other_python import python_with
@@ -23,6 +22,8 @@ from homebot.devices.names import CommissioningNames, GatewayNames
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
 from homebot.graph import Graph, Node, Subscription
+from homebot.testing.gateway_contract import running
+from homebot.testing.gateway_contract.steps import KEPT
 
 DATA = Path("/data")
 """Where the Matter SDK of the server keeps its state, whatever its options say; the server gets one of its own."""

@@ -21,8 +21,12 @@ whose protocol has them.
 
 Apps that work with texts, such as the light service, need ``out`` and ``subscribe_to_topic``; typed handles do not.
 :class:`homebot.gateways.announced.published_devices.PublishedDevices` has the first nine but ``state``, for gateways
-that know their devices' parts; :mod:`homebot.gateways.memory` is the reference, and ``tests/gateways/contract.py`` the
-test.
+that know their devices' parts; :mod:`homebot.gateways.memory` is the reference, and
+:mod:`homebot.testing.gateway_contract` the test.
+
+A light that is told a level above 0, a colour, a colour temperature or an effect is on afterwards, and off at level 0.
+Where the protocol does not see to that, the gateway does;
+:func:`homebot.devices.implied_settings.implied_settings` has the settings to send.
 
 *Key* is what the gateway calls a device, or one announcement of it: unique in the gateway, and the same after a
 restart. *Address* is a place in the protocol where the device reports or takes commands (MQTT: a topic); a protocol

@@ -18,6 +18,7 @@ from homebot.conventions.payload import parse_object
 from homebot.devices import RawCommand
 from homebot.devices.exposure import ExposedDevice
 from homebot.devices.gateway_messages import Command
+from homebot.devices.implied_settings import implied_settings
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, WireError
 from homebot.gateways.announced.exposed_devices import ExposedDevices, KnownStates
@@ -115,7 +116,10 @@ class MemoryGateway(Gateway):
     async def _perform(self, command: Command) -> None:
         self._check_link()
         self.commands.append(command)
-        await self.devices.report(command.key, {command.capability: command.value.plain()}, command.part)
+        part = self.devices.engine.find_part(command.key, command.part).described.part
+        settable = {one.name for one in part.capabilities if one.settable}
+        settings = implied_settings(command.capability, command.value.plain(), settable)
+        await self.devices.report(command.key, dict(settings), command.part)
 
     async def _send_raw(self, command: RawCommand) -> None:
         self._check_link()

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     )
     from homebot.wot.scale import canonical, in_told_unit, on_the_wire
     from homebot.wot.thing import Affordance, DataSchema, Form, SecurityScheme, Thing, facts_of, identifiers_of
-    from homebot.wot.writes import writes_of
 
 __all__ = [
     "CONTEXT",
@@ -56,7 +55,6 @@ __all__ = [
     "read_thing",
     "thing_id",
     "to_thing",
-    "writes_of",
 ]
 
 if not TYPE_CHECKING:  # else a name that does not exist would pass for one
@@ -74,6 +72,5 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
             ),
             "homebot.wot.scale": "canonical in_told_unit on_the_wire",
             "homebot.wot.thing": "Affordance DataSchema Form SecurityScheme Thing facts_of identifiers_of",
-            "homebot.wot.writes": "writes_of",
         },
     )

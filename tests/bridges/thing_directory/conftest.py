@@ -9,7 +9,6 @@ from typing import Any, Protocol
 import aiohttp
 import anyio
 import pytest
-from tests.gateways.contract import running
 from tests.patience import PATIENCE
 
 from homebot.bridges.thing_directory import DirectoryBridgeSettings
@@ -19,6 +18,7 @@ from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway
 from homebot.graph import Graph, Node
+from homebot.testing.gateway_contract import running
 
 LAMP = GatewayDevice(
     "hall",

@@ -8,7 +8,6 @@ from contextlib import asynccontextmanager
 import anyio
 import pytest
 from tests.bridges.thing_directory.conftest import LAMP, OpenHouse
-from tests.gateways.contract import running
 from tests.patience import PATIENCE
 
 from homebot.devices import Devices
@@ -17,6 +16,7 @@ from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.thing_directory import ThingDirectoryGateway, ThingDirectorySettings
 from homebot.graph import Graph, Node
+from homebot.testing.gateway_contract import running
 
 
 @asynccontextmanager

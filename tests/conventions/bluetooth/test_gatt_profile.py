@@ -43,6 +43,13 @@ def test_commands_fill_the_fields_of_their_frame() -> None:
     assert STRIP.write("color", (120.0, 100.0), state).hex() == "5600ff0000f0aa"
 
 
+def test_a_colour_whose_frame_does_not_turn_the_device_on_is_followed_by_one_that_does() -> None:
+    state = GattState.unknown(255)
+    assert [one.hex() for one in STRIP.write_frames("color", (120.0, 100.0), state)] == ["5600ff0000f0aa", "cc2333"]
+    assert [one.hex() for one in LIGHT.write_frames("level", 50.0, state)] == ["0180"]
+    assert [one.hex() for one in LIGHT.write_frames("level", 0.0, state)] == ["0080"]
+
+
 def test_reports_are_read_by_their_frame() -> None:
     state = GattState.unknown(255)
     assert LIGHT.read(b"\x01\x80", state) == {"on_off": True, "level": 50.2}

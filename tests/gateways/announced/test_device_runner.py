@@ -9,7 +9,6 @@ from random import Random
 
 import anyio
 import pytest
-from tests.gateways.contract import listen
 
 from homebot.backoff import DEVICE_REFUSED_BACKOFF, Backoff
 from homebot.devices import Sighting
@@ -19,6 +18,7 @@ from homebot.gateways.announced.device_runner import LISTED_WITHIN, SLEEPER_WITH
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway
 from homebot.graph import Graph, Node, Subscription
+from homebot.testing.gateway_contract.steps import listen
 
 pytestmark = pytest.mark.virtual_time
 

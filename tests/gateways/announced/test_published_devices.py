@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import anyio
 import pytest
-from tests.gateways.contract import KEPT, kept, listen, running
 
 from homebot.conventions.description import AutoExpiry
 from homebot.devices import Devices, GatewayState, RawMessage, Sighting, SubscribeToTopic
@@ -25,6 +24,8 @@ from homebot.gateways.announced.work_budget import MESSAGE_WORK, SHARED_BURST
 from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
 from homebot.graph import Graph, Node
 from homebot.messages import Time
+from homebot.testing.gateway_contract import running
+from homebot.testing.gateway_contract.steps import KEPT, kept, listen
 
 pytestmark = pytest.mark.virtual_time
 

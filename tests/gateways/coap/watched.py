@@ -6,7 +6,6 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
 import anyio
-from tests.gateways.contract import KEPT, running
 from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
@@ -15,6 +14,8 @@ from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
 from homebot.graph import Graph, Node
+from homebot.testing.gateway_contract import running
+from homebot.testing.gateway_contract.steps import KEPT
 
 __all__ = ["Watcher", "watched_gateway"]
 

@@ -12,7 +12,6 @@ from pathlib import Path
 import anyio
 import pytest
 from aiohttp import web
-from tests.gateways.contract import KEPT, running
 from tests.gateways.http_servers import serving
 from tests.gateways.matter.test_gateway import House, house, reading
 from tests.patience import PATIENCE
@@ -34,6 +33,8 @@ from homebot.graph import Graph, Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.matter import ServedMatterNode
 from homebot.messages.json import message_from_json
+from homebot.testing.gateway_contract import running
+from homebot.testing.gateway_contract.steps import KEPT
 
 CODE = "MT:Y.K90AFN00KA0648G00"
 """Of the discriminator 3840 and the passcode 20202021, the default of example devices."""

@@ -6,7 +6,6 @@ import json
 
 import anyio
 from anyio.abc import TaskStatus
-from tests.gateways.contract import KEPT, running
 from tests.gateways.matter.test_gateway import House, reading
 from tests.patience import PATIENCE
 
@@ -16,6 +15,8 @@ from homebot.graph import Graph, Node
 from homebot.house.dialect import DeviceState
 from homebot.house.http.web_server import WebPeer
 from homebot.house.matter import SimulatedMatterServer
+from homebot.testing.gateway_contract import running
+from homebot.testing.gateway_contract.steps import KEPT
 
 
 class LeavingServer(SimulatedMatterServer):

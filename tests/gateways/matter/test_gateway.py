@@ -12,7 +12,6 @@ import anyio.lowlevel
 import pytest
 from aiohttp import web
 from anyio.abc import TaskGroup
-from tests.gateways.contract import KEPT, running
 from tests.gateways.http_servers import serving
 from tests.patience import PATIENCE
 
@@ -23,6 +22,8 @@ from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
 from homebot.graph import Graph, Node, Subscription
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.matter import ServedMatterNode, SimulatedMatterServer
+from homebot.testing.gateway_contract import running
+from homebot.testing.gateway_contract.steps import KEPT
 
 
 @dataclass

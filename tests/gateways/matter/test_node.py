@@ -153,11 +153,20 @@ def test_attributes_become_readings(
 def test_commands_become_those_of_the_cluster(
     attributes: dict[str, object], capability: str, value: PlainValue, command: str, payload: dict[str, object]
 ) -> None:
-    (args,) = orders(attributes, capability, value)
+    args, *_ = orders(attributes, capability, value)
     assert (args["node_id"], args["endpoint_id"], args["command_name"]) == (5, 1, command)
     sent = args["payload"]
     assert isinstance(sent, dict)
     assert sent.items() >= payload.items()
+
+
+@pytest.mark.parametrize(("capability", "value"), [("color_temperature", 4000.0), ("color", (180.0, 100.0))])
+def test_a_colour_turns_a_lamp_on_after_it_was_set(capability: str, value: PlainValue) -> None:
+    """A colour by itself is only remembered by a lamp that is off."""
+    color, on = orders(LAMP, capability, value)
+    assert color["payload"].items() >= {"optionsMask": 1, "optionsOverride": 1}.items()  # type: ignore[attr-defined]
+    assert on["command_name"] == "On"
+    assert len(orders({key: one for key, one in LAMP.items() if "/6/" not in key}, capability, value)) == 1
 
 
 def test_gases_without_a_word_of_their_own_are_measurements_beside_the_quality_of_the_air() -> None:

@@ -11,7 +11,6 @@ import anyio.abc
 import anyio.lowlevel
 import pytest
 from pydantic import ValidationError
-from tests.gateways.contract import listen, running
 from tests.gateways.served import served
 from tests.patience import PATIENCE
 
@@ -25,6 +24,8 @@ from homebot.graph import Graph, Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.http.thing import ServedThing
 from homebot.house.http.thing_directory import ThingDirectoryServer
+from homebot.testing.gateway_contract import running
+from homebot.testing.gateway_contract.steps import listen
 from homebot.wot import CONTEXT
 
 

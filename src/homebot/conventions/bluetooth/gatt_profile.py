@@ -186,6 +186,18 @@ class GattProfile(BaseModel):
         state.fields.update(fields)
         return data
 
+    def write_frames(self, capability: str, value: PlainValue, state: GattState) -> tuple[bytes, ...]:
+        """Return the frames that set a capability, as :meth:`write`; a level or a colour also turns the device on.
+
+        Raises:
+            RefusedError: The profile has no frame for it.
+        """
+        first = self.write(capability, value, state)
+        frame = {"level": self.level, "color": self.color}.get(capability)
+        if frame is None or not state.fields["on"] or "on" in _tokens(frame):
+            return (first,)
+        return first, self.write("on_off", True, state)  # noqa: FBT003 - the value
+
     def _values(self, fields: Mapping[str, int], readable: set[str]) -> dict[str, PlainValue]:
         is_on = bool(fields["on"])
         found: dict[str, PlainValue] = {}

@@ -34,7 +34,7 @@ _LONGEST: Final = 6553.0
 """Seconds of a transition: tenths of them in 16 bits."""
 
 _ALSO_WHEN_OFF: Final = {"optionsMask": 1, "optionsOverride": 1}
-"""ExecuteIfOff: a lamp that is off has the new colour when it is turned on."""
+"""ExecuteIfOff: a lamp that is off takes the new colour, and is turned on after it."""
 
 _NO_OPTIONS: Final = {"optionsMask": 0, "optionsOverride": 0}
 
@@ -129,7 +129,7 @@ def _write_kelvin(
     least, most = _mired_range(endpoint)
     mireds = round(min(max(MIRED / kelvin, least), most))
     payload = {"colorTemperatureMireds": mireds, "transitionTime": _tenths(transition), **_ALSO_WHEN_OFF}
-    return (ClusterInvocation(COLOR, "MoveToColorTemperature", payload),)
+    return (ClusterInvocation(COLOR, "MoveToColorTemperature", payload), *_lit(endpoint))
 
 
 def _read_color(endpoint: MatterEndpoint) -> PlainValue:
@@ -161,13 +161,18 @@ def _write_color(endpoint: MatterEndpoint, value: PlainValue, transition: float,
     if not features & _HAS_HUE:
         x, y = from_hue_saturation("xy", hue, saturation, _WHITES)
         payload = {"colorX": min(round(x * 65_536), 65_279), "colorY": min(round(y * 65_536), 65_279), **common}
-        return (ClusterInvocation(COLOR, "MoveToColor", payload),)
+        return (ClusterInvocation(COLOR, "MoveToColor", payload), *_lit(endpoint))
     strength = round(saturation * 254 / 100)
     if features & _HAS_ENHANCED_HUE:
         payload = {"enhancedHue": round(hue * 65_536 / 360) % 65_536, "saturation": strength, **common}
-        return (ClusterInvocation(COLOR, "EnhancedMoveToHueAndSaturation", payload),)
+        return (ClusterInvocation(COLOR, "EnhancedMoveToHueAndSaturation", payload), *_lit(endpoint))
     payload = {"hue": round(hue * 254 / 360), "saturation": strength, **common}
-    return (ClusterInvocation(COLOR, "MoveToHueAndSaturation", payload),)
+    return (ClusterInvocation(COLOR, "MoveToHueAndSaturation", payload), *_lit(endpoint))
+
+
+def _lit(endpoint: MatterEndpoint) -> tuple[MatterOrder, ...]:
+    """Return the order that turns a lamp on, which a colour does not; none where it has no switch."""
+    return (ClusterInvocation(ON_OFF, "On"),) if endpoint.has(ON_OFF, _ON_OFF_VALUE) else ()
 
 
 def _tenths(seconds: float) -> int:

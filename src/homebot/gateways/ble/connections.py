@@ -174,8 +174,8 @@ class Connections:
             kept.used_at = self._host.clock.monotonic()
             link = kept.link or await self._connect_now(kept)
             state = GattState(dict(kept.state.fields))
-            data = kept.profile.write(capability, value, state)
-            await link.write(kept.profile.command, data, response=kept.profile.response)
+            for data in kept.profile.write_frames(capability, value, state):
+                await link.write(kept.profile.command, data, response=kept.profile.response)
             kept.state = state
             if kept.profile.report and not link.has(kept.profile.reported_by, "notify", "indicate"):
                 await self._take(kept, await link.read(kept.profile.reported_by))

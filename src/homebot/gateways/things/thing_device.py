@@ -15,6 +15,7 @@ import anyio
 
 from homebot.conventions.payload import clean_text, shown
 from homebot.devices.gateway_messages import Command
+from homebot.devices.implied_settings import implied_settings
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
@@ -34,7 +35,6 @@ from homebot.wot import (
     identifiers_of,
     in_told_unit,
     parts_of,
-    writes_of,
 )
 
 __all__ = ["ThingDevice", "describe_thing"]
@@ -138,7 +138,7 @@ class ThingDevice:
         written = next((one.written for one in self._parts if one.part.id == command.part), {})
         if command.capability not in written:
             raise UnableError(f"{command.capability[:40]} of {command.part[:40]!r} cannot be set")
-        values = writes_of(command.capability, command.value.plain(), written)
+        values = implied_settings(command.capability, command.value.plain(), written)
         for name, _ in values:
             await self._learn_unit(command.part, written[name][0])
         requests = [(*written[name], self._payload(command.part, *written[name], value)) for name, value in values]

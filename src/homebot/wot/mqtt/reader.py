@@ -16,6 +16,7 @@ from homebot.conventions.description import (
 )
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, parse_object, shown
 from homebot.conventions.table_codec import Reader, TableCodec, raw_bytes
+from homebot.devices.implied_settings import implied_settings
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import InvalidNameError, RefusedError, WireError
@@ -34,7 +35,6 @@ from homebot.wot import (
     identifiers_of,
     parts_of,
     read_thing,
-    writes_of,
 )
 
 __all__ = ["MqttBinding", "ThingReader"]
@@ -189,7 +189,7 @@ def _write(
     spelt: Mapping[str, Callable[[PlainValue], Publication]], capability: str, value: PlainValue, _transition: float
 ) -> Publications:
     """Write a value; a Thing Description has no transitions."""
-    return tuple(spelt[name](one) for name, one in writes_of(capability, value, spelt))
+    return tuple(spelt[name](one) for name, one in implied_settings(capability, value, spelt))
 
 
 def _spell(

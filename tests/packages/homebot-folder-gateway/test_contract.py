@@ -1,4 +1,4 @@
-"""The gateway of somebody else's package keeps the contract."""
+"""The gateway keeps the contract of all gateways."""
 
 from __future__ import annotations
 
@@ -6,14 +6,12 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
+import homebot_folder
 import pytest
-from tests.gateways.contract import GatewayContract, Lamp
 
 from homebot.gateways import Gateway
 from homebot.graph import Node
-from homebot.plugins import load_plugin
-
-PACKAGE = Path(__file__).parent.parent / "packages" / "homebot-folder-gateway"
+from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 
 class LampFile(Lamp):
@@ -54,8 +52,7 @@ class TestFolderOfThePackage(GatewayContract):
     """One file."""
 
     @pytest.fixture(autouse=True)
-    def _folder(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.syspath_prepend(PACKAGE)
+    def _folder(self, tmp_path: Path) -> None:
         self.folder = tmp_path / "lamps"
         self.folder.mkdir()
 
@@ -65,6 +62,5 @@ class TestFolderOfThePackage(GatewayContract):
 
     def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
         del lamp
-        kind = load_plugin("homebot.gateways", "homebot_folder:FolderGateway")
-        made: Gateway = kind(node, kind.Settings(folder=str(self.folder), **settings))
-        return made
+        table = homebot_folder.FolderSettings.model_validate({"folder": str(self.folder), **settings})
+        return homebot_folder.FolderGateway(node, table)

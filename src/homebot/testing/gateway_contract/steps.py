@@ -1,0 +1,118 @@
+"""Steps that the suites have in common: listen, announce, command, and wait for what follows."""
+
+from __future__ import annotations
+
+from typing import Final, TypeVar
+
+import anyio
+
+from homebot.devices import Sighting, SubscribeToTopic
+from homebot.devices.exposure import ExposedDevice
+from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
+from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
+from homebot.devices.part import Capability, Part
+from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
+from homebot.devices.value import PlainValue, Value
+from homebot.graph import DurabilityPolicy, Node, QoSProfile, Subscription
+from homebot.messages import Message
+from homebot.testing.gateway_contract.lamp import Lamp, Neighbour
+
+MessageT = TypeVar("MessageT", bound=Message)
+
+PATIENCE: Final = 60.0
+"""Seconds for what mostly takes milliseconds: only what is broken takes as long, on however slow or busy a machine."""
+
+KEPT: Final = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+ROBOT: Final = ExposedDevice(
+    id="robot",
+    name="Robot",
+    parts=(Part(id="", service_type="light", capabilities=(Capability(name="on_off", settable=True),)),),
+)
+
+
+def listen(watcher: Node, kind: type[MessageT], topic: str) -> Subscription[MessageT]:
+    """Subscribe to *topic*, with what is kept for late joiners."""
+    return watcher.create_subscription(kind, topic, qos_profile=KEPT)
+
+
+def kept(subscription: Subscription[MessageT]) -> list[MessageT]:
+    """Return what late joiners get."""
+    return list(iter(subscription.take, None))
+
+
+async def first(subscription: Subscription[MessageT]) -> MessageT:
+    """Return the next message."""
+    with anyio.fail_after(PATIENCE):
+        return await subscription.receive()
+
+
+async def announced(lamp: Lamp, watcher: Node) -> Sighting:
+    """Let the lamp come, and return its first sighting, once its first report was published too."""
+    sightings = listen(watcher, Sighting, lamp.gateway.names.received_topics)
+    reports = listen(watcher, Report, lamp.gateway.names.readings)
+    await lamp.announce()
+    sighting = await first(sightings)
+    await reported(lamp, reports, on=False)
+    return sighting
+
+
+async def reported(lamp: Lamp, reports: Subscription[Report], *, on: bool) -> Report:
+    """Wait for a report of whether the lamp is on, and return it."""
+    with anyio.fail_after(PATIENCE):
+        while value(lamp, report := await reports.receive()) is not on:
+            pass
+    return report
+
+
+def value(lamp: Lamp, report: Report) -> PlainValue:
+    """Return whether the lamp is on by *report*; None if that is about something else."""
+    return next((one.value.plain() for one in report.readings if one.capability == lamp.capability), None)
+
+
+async def send(lamp: Lamp, watcher: Node, **change: object) -> SendCommandResponse:
+    """Tell the lamp to be on, or what else is said."""
+    asked = {"key": lamp.key, "part": lamp.part, "capability": lamp.capability, "value": Value.of(True), **change}
+    client = watcher.create_client(SendCommand, lamp.gateway.names.send_command)
+    return await client.call(Command.model_validate(asked), timeout=PATIENCE)
+
+
+async def subscribe(lamp: Lamp, watcher: Node, address: str) -> SubscribeToTopicResponse:
+    """Have raw messages on *address* delivered to the watcher."""
+    client = watcher.create_client(SubscribeToTopic, lamp.gateway.names.subscribe)
+    response = await client.call(SubscribeToTopicRequest(topic=address, listener=watcher.full_name), timeout=PATIENCE)
+    assert (response.success, response.message) == (True, "")
+    return response
+
+
+async def healthy(lamp: Lamp, watcher: Node) -> HealthResponse:
+    """Return the health of the gateway."""
+    return await watcher.create_client(GetHealth, lamp.gateway.names.health).call(HealthRequest(), timeout=PATIENCE)
+
+
+async def becomes_seen(neighbour: Neighbour, *, on: bool | None) -> None:
+    """Wait until the neighbour sees the robot as it should."""
+    with anyio.fail_after(PATIENCE):
+        while await neighbour.seen(ROBOT.name) is not on:
+            await anyio.sleep(0.02)
+
+
+async def becomes_told(lamp: Lamp, *, on: bool) -> None:
+    """Wait until the lamp was told to be on or off."""
+    with anyio.fail_after(PATIENCE):
+        while await lamp.told() is not on:
+            await anyio.sleep(0.02)
+
+
+async def becomes_set(lamp: Lamp, capability: str, wanted: PlainValue) -> None:
+    """Wait until the lamp was told *wanted*, or what it rounds that to."""
+    with anyio.fail_after(PATIENCE):
+        while not _is_about(await lamp.told_value(capability), wanted):
+            await anyio.sleep(0.02)
+
+
+def _is_about(told: PlainValue, wanted: PlainValue) -> bool:
+    if isinstance(wanted, tuple):
+        return isinstance(told, tuple) and all(map(_is_about, told, wanted))
+    if isinstance(wanted, float) and isinstance(told, float):
+        return abs(told - wanted) <= max(1.5, 0.015 * abs(wanted))
+    return told == wanted

@@ -1,0 +1,81 @@
+"""The world of a gateway under test: its lamp, its neighbour, and the graph that it runs on."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+
+import anyio
+import pytest
+
+from homebot.gateways import Gateway
+from homebot.graph import Graph, Node
+from homebot.runtime.muted_node import MutedNode
+from homebot.testing.gateway_contract.lamp import Lamp, Neighbour
+from homebot.testing.held_clock import HeldClock
+from homebot.testing.pytest_loops import loop_of
+
+__all__ = ["GatewayWorld", "running"]
+
+
+@asynccontextmanager
+async def running(gateway: Gateway) -> AsyncIterator[None]:
+    """Run *gateway* inside the block."""
+    async with anyio.create_task_group() as tasks:
+        await tasks.start(gateway.serve)
+        yield
+        tasks.cancel_scope.cancel()
+
+
+class GatewayWorld:
+    """The base of the suites.
+
+    Attributes:
+        name: What the gateway is called.
+        time_is_virtual: Whether it costs nothing to wait.
+        takes_commands: Whether devices of its protocol can be told anything; of others, all commands are refused.
+        tells_goodbye: Whether its protocol says that a device was taken away.
+    """
+
+    name = "gateway"
+    time_is_virtual = False
+    takes_commands = True
+    tells_goodbye = True
+
+    @pytest.fixture(autouse=True)
+    def _on_a_loop(self, request: pytest.FixtureRequest) -> None:
+        loop_of(request, "GatewayContract")
+
+    def lamp(self) -> AbstractAsyncContextManager[Lamp]:
+        """Return a lamp in its world, which is there inside the block."""
+        raise NotImplementedError
+
+    def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
+        """Return a gateway to the world of *lamp*, with these *settings* beside those that lead there."""
+        raise NotImplementedError
+
+    def neighbour(self, lamp: Lamp) -> Neighbour | None:
+        """Return another system in the world of *lamp*; None where homebot cannot expose anything there."""
+        del lamp
+        return None
+
+    @asynccontextmanager
+    async def house(self, *, is_muted: bool = False, **settings: object) -> AsyncIterator[tuple[Lamp, Node]]:
+        """Run the gateway with its lamp, and another node on its graph, whose clock is a :class:`HeldClock`."""
+        graph = Graph(HeldClock())
+        async with (
+            self.lamp() as lamp,
+            Node(graph, "watcher") as watcher,
+            self.started(lamp, graph, settings, is_muted=is_muted),
+        ):
+            yield lamp, watcher
+
+    @asynccontextmanager
+    async def started(
+        self, lamp: Lamp, graph: Graph, settings: dict[str, object], *, is_muted: bool = False
+    ) -> AsyncIterator[None]:
+        """Run a gateway to the world of *lamp*; *is_muted* as in a dry run, of which it does not know."""
+        async with MutedNode(graph, self.name) if is_muted else Node(graph, self.name, namespace="/gateway") as node:
+            lamp.gateway = self.gateway(lamp, node, settings)
+            async with running(lamp.gateway):
+                yield
