@@ -1006,3 +1006,14 @@ async def test_a_device_that_answers_each_sending_with_how_it_was_is_contradicte
         home.behaviours["lamp"] = report((1.0, False))
         outcome = await (await home.handle(Light)).turn_on()
         assert outcome.text == "contradicted: on_off is off"
+
+
+async def test_a_colour_of_a_lamp_that_stays_off_is_not_confirmed(open_home: OpenHome) -> None:
+    """``turn_on(kelvin=…)`` is about the light, not about the colour that it would have."""
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "color_temperature")
+        await home.report("lamp", "on_off", value=False)
+        lamp = await home.handle(Light)
+        outcome = await lamp.turn_on(kelvin=2700)
+        assert not outcome.succeeded
+        assert lamp.on is False

@@ -101,7 +101,7 @@ class CommandProgress:
         self._stepping: set[str] = set()
         self._overruled: set[str] = set()  # capabilities with a new value that is not the wanted one
         self._opposed: set[str] = set()  # further ones with a new value that the command contradicts
-        if order.turns_on and self._was_about_so:  # that it is off at the wanted level does not show that it obeyed
+        if order.turns_on:  # that it has the wanted colour, or level, does not show that it is on
             self.wanted["on_off"] = True
 
     @property
@@ -362,8 +362,3 @@ class CommandProgress:
             self.fast[capability] = now
         self.echoed[capability] = self._echoed_since_sent[capability] = now
         return True
-
-    @property
-    def _was_about_so(self) -> bool:
-        wanted = self.wanted or self.order.settings
-        return all(name in self.known and fits(name, value, self.known[name]) for name, value in wanted.items())
