@@ -2,7 +2,8 @@
 
 An identifier is ``mac:aabbccddeeff``, ``eui64:00158d0001abcdef`` or ``id:<text as declared>``. A hardware address at
 the end of another identifier, as in ``zigbee2mqtt_0x00158d0001abcdef``, counts as well. One in its middle does not: a
-bridge names its devices ``<bridge>_<address of the bridge>_<device>``.
+bridge names its devices ``<bridge>_<address of the bridge>_<device>``. A service of a computer names its host:
+``id:host nas.local``, see :data:`HOST`.
 """
 
 from __future__ import annotations
@@ -10,7 +11,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-__all__ = ["identifiers"]
+__all__ = ["HOST", "identifiers"]
+
+HOST = "id:host "
+"""The beginning of the identifier that all services of one host have: its name in the local network, folded.
+
+Names of hosts are unique in one local network, so it holds among the announcements of one gateway."""
 
 _PAIRS = re.compile(
     r"(?:.*[^0-9a-f:-])?([0-9a-f]{2}(?:([:-])[0-9a-f]{2})(?:\2[0-9a-f]{2}){4}(?:(?:\2[0-9a-f]{2}){2})?)"

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from homebot.addresses import parse_address
-from homebot.devices.identity import identifiers
+from homebot.devices.identity import HOST, identifiers
 
-__all__ = ["FoundService", "facts_of", "identifiers_of", "name_of", "printable", "usable_addresses"]
+__all__ = ["FoundService", "facts_of", "host_identifier", "identifiers_of", "name_of", "printable", "usable_addresses"]
 
 _HARDWARE = ("mac", "macaddr", "macaddress", "mac_address", "deviceid", "ethmac", "bridgeid")
 """Keys of TXT records that say the hardware address: of ESPHome, WLED, Tasmota, AirPlay, Hue and others. A ``bssid`` is
@@ -86,7 +86,7 @@ def identifiers_of(service: FoundService) -> tuple[str, ...]:
     """Return by what the device of a service is known beyond this gateway; see :mod:`homebot.devices.identity`.
 
     A host name and an instance name count where they contain a hardware address: without one, they are names that
-    people give, and one computer may be the host of many devices.
+    people give. For the host as such, see :func:`host_identifier`.
     """
     said = service.properties
     label = service.host.removesuffix(".").removesuffix(".local")
@@ -100,6 +100,11 @@ def identifiers_of(service: FoundService) -> tuple[str, ...]:
         declared = [said[key] for key in _DECLARED if len(said.get(key, "")) >= _SHORTEST]
     hardware = [one for key in _HARDWARE if key in said for one in _SEPARATORS.split(said[key])[:_MOST_ADDRESSES]]
     return identifiers([*hardware, *named, *declared])
+
+
+def host_identifier(service: FoundService) -> str:
+    """Return the identifier that all services of one host have."""
+    return f"{HOST}{printable(service.host).removesuffix('.').casefold()}"
 
 
 def name_of(service: FoundService) -> str:

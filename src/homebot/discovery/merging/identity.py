@@ -7,6 +7,9 @@ other identifier is, unless it is a word that many devices have, or comes with d
 A device that has a topic for itself is also known by that, and so is one that speaks and listens nowhere but below a
 topic that ends with an identifier of its: it is ``BigSlowDog`` to Home Assistant and ``valetudo/BigSlowDog`` to Homie.
 
+A host of a local network is (``id:host nas.local``), among the services that one gateway found there, unless several of
+them offer parts: a computer may run the programs of many devices. So is a hardware address that its services name.
+
 What the owner decided outranks all of this: an identifier may be no evidence, and announcements may have one that the
 owner gave them.
 
@@ -21,6 +24,7 @@ from itertools import combinations
 from typing import TypeAlias, final
 
 from homebot.devices import Sighting
+from homebot.devices.identity import HOST
 from homebot.discovery.merging.decisions import OWNER, MergeDecisions
 from homebot.discovery.source_record import SourceKey
 
@@ -47,7 +51,7 @@ def is_generic(word: str) -> bool:
     return word in _GENERIC
 
 
-_IdentityKey: TypeAlias = tuple[str, str, tuple[str, ...], str]
+_IdentityKey: TypeAlias = tuple[str, str, tuple[str, ...], str, bool | None]
 
 
 @dataclass(slots=True, eq=False)
@@ -59,17 +63,19 @@ class Identity:
         convention: How it speaks.
         identifiers: Who the device is to it.
         key: The announcement, where each is a device of its own.
+        offers_parts: Whether it is a service of a host that offers parts; None if it names no host.
     """
 
     gateway: str
     convention: str
     identifiers: tuple[str, ...]
     key: str
+    offers_parts: bool | None
 
     @property
     def key_of(self) -> _IdentityKey:
         """Key by which it is known."""
-        return self.gateway, self.convention, self.identifiers, self.key
+        return self.gateway, self.convention, self.identifiers, self.key, self.offers_parts
 
     @property
     def hardware(self) -> frozenset[str]:
@@ -195,12 +201,14 @@ class IdentityGraph:
         if len(found) > MAX_IDENTIFIERS:
             self.cut += 1
             found = found[:MAX_IDENTIFIERS]
-        is_own = sighting.whole_device or not any(map(_is_specific_word, found))
+        offers_parts = bool(sighting.parts) if any(one.startswith(HOST) for one in found) else None
+        named = (one for one in found if not (offers_parts and one.startswith(HOST)))
+        is_own = sighting.whole_device or not any(map(_is_specific_word, named))
         if place := _own_topic(sighting):
             found = tuple(dict.fromkeys((*found, f"id:{place}")))
         if given := self._decisions.identifiers(key):
             found = (*found, *given)
-        identity_key = (key[0], sighting.convention, found, key[1] if is_own else "")
+        identity_key = (key[0], sighting.convention, found, key[1] if is_own else "", offers_parts)
         identity = self._known.get(identity_key)
         if identity is None:
             identity = self._known[identity_key] = Identity(*identity_key)
@@ -246,6 +254,9 @@ def _is_specific(identifier: str, holders: dict[Identity, None]) -> bool:
         return False
     if identifier.startswith("eui64:"):
         return True
+    if identifier.startswith(HOST):
+        is_one_network = len({one.gateway for one in holders}) == 1
+        return is_one_network and sum(bool(one.offers_parts) for one in holders) < _PAIR
     if identifier.startswith("mac:"):
         return not any(_share_a_host(one, other) for one, other in combinations(holders, 2))
     if not _is_specific_word(identifier) or len(identifier) < len("id:") + _SHORTEST:
@@ -257,6 +268,12 @@ def _is_specific(identifier: str, holders: dict[Identity, None]) -> bool:
 def _share_a_host(one: Identity, other: Identity) -> bool:
     """Return whether a hardware address that both name is their host's: it speaks of both in the same way."""
     if (one.gateway, one.convention) != (other.gateway, other.convention):
+        return False
+    if (
+        one.offers_parts is not None
+        and other.offers_parts is not None
+        and not (one.offers_parts and other.offers_parts)
+    ):
         return False
     if one.key or other.key:
         return True

@@ -14,7 +14,7 @@ from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
 from homebot.backoff import BackoffCounter
-from homebot.conventions.dns_sd.found_service import FoundService, facts_of, identifiers_of, name_of
+from homebot.conventions.dns_sd.found_service import FoundService, facts_of, host_identifier, identifiers_of, name_of
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
 from homebot.extras import check_extra
@@ -246,13 +246,15 @@ class MdnsGateway(Gateway):
         bare = GatewayDevice(service.key, name_of(service), service_type=service.service_type.removesuffix(".local."))
         listed.device = known = device or listed.device or bare
         facts = facts_of(service) | dict(known.metadata)
+        host = (host_identifier(service),) if known.parts or listed.runner is None else ()  # else it is not known yet
+        identifiers = (*known.identifiers, *identifiers_of(service), *host)
         if self._sleeps(listed):
             facts["sleep"] = "asleep" if service.key in self._sleepers else "awake"
         self.devices.put(
             replace(
                 known,
                 metadata=facts,
-                identifiers=tuple(dict.fromkeys((*known.identifiers, *identifiers_of(service)))),
+                identifiers=tuple(dict.fromkeys(identifiers)),
                 stale_after=known.stale_after or self._settings.sleeping.get(service.name, listed.stale_after),
             ),
             why,
