@@ -14,6 +14,12 @@ __all__ = ["UNKNOWN", "PlainValue", "Reading", "Value"]
 PlainValue: TypeAlias = bool | float | str | tuple[float, ...] | None
 """A value in plain Python; None is *unknown*, which is a value of its own. Numbers are always ``float``."""
 
+_DIGITS = 15
+"""Significant digits that a float has of every decimal number: a level of 0.55 is 55 % and not 55.00000000000001 %."""
+
+_WHOLE = 1e15
+"""From here on those digits leave no fraction."""
+
 _UNKNOWN, _BOOL, _NUMBER, _TEXT, _NUMBERS = range(5)
 
 
@@ -47,7 +53,7 @@ class Value(Message):
             case str():
                 return cls.of_checked(type=_TEXT, flag=False, number=0.0, text=plain, numbers=())
             case tuple():
-                return cls(type=_NUMBERS, numbers=plain)
+                return cls(type=_NUMBERS, numbers=tuple(map(_decimal, plain)))
         return _of_number(float(plain))
 
     def plain(self) -> PlainValue:
@@ -82,8 +88,13 @@ class Reading(Message):
 @lru_cache(maxsize=10_000)
 def _of_number(number: float) -> Value:
     """Return the message that carries *number*: those that devices report come again and again."""
-    number += 0.0  # no negative zero, which equals the other and reads differently
+    number = _decimal(number) + 0.0  # no negative zero, which equals the other and reads differently
     return Value.of_checked(type=_NUMBER, flag=False, number=number, text="", numbers=())
+
+
+def _decimal(number: float) -> float:
+    """Return *number* as the decimal number that a device meant: without the error of what it was calculated by."""
+    return float(f"{number:.{_DIGITS}g}") if -_WHOLE < number < _WHOLE else number
 
 
 UNKNOWN = Value()
