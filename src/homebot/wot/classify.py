@@ -11,7 +11,7 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.command_description import payload_digest
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Category, Part
-from homebot.folding import words_of
+from homebot.folding import fold, words_of
 from homebot.wot.binding import Binding
 from homebot.wot.payload import is_rgb
 from homebot.wot.scale import bounds_of, unit_of
@@ -108,7 +108,8 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
         _find_meaning(one, main)
     main_is_guess = not main
     if main_is_guess:
-        main = _guess([one for one in found if not one.service_type], thing.title)
+        unknown = [one for one in found if not one.service_type]
+        main = "thermostat" if _assign_thermostat(unknown) else _guess(unknown, thing.title)
     owned = _owned(found, main)
     groups: dict[str, list[_One]] = {}
     for one in found:
@@ -218,6 +219,38 @@ _NO_LAMPS = frozenset(
     {"boiler", "door", "fan", "gate", "heater", "irrigation", "kettle", "motor", "oven", "pump", "sprinkler", "valve"}
 )
 """Words of a title by which a level is not that of light."""
+
+
+def _assign_thermostat(found: Collection[_One]) -> bool:
+    """Assign the meanings of a thermostat to one temperature, setpoint and mode of *found*; return False without."""
+    roles = {
+        "local_temperature": [one for one in found if one.capability == "temperature" and not one.is_settable],
+        "heating_setpoint": [one for one in found if one.capability == "heating_setpoint" or _is_setpoint(one)],
+        "thermostat_mode": [one for one in found if one.capability == "thermostat_mode" or _is_mode(one)],
+    }
+    if any(len(ones) != 1 for ones in roles.values()):
+        return False
+    for capability, (one,) in roles.items():
+        one.capability = capability
+    return True
+
+
+def _is_setpoint(one: _One) -> bool:
+    in_degrees = unit_of(one.affordance.schema) in {"°C", "°F"}
+    return one.capability == "number" and in_degrees and not _SETPOINTS.isdisjoint(_words_of(one))
+
+
+def _is_mode(one: _One) -> bool:
+    is_choice = one.capability == "option" and "mode" in _words_of(one)
+    return is_choice and not _MODES.isdisjoint(fold(str(text)) for text in one.affordance.schema.enum)
+
+
+def _words_of(one: _One) -> tuple[str, ...]:
+    return words_of(_TOKEN_BREAK.sub("_", one.name))
+
+
+_SETPOINTS = frozenset({"desired", "set", "setpoint", "target"})
+_MODES = frozenset({"auto", "cool", "cooling", "heat", "heating"})
 
 
 def _owned(found: Iterable[_One], main: str) -> dict[str, _One]:
