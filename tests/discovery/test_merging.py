@@ -207,7 +207,7 @@ def test_sensors_of_two_conventions_find_each_other_by_their_ids_and_settings_ar
     index: DeviceIndex, announce: Announce, part: MakePart
 ) -> None:
     """Where no name helps; the longer common id is the surer one."""
-    topic = ("z/t",)
+    topic, foreign = ("z/t",), (IEEE, "id:z_0x1")
     after(
         index,
         announce(
@@ -219,15 +219,15 @@ def test_sensors_of_two_conventions_find_each_other_by_their_ids_and_settings_ar
             ids=(IEEE,),
         ),
         announce(
-            "a", part("temperature_sensor", "temperature", id="0x1_local_temperature_z", reads=topic), ids=(IEEE,)
+            "a", part("temperature_sensor", "temperature", id="0x1_local_temperature_z", reads=topic), ids=foreign
         ),
-        announce("b", part("temperature_sensor", "temperature", id="0x1_temperature_z", reads=topic), ids=(IEEE,)),
+        announce("b", part("temperature_sensor", "temperature", id="0x1_temperature_z", reads=topic), ids=foreign),
         announce(
             "c",
             part("switch", "on_off", id="0x1_state_lock", reads=topic, writes=("z/t/set/l",), category="config"),
-            ids=(IEEE,),
+            ids=foreign,
         ),
-        announce("d", part("switch", "on_off", id="0x1_switch", reads=topic, writes=("z/t/set",)), ids=(IEEE,)),
+        announce("d", part("switch", "on_off", id="0x1_switch", reads=topic, writes=("z/t/set",)), ids=foreign),
     )
     (device,) = index.devices()
     assert [[route.part for route in one.routes] for one in device.parts] == [

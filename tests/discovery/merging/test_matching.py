@@ -206,7 +206,41 @@ def test_a_command_topic_of_its_own_says_who_a_part_is() -> None:
 @pytest.mark.parametrize("part_id", ["", "_", "a" * 5_000, "_".join(str(n) for n in range(2_000))])
 def test_ids_of_any_form_are_taken(part_id: str) -> None:
     one = candidates([made(part_id, "light", "on_off", writes="a")], ())
-    assert match([one], candidates([made(part_id, "light", "on_off", writes="b")], (f"id:{part_id}",))) == {0: 0}
+    other = made(part_id, "light", "on_off", reads="other", writes="b")
+    assert match([one], candidates([other], (f"id:{part_id}",))) == {0: 0}
+
+
+@pytest.mark.parametrize(
+    ("own", "other"),
+    [
+        (
+            made("apparent_power", "electrical_meter", "measurement"),
+            foreign("SINSTS", "sensor", "electrical_meter", "measurement", writes=""),
+        ),
+        (
+            made("current", "electrical_meter", "current", name="Current"),
+            foreign("current_phase_b", "sensor", "electrical_meter", "current", writes=""),
+        ),
+        (
+            made("switch_l2", "switch", "on_off", name="l2", writes=SET),
+            foreign("switch_l1", "switch", "switch", "on_off", name="L1"),
+        ),
+        (
+            made("switch", "switch", "on_off", writes=SET),
+            foreign("switch_beeper", "switch", "switch", "on_off", name="Beeper"),
+        ),
+        (
+            made("light_l2", "light", "on_off", name="l2", writes=SET),
+            foreign("light_l1", "light", "light", "on_off", name="L1", reads=f"{STATE}/l1", writes=f"{STATE}/l1/set"),
+        ),
+    ],
+)
+def test_parts_of_which_each_side_knows_only_one_are_two(announce: Announce, own: Part, other: Part) -> None:
+    """As long as Zigbee2MQTT's list is read and its announcements to Home Assistant come one after the other."""
+    quality = made("linkquality", "x_sensor", "measurement")
+    same = foreign("linkquality", "sensor", "x_sensor", "measurement", writes="")
+    device = together(announce, (own, quality), (other, same))
+    assert sorted(len(one.routes) for one in device.parts) == [1, 1, 2]
 
 
 WORDS = ["switch", "delay", "on", "0x17", "l1"]

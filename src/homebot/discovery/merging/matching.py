@@ -5,8 +5,8 @@ Two parts are one where they can do the same and one of these says so, the sures
 1. the id of the one is the id of the other but for what all ids of its source begin and end with;
 2. a command topic that nothing else in both sources has (or, of sensors, a state topic that nothing else has);
 3. one name;
-4. the id of the one stands in the id of the other, and both speak on one topic;
-5. they are the only ones of their type, and that is no setting.
+4. they are the only ones of their type, and that is no setting. This is no evidence of what one program calls by
+   different ids, sensors with one state topic and loads with different command topics: each source may know only one.
 
 Whatever fits two others equally well fits none: two parts too many are a nuisance, two commands crossed move a motor.
 Nothing depends on the order in which parts or sources came.
@@ -113,7 +113,7 @@ _Level: TypeAlias = tuple[int, int]
 _Pair: TypeAlias = tuple[int, int]
 """Numbers of a group and of a part of the further source."""
 
-_BY_TYPE, _BY_PART_OF_ID, _BY_NAME, _BY_TOPIC, _BY_ID = range(5)
+_BY_TYPE, _BY_NAME, _BY_TOPIC, _BY_ID = range(4)
 
 _Members: TypeAlias = Mapping[tuple[str, ...], list[tuple[int, Candidate]]]
 
@@ -152,16 +152,8 @@ def _id_level(short: Candidate, long: Candidate, start: int) -> _Level | None:
         return None
     letters = sum(map(len, short.words))
     before, behind = start, len(long.words) - start - len(short.words)
-    if behind <= long.suffix and (before <= long.prefix or before - _named_by_type(long, start) <= long.prefix):
-        return _BY_ID, letters
-    is_sure = (
-        _is_equal(short.part, long.part)
-        and short.part.service_type == long.part.service_type
-        and (short.part.category == long.part.category or not (short.part.writes or long.part.writes))
-        and not set(short.part.reads).isdisjoint(long.part.reads)
-        and not (short.name and long.name and short.name != long.name)
-    )
-    return (_BY_PART_OF_ID, letters) if is_sure else None
+    is_whole = behind <= long.suffix and (before <= long.prefix or before - _named_by_type(long, start) <= long.prefix)
+    return (_BY_ID, letters) if is_whole else None
 
 
 def _named_by_type(long: Candidate, start: int) -> int:
@@ -211,10 +203,26 @@ def _is_one_of_its_type(one: Candidate, other: Candidate) -> bool:
     """Return whether both are one part by their type: loads are; sensors where neither has a name of its own."""
     if one.part.service_type.startswith("x_") or not _can_be_one(one.part, other.part):
         return False
+    if _are_told_apart(one.part, other.part):
+        return False
     if one.part.writes or other.part.writes:
         return True
     return _is_equal(one.part, other.part) and (
         one.name == other.name or (not one.name and _is_plain(other)) or (not other.name and _is_plain(one))
+    )
+
+
+def _are_told_apart(one: Part, other: Part) -> bool:
+    """Return whether one program speaks of both: of sensors, or of loads that it commands by different topics."""
+    if one.writes and other.writes:
+        return _is_of_one_program(one.reads, other.reads) and set(one.writes).isdisjoint(other.writes)
+    return not (one.writes or other.writes) and _is_of_one_program(one.reads, other.reads)
+
+
+def _is_of_one_program(topics: tuple[str, ...], others: tuple[str, ...]) -> bool:
+    """Return whether a topic among *topics* is among *others*, or one is below the other."""
+    return any(
+        f"{one}/".startswith(f"{other}/") or f"{other}/".startswith(f"{one}/") for one in topics for other in others
     )
 
 
