@@ -12,7 +12,7 @@ from homebot.control.held_values import COLORS, END_POSITIONS, POWERS, STOPPED, 
 from homebot.control.timeline.facts import Order
 from homebot.control.tolerance import fits
 from homebot.devices import Device, DevicePart
-from homebot.devices.capabilities import EVENTS, MOMENTARY
+from homebot.devices.capabilities import CAPABILITIES, EVENTS, MOMENTARY
 from homebot.devices.client_rights import is_client
 from homebot.devices.part import Part
 from homebot.devices.trigger import NO_TRIGGER, Trigger
@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["POWER", "IssuedCommand", "order_of", "zero_as_off"]
 
-_ALWAYS_SENT: Final = frozenset(
-    {("movement", STOPPED), ("valve", STOPPED), ("lock", "open"), ("vacuum", "spot"), ("vacuum", "idle")}
-)
 _LIT: Final = POWERS | COLORS
 """What turns a lamp on."""
 
@@ -118,7 +115,7 @@ class IssuedCommand:
     @property
     def is_always_sent(self) -> bool:
         """True if no report shows that it was done before: a stop, the latch of an unlocked door, a press."""
-        return self.is_momentary or not _ALWAYS_SENT.isdisjoint(self.settings.items())
+        return self.is_momentary or any(_is_always_sent(*one) for one in self.settings.items())
 
     @property
     def opens_further(self) -> bool:
@@ -161,6 +158,11 @@ class IssuedCommand:
         if movement in END_POSITIONS and "position" in told and found.keys().isdisjoint({"movement", "position"}):
             found["position"] = END_POSITIONS[movement]
         return found
+
+
+def _is_always_sent(capability: str, value: PlainValue) -> bool:
+    known = CAPABILITIES.get(capability)
+    return known is not None and value in known.always_sent
 
 
 def _is_by_hand(trigger: Trigger, now: float) -> bool:

@@ -1,35 +1,20 @@
-"""Comparison of a reported value with the one that was commanded. Pure."""
+"""Comparison of a reported value with the commanded one, by the columns of its capability. Pure."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Final
 
+from homebot.devices.capabilities import CAPABILITIES, CapabilityType
 from homebot.devices.value import PlainValue
 
 __all__ = ["fits", "is_intermediate", "is_other_end", "is_same"]
 
-_ABSOLUTE: Final[Mapping[str, float]] = MappingProxyType(
-    {"level": 1.5, "position": 3.0, "tilt": 3.0, "fan_speed": 5.0, "volume": 1.5, "humidity_setpoint": 1.0}
-)
-"""By how many units a device may round: most count a percentage in 100 or 254 steps, motors stop a little off."""
-
-_RELATIVE: Final[Mapping[str, float]] = MappingProxyType({"color_temperature": 0.02})
-"""Whole mireds are up to 1.3 % of a cold white apart (Matter 1.6 application clusters, section 3.2.7)."""
+_ROUNDING: Final = 0.005
+"""Of a number without a fineness: that of its text."""
 
 _NUMBER: Final = 0.51
-"""Of numbers without a rule, such as temperatures: most devices take halves."""
-
-_STEPS: Final[Mapping[str, float]] = MappingProxyType(
-    {"level": 0.8, "volume": 0.8, "heating_setpoint": 0.29, "cooling_setpoint": 0.29}
-    | {"humidity_setpoint": 0.51, "fan_speed": 5.0}
-)
-"""By how much a device with small steps rounds: a percentage by way of 255 and 99, or to half a degree, or 1 °F."""
-
-_ROUNDING: Final = 0.005
-"""Of the number of a setting, whose steps are not known: that of its text."""
+_DEFAULT: Final = CapabilityType("", "text", "")
 
 _HUE: Final = 4.0  # degrees; 254 steps are 1.4 apart, and white has none
 _SATURATION: Final = 4.5  # percent; by way of x and y with three digits magenta loses 4
@@ -49,39 +34,6 @@ _SPEED_ROUNDING: Final = 0.005
 
 _HALF: Final = 0.5
 
-_SAME: Final[Mapping[tuple[str, str], frozenset[str]]] = MappingProxyType(
-    {
-        ("movement", "stopped"): frozenset({"open", "closed"}),
-        ("valve", "stopped"): frozenset({"open", "closed"}),
-        ("lock", "open"): frozenset({"unlocked", "opening"}),
-        ("vacuum", "returning"): frozenset({"docked"}),
-        ("vacuum", "spot"): frozenset({"cleaning"}),
-        ("vacuum", "idle"): frozenset({"paused", "docked"}),
-        ("mower", "docked"): frozenset({"returning"}),
-    }
-)
-"""Further reports that mean that the commanded text was obeyed."""
-
-_ON_THE_WAY: Final[Mapping[tuple[str, str], frozenset[str]]] = MappingProxyType(
-    {
-        ("movement", "open"): frozenset({"opening"}),
-        ("movement", "closed"): frozenset({"closing"}),
-        ("valve", "open"): frozenset({"opening"}),
-        ("valve", "closed"): frozenset({"closing"}),
-        ("lock", "locked"): frozenset({"locking"}),
-        ("lock", "unlocked"): frozenset({"unlocking"}),
-        ("lock", "open"): frozenset({"unlocking"}),
-        ("alarm", "disarmed"): frozenset({"disarming", "pending"}),
-        **{
-            ("alarm", f"armed_{where}"): frozenset({"arming", "pending"})
-            for where in ("home", "away", "night", "vacation", "custom_bypass")
-        },
-    }
-)
-
-_MOVES: Final = frozenset({"position", "tilt"})
-_COARSE: Final = _MOVES | {"color_temperature"}
-
 
 def fits(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
     """Return whether a device that reports *seen* has done what *wanted* asked for, with its rounding."""
@@ -90,15 +42,14 @@ def fits(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
             return wanted is seen
         case str(), str():
             same = wanted.casefold() == seen.casefold()
-            return same or seen.casefold() in _SAME.get((capability, wanted.casefold()), ())
+            return same or seen.casefold() in _type(capability).accepts.get(wanted.casefold(), ())
         case tuple(), tuple():
             return _fits_numbers(capability, wanted, seen)
         case float(), float():
             if capability == "fan_speed" and _is_next_speed(wanted, seen):
                 return True
-            slack = _ABSOLUTE.get(capability, _NUMBER)
-            if capability in _RELATIVE:
-                slack = _RELATIVE[capability] * wanted
+            known = _type(capability)
+            slack = known.relative_tolerance * wanted if known.relative_tolerance else known.tolerance
             return abs(wanted - seen) <= slack and not is_other_end(capability, wanted, seen)
         case _:
             return wanted is None and seen is None
@@ -113,9 +64,8 @@ def is_same(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
     if not fits(capability, wanted, seen):
         return False
     if isinstance(wanted, float) and isinstance(seen, float):
-        if capability in _COARSE:
-            return True
-        return abs(wanted - seen) <= _STEPS.get(capability, _ROUNDING * abs(wanted))
+        fineness = _type(capability).fineness
+        return abs(wanted - seen) <= (_ROUNDING * abs(wanted) if fineness is None else fineness)
     if capability == "color" and isinstance(wanted, tuple) and isinstance(seen, tuple):
         return _is_same_color(wanted, seen)
     return True
@@ -124,8 +74,8 @@ def is_same(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
 def is_intermediate(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
     """Return whether *seen* shows that the device is on its way to *wanted*."""
     if isinstance(wanted, str) and isinstance(seen, str):
-        return seen.casefold() in _ON_THE_WAY.get((capability, wanted.casefold()), ())
-    return capability in _MOVES and isinstance(seen, float)
+        return seen.casefold() in _type(capability).on_the_way.get(wanted.casefold(), ())
+    return isinstance(seen, float) and _type(capability).moves
 
 
 def _fits_numbers(capability: str, wanted: tuple[float, ...], seen: tuple[float, ...]) -> bool:
@@ -161,4 +111,8 @@ def _is_next_speed(wanted: float, seen: float) -> bool:
 
 def is_other_end(capability: str, wanted: float, seen: float) -> bool:
     """Return whether one of two close levels is 0, which is off, or closed."""
-    return capability in {"level", "fan_speed"} and (wanted == 0) != (seen == 0)
+    return _type(capability).zero_is_off and (wanted == 0) != (seen == 0)
+
+
+def _type(capability: str) -> CapabilityType:
+    return CAPABILITIES.get(capability, _DEFAULT)

@@ -16,7 +16,8 @@ from homebot.control.timeline.motion import Motion
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.roles import ReportRole
 from homebot.control.timeline.settling import Settling
-from homebot.control.tolerance import fits, is_intermediate, is_other_end, is_same
+from homebot.control.timeline.wanted_values import WantedValues
+from homebot.control.tolerance import is_intermediate
 from homebot.devices.outcomes import Confirmed, Outcome
 from homebot.devices.value import PlainValue
 
@@ -72,7 +73,8 @@ class CommandProgress:
         self.order: Order = order
         self.given_at = self.first_sent_at = self.sent_at = fact.at
         self.known, self.last = fact.known, fact.last
-        self.wanted = dict(order.wanted)
+        self._values = WantedValues(order, fact.known, profile)
+        self.wanted = self._values.by_capability
         self.roles: dict[int, ReportRole] = {}
         self.seen: dict[str, PlainValue] = {}
         self.fitting: dict[str, float] = {}
@@ -92,7 +94,6 @@ class CommandProgress:
         self.usual_returns = {one: after for one in self.wanted if (after := profile.usual_return(one)) is not None}
         self.is_raw = fact.is_raw
         self._profile = profile
-        self._slack = {one: slack for one in self.wanted if (slack := profile.rounding(one))}
         self._motion = Motion(order, fact.last)
         self._is_fade = False
         self._echoed_since_sent: dict[str, float] = {}
@@ -101,8 +102,6 @@ class CommandProgress:
         self._stepping: set[str] = set()
         self._overruled: set[str] = set()  # capabilities with a new value that is not the wanted one
         self._opposed: set[str] = set()  # further ones with a new value that the command contradicts
-        if order.turns_on:  # that it has the wanted colour, or level, does not show that it is on
-            self.wanted["on_off"] = True
 
     @property
     def is_met(self) -> bool:
@@ -129,11 +128,7 @@ class CommandProgress:
     @property
     def was_so(self) -> bool:
         """True if the values were certain to be the wanted ones before."""
-        for name, value in (self.wanted or self.order.settings).items():
-            before = self.known.get(name, _NOTHING)
-            if before is _NOTHING or not (is_same(name, value, before) or self._is_answer(name, before)):  # type: ignore[arg-type]
-                return False
-        return not self.order.opens_further
+        return self._values.were_so
 
     @property
     def has_echo(self) -> bool:
@@ -224,13 +219,7 @@ class CommandProgress:
 
     def fits(self, capability: str, value: PlainValue) -> bool:
         """Return whether *value* is the wanted one, as the device rounds."""
-        wanted = self.wanted[capability]
-        if fits(capability, wanted, value):
-            return True
-        slack = self._slack.get(capability)
-        if not slack or not (isinstance(wanted, float) and isinstance(value, float)):
-            return False
-        return abs(wanted - value) <= slack and not is_other_end(capability, wanted, value)
+        return self._values.fits(capability, value)
 
     def refine(self, capability: str, value: PlainValue) -> None:
         """Record that a confirmed value is now reported as *value*: the device's own answer."""
@@ -266,7 +255,7 @@ class CommandProgress:
 
     def _wanted_role(self, fact: Reported) -> ReportRole:
         capability, value = fact.capability, fact.value
-        if self._is_obedience(capability, value):
+        if self._values.shows_obedience(capability, value):
             if self.has_echo and self._is_echo(capability, fact.at):
                 if capability not in self._answered and capability not in self.fitting:
                     self.seen.pop(capability, None)  # it was reported before the bridge had the command
@@ -321,18 +310,6 @@ class CommandProgress:
         is_against = role is ReportRole.ASIDE and capability in _TURNED and self.last.get(capability, value) != value
         (self._opposed.add if is_against else self._opposed.discard)(capability)
         return role
-
-    def _is_obedience(self, capability: str, value: PlainValue) -> bool:
-        """Return whether the device obeyed: a value that it had before shows that only if it is the exact one."""
-        if not self.fits(capability, value):
-            return False
-        if self.known.get(capability, _NOTHING) != value:
-            return True
-        return is_same(capability, self.wanted[capability], value) or self._is_answer(capability, value)
-
-    def _is_answer(self, capability: str, value: PlainValue) -> bool:
-        wanted = self.order.settings.get(capability)
-        return fits(capability, wanted, value) and self._profile.is_answer(capability, wanted, value)
 
     def _is_nearer(self, capability: str, value: PlainValue) -> bool:
         is_nearer = self._motion.shows(capability, value)
