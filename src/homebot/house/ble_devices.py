@@ -37,7 +37,7 @@ _SERVICES_128 = 0x07
 _NAME = 0x09
 _BTHOME = b"\xd2\xfc"
 _NAME_BYTES = 10
-"""What 31 bytes leave of a name."""
+"""The room for a name in 31 bytes."""
 
 
 def address_of(name: str) -> str:
@@ -76,7 +76,7 @@ class _RadioDevice(ServedDevice):
                 await self._changed.wait()
 
     def services(self) -> Mapping[str, tuple[GattValue, ...]]:
-        """Return what is served to those that connect."""
+        """Return the GATT values for connected clients."""
         return {}
 
     @abstractmethod
@@ -144,7 +144,7 @@ class BroadcastingSensor(_BTHomeDevice):
         super().__init__(device, on_command, radio, bind_key)
 
     def objects(self) -> bytes:
-        """Return what it measures."""
+        """Return the measurements."""
         return _OBJECTS[self.device.kind](self.state)
 
 
@@ -199,7 +199,7 @@ class BluetoothLight(_RadioDevice):
         }
 
     async def send(self, peripheral: VirtualPeripheral) -> None:
-        """Notify who is connected, and advertise to all others."""
+        """Notify the connected client and advertise to all others."""
         name = self.device.device_id.encode()[:_NAME_BYTES].decode(errors="ignore").encode()
         services = bytes.fromhex(LIGHT_SERVICE.replace("-", ""))[::-1]
         await peripheral.advertise([_FLAGS, (_SERVICES_128, services), (_NAME, name)], EVERY, connectable=True)
@@ -232,4 +232,4 @@ _OBJECTS: Mapping[str, Callable[[DeviceState], bytes]] = {
     "power_meter": lambda state: b"\x0b" + _little(state.value * 100, 3),
     "thermostat": lambda state: b"\x01\x64\x02" + _little(state.celsius * 100, 2),
 }
-"""What each kind broadcasts: its battery, unless it has none, and what it measures."""
+"""Broadcast objects by kind: the battery, if there is one, and the measurements."""

@@ -99,7 +99,7 @@ class CoapDevice(ServedDevice):
                 await context.shutdown()
 
     def show(self) -> None:
-        """Notify who observes it."""
+        """Notify the observers."""
         for _, one in self._resources:
             if isinstance(one, _StateResource):
                 one.updated_state()

@@ -1,4 +1,4 @@
-"""One device of a simulated house on its network, whatever the protocol."""
+"""One device of a simulated house on its network, for any protocol."""
 
 from __future__ import annotations
 
@@ -59,11 +59,11 @@ class ServedDevice(ConnectedDevice):
 
     @abstractmethod
     async def serve(self) -> None:
-        """Be on the network until cancelled, which is a power failure: nobody is told good-bye."""
+        """Be on the network until cancelled, which is a power failure: no farewell is sent."""
 
     @abstractmethod
     def show(self) -> None:
-        """Report :attr:`state`, which is new, to whom it concerns; never waits. Called also while there is no power."""
+        """Report the new :attr:`state` to its observers; never waits. Called also without power."""
 
     def begin(self, state: DeviceState, *, has_power: bool) -> None:
         """Begin in *state*."""

@@ -25,7 +25,7 @@ class SimulatedLamp(SimulatedDevice):
         is_on: Whether it shines.
         brightness: How bright it is while on, 0 to 1.
         kelvin: Colour temperature.
-        rated_watts: What it draws at full brightness, above 0: a lamp that draws nothing is dark.
+        rated_watts: Power at full brightness, above 0: a lamp without power is dark.
         rated_lux: The light that it then gives its room.
     """
 
@@ -257,11 +257,11 @@ class SimulatedThermostat(SimulatedDevice):
 
     Attributes:
         celsius: The room.
-        target: What the room should be.
-        outside: What it is outside.
+        target: Setpoint of the room.
+        outside: Temperature outside.
         gain: Kelvin above outside that full heating can hold.
         inertia: Seconds.
-        rated_watts: What heating draws.
+        rated_watts: Power of the heating.
     """
 
     kind: ClassVar[str] = "thermostat"

@@ -21,7 +21,7 @@ __all__ = ["Bridge", "BridgeDialect", "DeviceState", "Dialect", "OutgoingMessage
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DeviceState:
-    """The reported state of a device; what its kind does not have keeps its default.
+    """The reported state of a device; missing values keep their defaults.
 
     Attributes:
         text: Its last state as text, for example ``on``, ``opening``, ``locked`` or ``21.5``.
@@ -32,7 +32,7 @@ class DeviceState:
         way: Of a motor: 1 while it opens, -1 while it closes, 0 at rest.
         value: The number that a sensor reports; 0 where it reports none.
         celsius: Of a thermostat: the room's temperature.
-        target: Of a thermostat: what it should be.
+        target: Setpoint of a thermostat.
         heats: Of a thermostat: whether it heats.
     """
 
@@ -93,9 +93,9 @@ class SimulatedDeviceInfo:
 
     Attributes:
         home: First level, or levels, of the topics.
-        kind: What it is, as houses are described: ``lamp``.
+        kind: Kind in house descriptions: ``lamp``.
         device_id: Its name.
-        service_type: What it offers.
+        service_type: Its service type.
         room: Where it is.
 
     Raises:
@@ -119,8 +119,8 @@ class OutgoingMessage(NamedTuple):
 
     Attributes:
         topic: Where to.
-        payload: What.
-        retain: Whether the broker keeps it for those who come later.
+        payload: The payload.
+        retain: Whether the broker retains it.
         qos: How sure it has to be that it comes, 0 to 2.
     """
 
@@ -143,7 +143,7 @@ class Bridge(NamedTuple):
 
 
 class Dialect(ABC):
-    """A family of devices. No function raises, whatever states and payloads it is given."""
+    """A family of devices. No function raises, for any state or payload."""
 
     @property
     @abstractmethod
@@ -160,12 +160,12 @@ class Dialect(ABC):
         return ()
 
     def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
-        """Return what *device* publishes first on each new link, before its state: announcement, availability."""
+        """Return the first messages of *device* on each new link, before its state: announcement, availability."""
         del device
         return ()
 
     def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage | None:
-        """Return what the broker publishes when *device* vanishes."""
+        """Return the last will of *device*."""
         del device
         return None
 
@@ -177,7 +177,7 @@ class Dialect(ABC):
     def replies(
         self, device: SimulatedDeviceInfo, state: DeviceState, topic: str, payload: bytes
     ) -> tuple[OutgoingMessage, ...]:
-        """Return what *device* answers to a message that came in; empty where that asks nothing."""
+        """Return the answers of *device* to a message, if any."""
         del device, state, topic, payload
         return ()
 
@@ -189,7 +189,7 @@ class Dialect(ABC):
 
 @final
 class BridgeDialect(Dialect):
-    """A bridge as a device of its own on the wire: it publishes what the bridge does, and takes no command.
+    """A bridge as a device of its own: it publishes the bridge's messages and takes no command.
 
     Args:
         bridge: The bridge.
@@ -201,12 +201,12 @@ class BridgeDialect(Dialect):
         self._bridge = bridge
 
     def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
-        """Return what the bridge publishes on each new link."""
+        """Return the messages of the bridge on each new link."""
         del device
         return self._bridge.birth
 
     def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage | None:
-        """Return what the broker publishes when the bridge vanishes."""
+        """Return the last will of the bridge."""
         del device
         return self._bridge.will
 

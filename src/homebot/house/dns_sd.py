@@ -41,7 +41,7 @@ class DnsSdService:
 async def announce_service(
     service: DnsSdService, address: str, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED
 ) -> None:
-    """Announce *service* on the interface that has the IPv4 *address*, until cancelled; nobody is told good-bye.
+    """Announce *service* on the interface with the IPv4 *address* until cancelled, without a goodbye.
 
     A device whose power fails says nothing, and that is how simulated devices end; others forget it when its records
     expire.

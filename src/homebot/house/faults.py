@@ -42,7 +42,7 @@ class DeviceFault(SimulatedDevice):
     """A device with something wrong.
 
     Attributes:
-        device: What it wraps.
+        device: The wrapped device.
         rng: Its random numbers.
         lost: How many held-back things overflowed.
     """
@@ -83,11 +83,11 @@ class DeviceFault(SimulatedDevice):
     def advance(self, now: float) -> tuple[str, ...]:
         """Let time pass for both."""
         reports = super().advance(now)
-        self.device.advance(now)  # to the same time; whatever was due has been reported
+        self.device.advance(now)  # to the same time; its due reports are already out
         return reports
 
     def heartbeat(self) -> tuple[str, ...] | None:
-        """Return what the device says at a heartbeat."""
+        """Return the report of a heartbeat."""
         return self.device.heartbeat()
 
     def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
@@ -129,7 +129,7 @@ class DeviceFault(SimulatedDevice):
         return (held,)
 
     def _hold(self, at: float, what: str) -> None:
-        """Keep *what* until *at*, which is never before what is held already."""
+        """Hold *what* until *at*, which is never before an earlier entry."""
         if len(self._held) == HELD:
             self._held.popleft()
             self.lost += 1
@@ -179,7 +179,7 @@ class Deaf(DeviceFault):
 
 
 class Liar(DeviceFault):
-    """Reports what was commanded and does nothing, from a time on (seconds since the first midnight)."""
+    """Reports commands as done and does nothing, from a time on (seconds since the first midnight)."""
 
     def __init__(self, device: SimulatedDevice, rng: random.Random, *, since: float = 0.0) -> None:
         super().__init__(device, rng)
@@ -203,14 +203,14 @@ class Liar(DeviceFault):
 
 
 class EchoingBridge(DeviceFault):
-    """Reports what was commanded at once, and passes the command on; what the device then reports goes through."""
+    """Reports commands at once and passes them on; the device's own reports follow."""
 
     def _take(self, command: str) -> tuple[str, ...]:
         return (DONE.get(command, command), *self._pass(command))
 
 
 class Stuck(DeviceFault):
-    """Stays as it is: tries for some seconds and answers with the old state; what a sensor feels changes nothing."""
+    """Keeps its state: tries for some seconds and answers with the old state; sensors feel no change."""
 
     def __init__(self, device: SimulatedDevice, rng: random.Random, *, after: float = 2.0) -> None:
         super().__init__(device, rng)
@@ -289,7 +289,7 @@ class Flapper(DeviceFault):
 
 
 class Late(DeviceFault):
-    """Tells everything only after a delay of seconds; a heartbeat repeats what it told last."""
+    """Delays every report by some seconds; a heartbeat repeats the last one."""
 
     def __init__(self, device: SimulatedDevice, rng: random.Random, *, delay: float = 30.0) -> None:
         super().__init__(device, rng)
@@ -342,7 +342,7 @@ class Unplugged(DeviceFault):
         return reports + (super().operate_manually(command, now) if self.has_power else ())
 
     def apply_input(self, value: float, now: float) -> tuple[str, ...]:
-        """Feel nothing without power; what is still so when it returns is felt then."""
+        """Feel nothing without power; a lasting state is felt when power returns."""
         reports = self.advance(now)
         if not self.has_power:
             self._missed = value

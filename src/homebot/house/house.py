@@ -37,10 +37,10 @@ from homebot.mqtt.topics import validate_filter
 __all__ = ["HEARTBEAT", "SimulatedHouse"]
 
 HEARTBEAT = 2.0
-"""Seconds between two reports where there is no other: short, so that a person who looks on sees life."""
+"""Seconds between two reports without another, short enough to watch."""
 
 TICK = 1e-6
-"""Seconds: what is due sooner is due now, because no timer of the loop can wait for it."""
+"""Seconds within which an event is due now, because loop timers cannot wait for less."""
 
 STRIDE = 3600.0
 """Seconds of the world that pass in one turn of the loop, where a clock was set or a computer slept."""
@@ -59,7 +59,7 @@ class SimulatedHouse:
     Args:
         url: The broker, ``mqtt://host:port``.
         home: First level of the devices' topics.
-        world: What is carried; nobody else may move it meanwhile.
+        world: The carried world, which only this object moves.
         clock: The time it lives by.
         make_client: Makes the devices' MQTT clients.
         random: Source of their reconnects' jitter; a seeded one makes every run the same.
@@ -71,7 +71,7 @@ class SimulatedHouse:
         Host: The class of the service that can host one.
         WITHOUT_HOST: The reason why no gateway of a configuration does, as text.
         world: The same.
-        counters: What went over the wire.
+        counters: Counters of sent and received messages.
 
     Raises:
         UsageError: The heartbeat is not above 0, a device's name cannot be one on MQTT, there is no such dialect, or
@@ -257,6 +257,6 @@ class SimulatedHouse:
 
 
 def _first_midnight(now: float, lived: float) -> float:
-    """Return the midnight from which the world's time counts, so that it is not before what was *lived*."""
+    """Return the midnight from which the world's time counts, before all of *lived*."""
     time_of_day = now % DAY
     return now - time_of_day - DAY * max(0, math.ceil((lived - time_of_day) / DAY))

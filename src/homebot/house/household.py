@@ -14,7 +14,7 @@ from homebot.timer_queue import TimerQueue
 __all__ = ["MOVES", "Habit", "Household", "MovementObserver", "Person", "Visit"]
 
 MOVES = 20.0
-"""Seconds for which somebody who sits still moves after coming in, and each time in between."""
+"""Seconds of movement of a sitting person after coming in, and each time in between."""
 
 
 class Habit(NamedTuple):
@@ -25,8 +25,8 @@ class Habit(NamedTuple):
         room: Where to.
         jitter: Seconds by which it may be earlier or later; uniform.
         asleep: Whether they lie still there, in the dark.
-        still: Seconds for which they sit still there, awake, between two short movements, as somebody does who reads;
-            0 for somebody who moves all the time.
+        still: Seconds without movement, awake, between two short movements, as of a reader;
+            0 for constant movement.
     """
 
     at: float
@@ -53,10 +53,10 @@ class Visit(NamedTuple):
 
 
 class Person(NamedTuple):
-    """Somebody who lives in the house.
+    """A person in the house.
 
     Attributes:
-        name: Who.
+        name: Name.
         day: Their habits, every day the same but for the jitter.
         starts_in: Where they are at the first midnight.
         asleep: Whether they sleep then.
@@ -120,11 +120,11 @@ class Household:
     """People who walk from room to room as their habits have it.
 
     Args:
-        people: Who lives there.
+        people: The people.
         rooms: Where.
         queue: Gets their steps.
         clock: Returns the time that the queue is at.
-        observer: Gets what they do.
+        observer: Receives their movements.
 
     Raises:
         UsageError: A room is not there, or no doors lead to it.
@@ -154,7 +154,7 @@ class Household:
                 self._queue.set(object(), visit.at, partial(self._set_out, body, visit))
 
     def people_in(self, room: str) -> tuple[str, ...]:
-        """Return who is in *room*, asleep or not."""
+        """Return the people in *room*, asleep or not."""
         return tuple(body.person.name for body in self._bodies if body.room == room)
 
     def awake_in(self, room: str) -> int:
@@ -166,7 +166,7 @@ class Household:
         return sum(body.room == room and not body.asleep and body.moves for body in self._bodies)
 
     def stir(self, room: str) -> None:
-        """Let those who sit still in *room* move for a moment."""
+        """Move the people sitting in *room* for a moment."""
         for body in self._bodies:
             if body.room == room and not body.moves:
                 self._move(body, body.walk)

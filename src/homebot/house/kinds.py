@@ -25,7 +25,7 @@ Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Moment = Annotated[float, Field(ge=0.1, allow_inf_nan=False)]
-"""Seconds, and not none: what answers at once never lets time pass."""
+"""Seconds, above 0: an immediate answer would stop virtual time."""
 Celsius = Annotated[float, Field(ge=-60.0, le=60.0)]
 
 
@@ -58,7 +58,7 @@ class KindSettings(BaseModel):
         return self.makes(at.name, **self._place(at), **self.model_dump(exclude_unset=True))
 
     def _place(self, at: Surroundings) -> dict[str, Any]:
-        """Return what a device of this kind is given of its surroundings."""
+        """Return the surroundings for a device of this kind."""
         del at
         return {}
 

@@ -104,7 +104,7 @@ class MqttDevice(ConnectedDevice):
             self._counters.unsaid += 1
 
     def repeat(self) -> None:
-        """Publish the last state again where there is a link; what is lost comes with the next."""
+        """Publish the last state again if there is a link; a lost message comes with the next."""
         if self._is_online:
             self._enqueue(self._again)
 
@@ -179,7 +179,7 @@ class MqttDevice(ConnectedDevice):
             try:
                 messages = await self._connection.receive()
             except ClosedError:
-                return  # it was closed while what came last was handled
+                return  # closed during the last message
             for message in messages:
                 command_id = dict(message.properties.user).get(_COMMAND_ID, "")
                 for command in self._dialect.parse_command(self._device, message.topic, message.payload):

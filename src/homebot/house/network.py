@@ -149,7 +149,7 @@ class HouseNetwork:
 
     @asynccontextmanager
     async def running(self, random: Random | None) -> AsyncIterator[tuple[object, ...]]:
-        """Run the networks inside the block; the value is what gateways need to reach them.
+        """Run the networks inside the block; the value maps gateways to their peers.
 
         Args:
             random: The source of random numbers; None for one of its own.

@@ -36,7 +36,7 @@ class Robot(SimulatedDevice):
 
     Attributes:
         rooms: The plan it has.
-        room: The last room whose middle it reached.
+        room: The last room with a reached middle.
         speed: Metres a second, above 0.
     """
 

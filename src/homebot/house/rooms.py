@@ -41,7 +41,7 @@ def weather(now: float, first_day: int) -> float:
 
 
 OUTSIDE = "outside"
-"""Where people are who are out. A room like any other, but dark and warm there is the weather."""
+"""The room of people who are out: like any other, but light and warmth are the weather's."""
 
 
 class Room(NamedTuple):

@@ -18,9 +18,9 @@ class SimulatedDevice(ABC):
     Time 0 is the midnight before the house starts.
 
     Attributes:
-        kind: What it is, as houses are described.
+        kind: Kind in house descriptions.
         device_id: Its name.
-        service_type: What it offers.
+        service_type: Its service type.
         now: The time it was last advanced to.
     """
 
@@ -42,11 +42,11 @@ class SimulatedDevice(ABC):
         """Take *command* at *now*.
 
         Args:
-            command: A text such as ``on``, or a number as text; what it does not know it ignores.
+            command: A text such as ``on``, or a number as text; unknown ones are ignored.
             now: The time.
 
         Returns:
-            Its reports at once, behind those that were due before; what comes later comes from :meth:`advance`.
+            Its immediate reports, after those due before; later ones come from :meth:`advance`.
         """
         return (*self.advance(now), *self._take(command))
 
@@ -72,15 +72,15 @@ class SimulatedDevice(ABC):
         return self.advance(now)
 
     def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
-        """Let somebody work it with their hands, as *command* would; return its reports at once."""
+        """Operate it by hand with *command*; return its immediate reports."""
         return self.handle_command(command, now)
 
     def commands(self) -> tuple[str, ...]:
-        """Return what hands can do to it, for people: each command, or a text for many, such as ``0 to 1``."""
+        """Return the manual commands, for people: each one, or a text for a range, such as ``0 to 1``."""
         return ()
 
     def knows(self, command: str) -> bool:
-        """Return whether hands can do *command* to it; what it does not know it ignores."""
+        """Return whether *command* is a manual command of it."""
         return command in self.commands()
 
     def watts(self) -> float:
@@ -88,7 +88,7 @@ class SimulatedDevice(ABC):
         return 0.0
 
     def heartbeat(self) -> tuple[str, ...] | None:
-        """Return what it says at a heartbeat; None for the last that it said, again."""
+        """Return the report of a heartbeat; None to repeat the last one."""
         return None
 
     def restore(self) -> str:
@@ -127,7 +127,7 @@ class ScheduledCommand(NamedTuple):
     Attributes:
         at: Seconds since midnight.
         device_id: The device.
-        command: What.
+        command: The command.
     """
 
     at: float

@@ -1,4 +1,4 @@
-"""The backend of bleak for a hub whose Bluetooth is virtual: its scanner and its client, on the stack of bumble."""
+"""The backend of bleak for a virtual Bluetooth adapter: scanner and client on the stack of bumble."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ class VirtualClient(BaseBleakClient):
         return self._connection is not None
 
     async def connect(self, pair: bool, **_: Any) -> None:  # noqa: FBT001 - bleak's signature
-        """Connect, and find out what the device serves."""
+        """Connect and discover the services."""
         del pair
         hub = self.radio.hub()
         try:
@@ -244,7 +244,7 @@ async def _answer(request: Any) -> Any:
     except asyncio.CancelledError as exc:
         if is_cancelled():
             raise
-        raise BleakError("the connection was lost") from exc  # bumble cancels what waits for an answer
+        raise BleakError("the connection was lost") from exc  # bumble cancels pending requests
 
 
 async def _discover(peer: Peer) -> BleakGATTServiceCollection:

@@ -70,7 +70,7 @@ class VirtualPeripheral:
 
     Args:
         device: Its stack.
-        characteristics: What it serves, by UUID.
+        characteristics: The served values by UUID.
 
     Attributes:
         connected_times: How often it was connected to.
@@ -87,7 +87,7 @@ class VirtualPeripheral:
         self.connected_times += 1
 
     async def advertise(self, fields: Sequence[tuple[int, bytes]], interval: float, *, connectable: bool) -> None:
-        """Begin to advertise *fields*, types and bytes, every so many seconds, in place of what was advertised."""
+        """Advertise *fields*, types and bytes, at this interval in seconds, replacing earlier ones."""
         if connectable and self._device.connections:
             return  # it goes on by itself when it is disconnected
         kind = AdvertisingType.UNDIRECTED_CONNECTABLE_SCANNABLE if connectable else AdvertisingType.UNDIRECTED
@@ -162,7 +162,7 @@ class VirtualRadio:
         """Have a device on the radio inside the block.
 
         Args:
-            name: What it is called.
+            name: Its name.
             address: Its address, of a random static kind: the first byte is C0 to FF.
             services: The characteristics that it serves, by the UUID of the service.
             rssi: How strongly it is received, in dBm.

@@ -33,11 +33,11 @@ DARK = 30.0
 """Lux below which people want a lamp."""
 
 LONGEST_COMMAND = 200
-"""Characters; what is beyond is cut off, since the event log keeps commands."""
+"""Characters; longer texts are cut, since the event log keeps commands."""
 
 DOOR_CLOSES = 3.0
 DOOR_LOCKS = 15.0
-"""Seconds after somebody went through."""
+"""Seconds after a person passed."""
 
 
 class _Drive(NamedTuple):
@@ -69,8 +69,8 @@ class World:
     Args:
         rooms: Its plan.
         placed: Its devices.
-        people: Who lives there.
-        errands: What timers do every day.
+        people: The people.
+        errands: Daily timers.
         seed: Decides every jitter of its people; devices with faults have random numbers of their own.
         first_day: Day of the year, 1 to 366.
         latitude: Degrees north.
@@ -123,7 +123,7 @@ class World:
 
     @classmethod
     def of(cls, *devices: SimulatedDevice) -> World:
-        """Return a house of one room with *devices* in it, and nobody.
+        """Return a house of one room with *devices* and no people.
 
         Raises:
             UsageError: Two devices have one name.
@@ -187,7 +187,7 @@ class World:
         return device
 
     def people_in(self, room: str) -> tuple[str, ...]:
-        """Return who is in *room*, asleep or not."""
+        """Return the people in *room*, asleep or not."""
         return self._household.people_in(room)
 
     def awake_in(self, room: str) -> int:
@@ -245,7 +245,7 @@ class World:
                 self._switch(entry, wish)
 
     def sat_still(self, room: str) -> None:
-        """Show that somebody moves no longer to the sensors of *room*. For the household alone."""
+        """Report the end of movement to the sensors of *room*. For the household alone."""
         self._show_motion(room)
 
     def _check(self) -> None:
@@ -291,7 +291,7 @@ class World:
 
     def _close(self, entry: _PlacedDevice) -> None:
         if self.now < entry.open_until:
-            return  # somebody else came through
+            return  # another person came through
         if isinstance(entry.real, SimulatedContactSensor):
             self._feel(entry, float(entry.left_open))
         else:
@@ -377,7 +377,7 @@ class World:
             self._show_light(room)
             is_dark = self.lux(room) < DARK
             if is_dark and self._was_dark.get(room) is False:
-                self._household.stir(room)  # who sits there gets up for the switch
+                self._household.stir(room)  # a person sitting there gets up for the switch
                 self.stirred(room)
             self._was_dark[room] = is_dark
         self._queue.set(object(), self.now + SAMPLE, self._sample)

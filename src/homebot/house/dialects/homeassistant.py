@@ -38,8 +38,8 @@ class ComponentTemplate:
 
     Attributes:
         component: Its name.
-        config: Returns its options, for a device whose topics begin with the text given.
-        state: Returns what a device in some state publishes.
+        config: Returns its options for a topic prefix.
+        state: Returns the payload of a state.
         levels: Last levels of the topics on which it takes commands.
     """
 
@@ -212,7 +212,7 @@ class HomeAssistantDialect(Dialect):
         return (OutgoingMessage(f"{node_name(device)}/state", payload, retain=True),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
-        """Return what a command of Home Assistant's means."""
+        """Return the command in a payload of Home Assistant."""
         text = as_text(payload)
         level = topic.rpartition("/")[2]
         if device.kind == "lamp":

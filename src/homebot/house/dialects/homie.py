@@ -29,7 +29,7 @@ class SimulatedHomieNode:
 
     Attributes:
         type: The capability that it is.
-        properties: What can be read or set.
+        properties: Readable and settable properties.
         values: Returns the values that a device in some state publishes.
     """
 
@@ -144,7 +144,7 @@ class HomieDialect(Dialect):
         return (f"{self._base(device)}/+/+/set",)
 
     def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
-        """Return how it begins, what it is, and that it is ready; all kept."""
+        """Return its announcement, from init to ready; all retained."""
         base = self._base(device)
         nodes = {name: node.description() for name, node in NODES[device.kind].items()}
         description = {"homie": "5.0", "version": 1, "name": device.device_id, "nodes": nodes}
@@ -168,7 +168,7 @@ class HomieDialect(Dialect):
         )
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
-        """Return what the value of a property means."""
+        """Return the command in the value of a property."""
         property_id, text = topic.split("/")[-2], as_text(payload)
         wanted = to_number(text)
         if property_id == "action":

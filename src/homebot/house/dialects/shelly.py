@@ -80,7 +80,7 @@ class ShellyDialect(Dialect):
         )
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
-        """Return what a command means."""
+        """Return the meaning of a command."""
         channel = topic.removeprefix(f"{_base(device)}/")
         if channel not in _MODELS[device.kind].command_topics:
             return ()

@@ -108,7 +108,7 @@ def _mac(device: SimulatedDeviceInfo) -> str:
 
 
 def describe_shelly(device: SimulatedDeviceInfo) -> dict[str, object]:
-    """Return what *device* says when it is asked who it is."""
+    """Return the device information of *device*."""
     model = MODELS[device.kind]
     return {
         "name": device.device_id,

@@ -71,7 +71,7 @@ class TasmotaDialect(Dialect):
         return (OutgoingMessage(f"stat/{_topic(device)}/RESULT", as_json(_shutter(state))),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
-        """Return what a command means, or all those of a ``Backlog``."""
+        """Return the meaning of a command, or of each in a ``Backlog``."""
         name, value = topic.rpartition("/")[2].lower(), as_text(payload)
         if name.rstrip("0123456789") != "backlog":
             return _parsed(device.kind, name, value)

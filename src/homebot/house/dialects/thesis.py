@@ -20,11 +20,11 @@ class ThesisDialect(Dialect):
         return (f"{_base(device)}/in",)
 
     def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
-        """Return the report, on its ``out``; what is no Unicode becomes ``?``."""
+        """Return the report on its ``out``; characters beyond Unicode become ``?``."""
         return (OutgoingMessage(f"{_base(device)}/out", state.text.encode(errors="replace")),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
-        """Return the payload as text; what is no UTF-8 becomes U+FFFD."""
+        """Return the payload as text; invalid UTF-8 becomes U+FFFD."""
         del device, topic
         return (payload.decode(errors="replace"),)
 
@@ -32,7 +32,7 @@ class ThesisDialect(Dialect):
 _KINDS = frozenset(
     ("lamp", "window", "cover", "lock", "contact", "motion", "lux", "power_meter", "thermostat", "robot", "tag"),
 )
-"""Those of :data:`homebot.house.kinds.KINDS`, which is not loaded for a house that nobody described."""
+"""The kinds of :data:`homebot.house.kinds.KINDS`, which is loaded for described houses only."""
 
 
 def _base(device: SimulatedDeviceInfo) -> str:

@@ -36,14 +36,14 @@ def as_object(payload: bytes) -> Mapping[str, object]:
 
 
 def as_text(payload: bytes) -> str:
-    """Return the text in *payload*, without blanks around it; what is no UTF-8 becomes U+FFFD."""
+    """Return the text in *payload* without surrounding blanks; invalid UTF-8 becomes U+FFFD."""
     return payload[:LONGEST].decode(errors="replace").strip()
 
 
 def lamp_order(
     *, is_on: bool | None = None, brightness: float | None = None, kelvin: float | None = None
 ) -> tuple[str, ...]:
-    """Return the commands to a lamp for one message: what it should be, None where the message does not say.
+    """Return the commands to a lamp for one message: the wanted values, None for absent ones.
 
     Args:
         is_on: Whether it should shine.

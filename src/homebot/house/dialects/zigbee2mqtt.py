@@ -143,7 +143,7 @@ class Zigbee2MqttDialect(Dialect):
         return (OutgoingMessage(self._topic(device), as_json(_STATES[device.kind](state))),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
-        """Return what a command means: an object of properties, the value of one, or a text for its state."""
+        """Return the command in a payload: an object of properties, one value, or a text for its state."""
         base, _, rest = topic.removeprefix(self._topic(device)).removeprefix("/").partition("/")
         if base != "set":
             return ()

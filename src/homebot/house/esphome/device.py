@@ -184,7 +184,7 @@ class _ApiClient:
             self._outbox.close()
 
     async def write(self) -> None:
-        """Send what waits, until a good-bye was sent."""
+        """Send the queued messages until the farewell is sent."""
         with self._outbox, self._sent:
             async for message in self._sent:
                 await self.messages.send(message)

@@ -36,7 +36,7 @@ class ClientRefusedError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class ServerIdentity:
-    """The name and the address that a device says before it knows whom it talks to, and its key.
+    """The name and address that a device sends before authentication, and its key.
 
     Attributes:
         name: Its name.
@@ -60,7 +60,7 @@ class NativeApiStream(ABC):
         """Return the next message.
 
         Raises:
-            ClientRefusedError: What came is none.
+            ClientRefusedError: The bytes are no such frame.
             anyio.EndOfStream: The client went away, as do the other errors of a stream.
         """
         number, data = await self._receive_frame()

@@ -158,7 +158,7 @@ class ServedShelly(ServedDevice):
         return nonce
 
     def _is_signed(self, auth: object) -> bool:
-        """Return whether *auth* is a right answer to the last challenge, whose count was not used before."""
+        """Return whether *auth* correctly answers the last challenge with an unused count."""
         if not isinstance(auth, dict):
             return False
         nonce, count = auth.get("nonce"), auth.get("nc", 1)

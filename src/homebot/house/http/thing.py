@@ -34,7 +34,7 @@ class ServedThing(ServedDevice):
         on_command: Gets each command for it.
         address: Its own address; announced on the interface that has it.
         announced: Whether it announces itself by DNS-SD.
-        token: What it wants to be let in: a bearer token; empty for nothing.
+        token: Required bearer token; empty for none.
         user: With a user, *token* is the password of HTTP Basic authentication.
 
     Attributes:
@@ -94,7 +94,7 @@ class ServedThing(ServedDevice):
         }
 
     def show(self) -> None:
-        """Push what is new to who observes it."""
+        """Push new values to observers."""
         now = {name: one.read(self.state) for name, one in self._properties.items()}
         changed = {name for name, value in now.items() if self._last.get(name) != value}
         self._last = now

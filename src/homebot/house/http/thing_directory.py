@@ -24,12 +24,12 @@ PREFIX = "/things/"
 
 
 class ThingDirectoryServer:
-    """A directory that knows nothing of homebot; whoever can reach it may register things.
+    """A directory independent of homebot; any client may register things.
 
     Args:
         address: The address to listen on.
         port: The port; 0 for a free one, which it keeps.
-        has_events: Whether it tells what changes.
+        has_events: Whether it serves change events.
         has_etags: Whether it says by an ETag that a page has not changed.
         page: The most things on one page.
         token: The bearer token that it wants; empty for none.
@@ -103,7 +103,7 @@ class ThingDirectoryServer:
                 return WebReply(b"", 404)
 
     def greet(self, peer: WebPeer, path: str) -> bool:
-        """Let a peer listen to what changes."""
+        """Subscribe a peer to changes."""
         if not (self._has_events and peer.takes_events and path == "/events" and self._lets_in(peer.headers)):
             return False
         peer.send(b": welcome")

@@ -21,7 +21,7 @@ class ThingProperty:
     """One property of a thing.
 
     Attributes:
-        schema: What its description says of it, beside the forms.
+        schema: The property's description without forms.
         read: Returns its value.
         order: Returns the commands that make it a value, or None for a value that it does not take; None where it
             cannot be written.

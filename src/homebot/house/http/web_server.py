@@ -28,7 +28,7 @@ class WebRequest:
 
     Attributes:
         method: ``GET``, ``POST``, …
-        path: Decoded, without what is asked behind ``?``.
+        path: Decoded path, without the query after ``?``.
         query: That, by name.
         headers: The header fields, names in lower case.
         body: The body.
@@ -68,7 +68,7 @@ class WebPeer:
     Attributes:
         takes_events: The same.
         headers: The same.
-        name: What it called itself, for the device to note; empty at first.
+        name: Name given by the client; empty at first.
     """
 
     def __init__(self, headers: Mapping[str, str] | None = None, *, takes_events: bool = False) -> None:
@@ -101,7 +101,7 @@ class WebDevice(Protocol):
         """Take a new WebSocket to *path*, or a new stream of events from there; false where there is none."""
 
     def receive(self, peer: WebPeer, message: bytes) -> None:
-        """Take what came over a WebSocket."""
+        """Handle a WebSocket message."""
 
 
 class WebServer:

@@ -1,4 +1,4 @@
-"""A simulated Matter bridge: one node, whose endpoints are the devices behind it."""
+"""A simulated Matter bridge: one node with one endpoint for each device behind it."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class MatterBridge(CommissionedNode):
         )
 
     def reach(self, device: BridgedDevice) -> None:
-        """Take a new device, or one whose power is back."""
+        """Add a new device, or one with its power back."""
         endpoint = self._endpoint_of(device)
         is_new = endpoint is None
         if endpoint is None:

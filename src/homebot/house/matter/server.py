@@ -1,4 +1,4 @@
-"""A Matter server, simulated at its WebSocket: it lists its nodes, reports what changes, and passes commands on.
+"""A Matter server, simulated at its WebSocket: it lists nodes, reports changes, and passes commands on.
 
 Source: python-matter-server 8.1, ``docs/websockets_api.md`` (schema version 11).
 """
@@ -131,7 +131,7 @@ class SimulatedMatterServer:
         return WebReply(b"Not Found", 404, "text/plain")
 
     def greet(self, peer: WebPeer, path: str) -> bool:
-        """Take a WebSocket to ``/ws``, and say what it is."""
+        """Accept a WebSocket at ``/ws`` and send the greeting."""
         peer.send(
             as_json(
                 {
@@ -164,7 +164,7 @@ class SimulatedMatterServer:
             peer.send(as_json({"message_id": message_id, "error_code": code, "details": result}))
 
     def _run(self, command: str, args: Mapping[str, object]) -> tuple[int | None, object]:
-        """Carry a command out; return the code of an error, if there is one, and the result or what is wrong."""
+        """Carry a command out; return an error code or None, and the result or the problem."""
         if command in {"start_listening", "get_nodes"}:
             return None, [one.describe() for one in self.nodes.values()]
         if command == "commission_with_code":

@@ -1,4 +1,4 @@
-"""The field of a simulated reader, into which tags are held: what nfcpy drives as ``udp:HOST:PORT``.
+"""The field of a simulated reader, into which tags are held, as nfcpy drives it by ``udp:HOST:PORT``.
 
 Each datagram is a bit rate with its modulation, such as ``106A``, and hexadecimal digits. Tags answer as Type A targets
 (ISO/IEC 14443-3) and in blocks of ISO/IEC 14443-4. It is served in a thread, as a reader asks again after milliseconds.
@@ -81,7 +81,7 @@ class TagField:
             server.sendto(rate + b" " + answer.hex().encode() if answer else _NOBODY, sender)
 
     def _answer(self, rate: bytes, command: bytes) -> bytes:
-        """Return the tag's answer; empty where nobody answers."""
+        """Return the tag's answer, or nothing without a tag."""
         card = self.card
         if card is None or rate != b"106A":
             return b""
@@ -99,7 +99,7 @@ class TagField:
         if kind & 0xE2 == 0x02:  # information
             self._last = bytes([kind]) + card.answer(block[1:])
             return self._last if self.card is card else b""
-        if kind & 0xF6 == 0xB2:  # not acknowledged: what was said is asked for again, or whether anybody is there
+        if kind & 0xF6 == 0xB2:  # not acknowledged: repeat the last block, or test for presence
             return self._last if self._last[:1] == bytes([kind & 1 | 2]) else bytes([0xA2 | kind & 1])
         return block[:1] if kind & 0xF7 == 0xC2 else b""  # deselected
 

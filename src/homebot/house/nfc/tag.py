@@ -22,7 +22,7 @@ class ServedTag(ServedDevice):
 
     Args:
         device: Its name.
-        on_command: Called never: nobody commands a tag through a reader.
+        on_command: Never called: tags take no commands through a reader.
         field: The field of the reader, which has room for one tag; the last one counts.
     """
 

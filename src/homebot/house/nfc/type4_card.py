@@ -50,7 +50,7 @@ class Type4Card:
         return bytes(file[2 : 2 + int.from_bytes(file[:2], "big")])
 
     def put(self, message: bytes) -> None:
-        """Put *message* on it, whatever it lets others do."""
+        """Write *message* to it, ignoring its protection."""
         whole = len(message).to_bytes(2, "big") + message
         self._files[_FILE][: len(whole)] = whole
 
