@@ -32,7 +32,7 @@ class AccessSettings(BaseModel):
     Attributes:
         host: Name or address to listen on. Any other than a loopback one needs a token.
         port: TCP port; 0 takes a free one.
-        token: What a client must show, as ``Authorization: Bearer TOKEN`` or, for browsers, as ``?token=TOKEN``.
+        token: The required token, as ``Authorization: Bearer TOKEN`` or, for browsers, as ``?token=TOKEN``.
         allowed_origins: Web pages that may connect besides those of the same host and of loopback, for example
             ``https://panel.example.org``; ``null`` is a page opened from a file.
         max_clients: Clients at a time; one more is turned away.
@@ -47,7 +47,7 @@ class AccessSettings(BaseModel):
     max_clients: Count = 64
 
     def listening_problem(self, error: OSError, key: str) -> str:
-        """Return why the address cannot be listened on, and what to do: another port is chosen by *key*."""
+        """Return the reason why the address cannot be used, and the remedy: *key* chooses another port."""
         where = f"{self.host}:{self.port}"
         if error.errno == errno.EADDRINUSE:
             return f"{where} is in use, maybe by another homebot; stop that one, or choose another port ({key})"

@@ -1,4 +1,4 @@
-"""The log of what clients of a bridge do wrong, limited."""
+"""The rate-limited log of mistakes of a bridge's clients."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ _LONGEST = 300  # a client may send a text of a megabyte
 
 
 class ClientErrorLog:
-    """Logs what clients do wrong.
+    """Logs mistakes of clients.
 
     Args:
-        node: In whose name.
+        node: Name in the log.
     """
 
     def __init__(self, node: Node) -> None:
@@ -39,12 +39,12 @@ class ClientErrorLog:
         Returns the number of lines held back before it; None where it is held back itself.
 
         Args:
-            kind: What counts together, such as one client's mistakes.
+            kind: Group for the rate limit, such as one client's mistakes.
             event: The constant name.
             message: The same in plain words; cut, as are the texts among the facts, to 300 characters.
             level: How bad it is.
             error: Shown with its traceback.
-            facts: What is known.
+            facts: Further facts.
         """
         if (held_back := self._limit.allows(kind)) is None:
             return None

@@ -1,4 +1,4 @@
-"""The check of clients' tokens: whoever guesses waits, and is named."""
+"""The check of clients' tokens, with delays for guessing addresses."""
 
 from __future__ import annotations
 
@@ -55,6 +55,6 @@ class TokenCheck:
         return name
 
     def problems(self) -> tuple[str, ...]:
-        """Return who guesses, as text for a health report."""
+        """Return the guessing addresses, as text for a health report."""
         guessing = self._guard.throttled_addresses(self._clock.monotonic())
         return (f"wrong tokens were received from {', '.join(guessing[:5])}",) if guessing else ()

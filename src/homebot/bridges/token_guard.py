@@ -95,7 +95,7 @@ class TokenGuard:
         self._attempts.move_to_end(key)
 
     def throttled_addresses(self, now: float) -> tuple[str, ...]:
-        """Return the addresses (IPv6: networks) whose tokens have to wait."""
+        """Return the addresses (IPv6: networks) with delayed tokens."""
         known = [(address, self._of(address, now)) for address in tuple(self._attempts)]
         return tuple(
             address for address, attempts in known if attempts is not None and attempts.wrong >= _FREE_ATTEMPTS

@@ -14,7 +14,7 @@ __all__ = ["Turns"]
 
 @final
 class Turns:
-    """Hands out turns; a piece of work is what a task does between two of them.
+    """Hands out turns; a piece of work is the part of a task between two of them.
 
     Args:
         now: The clock that measures the share, in seconds.

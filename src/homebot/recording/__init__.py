@@ -1,1 +1,1 @@
-"""Recordings: what happened in a house, line by line, for a replay."""
+"""Recordings: the events of a house, line by line, for a replay."""

@@ -15,10 +15,10 @@ kind            message                           meaning
 ``report``      :class:`Report`                   a device reported values, or an event such as a press
 ``again``       :class:`Repetition`               the last sighting or report of its source again
 ``raw``         :class:`RawMessage`               a raw message of a device
-``command``     :class:`RecordedCommand`          somebody gave a command
-``outcome``     :class:`CommandResult`            what became of a command
+``command``     :class:`RecordedCommand`          a command was given
+``outcome``     :class:`CommandResult`            the outcome of a command
 ``owner``       :class:`OwnerRequest`             the owner placed, named, tagged, approved … a device, or a tag did
-``lease``       :class:`LeaseNews`                somebody began or ceased to hold a part
+``lease``       :class:`LeaseNews`                a lease began or ended
 ``lost``        :class:`LostLines`                lines that are missing here
 ``end``         :class:`RecordingEnd`             the last line; missing where the recorder was killed
 ==============  ================================  ==============================================================
@@ -63,7 +63,7 @@ FORMAT: Final = 2
 
 _LONGEST: Final = 366 * 86_400.0
 _EARLIEST: Final = -100 * 366 * 86_400.0
-"""Reports of a computer whose clock was not set yet, as at the start of a Raspberry Pi, are of 1970."""
+"""Reports of a computer with an unset clock, as at the start of a Raspberry Pi, are of 1970."""
 
 _SHOWN: Final = 60
 
@@ -88,12 +88,12 @@ class RecordingHeader(Message):
     Attributes:
         format: The version of the format.
         version: The version of homebot.
-        home: What the home is called.
+        home: Name of the home.
         started_at: When the recording began.
-        trusts_apps: Whether apps may command what always asks without a grant, as in a simulated house.
+        trusts_apps: Whether apps may command always-ask devices without a grant, as in a simulated house.
         control: The table ``[control]``, as the text of a JSON object.
         places: The table ``[places]``, as the text of a places file; empty for none.
-        detected: The motion sensors that had detected somebody by then, where there is a presence guard.
+        detected: The motion sensors that had detected motion by then, if there is a presence guard.
         apps: The apps.
     """
 
@@ -121,16 +121,16 @@ class GatewayNews(Message):
 
 
 class RecordedCommand(Message):
-    """A command that somebody gave.
+    """A given command.
 
     Attributes:
         id: The id of the command.
-        issuer: Who gave it: the name of a node, or ``client:NAME`` for a client of the door.
+        issuer: The issuer: the name of a node, or ``client:NAME`` for a client of the door.
         device: The id of the device.
         part: The id of the part; empty for such a text.
         settings: The wanted values; empty for a raw text that another program published.
-        text: That text, which no policy judges and nobody verifies; empty for any other command.
-        trigger: What led to it.
+        text: A raw text, which is neither judged nor verified; empty for any other command.
+        trigger: Its cause.
     """
 
     id: str
@@ -153,8 +153,8 @@ class LeaseNews(Message):
             ``ended``: *issuer* ended the leases of the device; ``expired``: the time of *by* was over.
         device: The id of the device.
         part: The id of the part.
-        setting: What is held.
-        issuer: Who holds it, or ended it: the name of a node, or ``client:NAME`` for a client of the door.
+        setting: The held value.
+        issuer: The holder: the name of a node, or ``client:NAME`` for a client of the door.
         by: The holder, in a word.
     """
 
@@ -192,7 +192,7 @@ class RecordingLine:
 
     Attributes:
         at: Seconds since the start of the recording.
-        message: Its message, whose class says which kind it is.
+        message: Its message; the class identifies the kind.
     """
 
     at: float

@@ -19,9 +19,9 @@ _MOST: Final = 1_000
 
 @final
 class CommandNews:
-    """Finds in the journal which commands are given, their outcomes, and who holds what.
+    """Reads commands, their outcomes and leases from the journal.
 
-    A text of an app is in the journal as the command that it is, and then as what was published.
+    A text of an app appears there as the parsed command, and then as published.
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Recorder: notes what gateways publish, and what is commanded, as lines of a recording.
+"""Recorder: writes messages of gateways and commands as lines of a recording.
 
 Each kind of message is noted in its own order. The time of a line is that of its message, so that it does not matter
 when it is noted.
@@ -70,7 +70,7 @@ class RunFacts:
 
 @final
 class Recorder:
-    """Notes what happens from when it runs.
+    """Records events from its start on.
 
     Args:
         node: The node that listens.
@@ -127,7 +127,7 @@ class Recorder:
         self._note(self._clock.now(), RecordingEnd(reason=reason))
 
     async def _begin(self) -> None:
-        """Note the run, the devices as the directory knows them, and who holds what.
+        """Record the run, the known devices and the leases.
 
         Raises:
             ServiceError: The directory or the control layer does not answer.
@@ -168,7 +168,7 @@ class Recorder:
             sightings = listen(Sighting, names.received_topics, self._take_sighting)
             self._subscriptions += (sightings, listen(Report, names.readings, self._take_report))
         except InvalidNameError:
-            return  # nobody publishes under such a name
+            return  # such a name has no publisher
 
     async def _follow_devices(self) -> None:
         async for change in self._devices.follow():

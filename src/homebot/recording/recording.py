@@ -1,4 +1,4 @@
-"""A recording that was read: the run, the house at its start, and what happened then."""
+"""A recording that was read: the run, the house at its start, and its events."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _UNCHECKED: Final = 64 * 1024
 
 _PIECE: Final = 256 * 1024
 _RANKS: Final[dict[type[Message], int]] = {GatewayNews: 0, Sighting: 1, Report: 2, RawMessage: 3}
-"""What a gateway tells of one message, in the order of telling it."""
+"""The records of one gateway message, in the order of publication."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,10 +98,10 @@ class Recording:
         header: The run.
         index: The rows of the directory's index at the start.
         devices: The devices by id, each as it was at the start or when it first appeared, in this order.
-        before: What gateways had told before the start: their states, then sightings, reports and raw messages.
-        events: What they told then, and what the owner asked of the directory, in the order of time.
+        before: Messages of gateways before the start: their states, then sightings, reports and raw messages.
+        events: Their messages during the recording, and the owner's requests, in the order of time.
         commands: The commands that were given, in the order of time.
-        leases: What became of leases, likewise; those of the start are of time 0.
+        leases: Changes of leases; those at the start have time 0.
         lost: Lines that are missing.
         ends_at: Seconds since the start at which it ends.
         end: Why it ended, as text; empty where it was told to.
@@ -130,7 +130,7 @@ class Recording:
 
 
 def load_recording(path: Path) -> Recording:
-    """Read the file *path*; one whose name ends in ``.gz`` is compressed.
+    """Read the file *path*; a name with ``.gz`` means compressed.
 
     Raises:
         UsageError: It cannot be read, or a line is wrong; the message names the line and the field.

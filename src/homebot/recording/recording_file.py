@@ -26,7 +26,7 @@ _MEGABYTE: Final = 1_000_000
 
 @final
 class RecordingFile:
-    """A new file, which only its owner can read: it tells who was at home when.
+    """A new file, readable by its owner only: it shows when people were at home.
 
     What does not fit any more is dropped; the last lines then say how much, and that the file is full. It is bounded by
     the size of its text, before any compression.

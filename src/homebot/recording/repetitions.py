@@ -1,4 +1,4 @@
-"""Sightings and reports that say again what the last of their source said, in a tenth of the text. Pure.
+"""Sightings and reports that repeat the last one of their source, in a tenth of the text. Pure.
 
 A device that sends its state every second is nearly all of a recording otherwise.
 """
@@ -17,7 +17,7 @@ from homebot.messages.message import Message
 __all__ = ["Repetition", "Repetitions"]
 
 _MOST: Final = 20_000
-"""Sources whose last message is known; the one that was silent for longest is forgotten, and is told in full again."""
+"""Sources with a known last message; the longest silent one is forgotten and then recorded in full again."""
 
 _SECOND: Final = 1_000_000_000
 _TIMES: Final = frozenset({"seen_at", "expires_at", "received_at", "heard_at"})
@@ -29,7 +29,7 @@ class Repetition(Message):
     """The last sighting or report of a source again, at another time; a sighting lasts as long as that did.
 
     Attributes:
-        of: What is repeated.
+        of: Kind of the repeated message.
         gateway: Its gateway.
         key: Its key.
         stream: The stream of a report.

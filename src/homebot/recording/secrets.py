@@ -1,4 +1,4 @@
-"""Removal of secrets from what is recorded. Pure."""
+"""Removal of secrets from recordings. Pure."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def is_secret_name(name: str) -> bool:
 
 
 def public_settings(settings: BaseModel) -> dict[str, object]:
-    """Return what was set in *settings*, as JSON values, without secrets."""
+    """Return *settings* as JSON values, without secrets."""
     found: dict[str, object] = settings.model_dump(mode="json", by_alias=True, exclude_unset=True)
     hidden = {
         name for name in settings.model_fields_set if isinstance(getattr(settings, name, None), SecretStr | SecretBytes)

@@ -142,7 +142,7 @@ async def _write_all(node: Node, recorder: Recorder, sink: LineSink) -> None:
 
 
 async def _write(node: Node, recorder: Recorder, sink: LineSink) -> bool:
-    """Write what waits; return whether that worked."""
+    """Write the queued lines; return whether that worked."""
     recorder.note_lost()
     try:
         await sink.write(recorder.lines.take())

@@ -1,4 +1,4 @@
-"""Difference between the commands of a recording and those of its replay, matched by what they say and when. Pure."""
+"""Difference between the commands of a recording and those of its replay, matched by content and time. Pure."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from homebot.recording.recording import TimedCommand
 __all__ = ["CommandDiff", "CommandMatcher", "DifferentCommand", "command_diff", "is_carried_out"]
 
 _TOLERANCE: Final = 1.0
-"""Seconds by which the same command may be earlier or later: a busy computer is late, and nobody in a room notices."""
+"""Seconds by which the same command may be earlier or later on a busy computer, unnoticed by people."""
 
 _ROUNDED: Final = 1e-6
 

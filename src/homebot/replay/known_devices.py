@@ -35,7 +35,7 @@ def check_index(recording: Recording) -> None:
 def ids_to_come(recording: Recording) -> tuple[IndexRow, ...]:
     """Return the devices that are not in the index at the start as such that went, and get their ids when they return.
 
-    An announcement counts for the first device that had it: what was split from that gets its id as it did then.
+    An announcement counts for its first device, so that devices split from it get the same ids as before.
     """
     known = {row.id for row in recording.index}
     taken: set[tuple[str, str]] = set()

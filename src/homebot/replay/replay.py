@@ -1,4 +1,4 @@
-"""Replay of a recording: the graph, the directory, the control layer and apps, fed with what was recorded.
+"""Replay of a recording: the graph, the directory, the control layer and apps, fed with recorded messages.
 
 The same recording with the same apps and settings gives the same commands, as far as an app depends on nothing else
 than the devices of the house and its clock: not on the network, on files, on chance, or on the time of the computer.

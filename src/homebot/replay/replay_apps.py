@@ -27,7 +27,7 @@ def app_tables(recorded: Iterable[RecordedApp], wanted: Sequence[str], given: di
         recorded: The apps of the recording, of which only installed plug-ins are loaded: code that a file names is not
             run.
         wanted: The apps to run: plug-ins, ``module:Class``, or Python files; empty for those of the recording. One
-            whose class has the name of a recorded one takes its place, with its name and settings.
+            with the class name of a recorded one replaces it, with its name and settings.
         given: Tables of a configuration, which win over the settings in the recording.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Feed of a replay: hands what was recorded to the gateways, at the times at which it was recorded."""
+"""Feed of a replay: passes recorded messages to the gateways at their recorded times."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class ReplayFeed:
     comes after the timer.
 
     Args:
-        recording: The recording, whose start is the present of *clock*.
+        recording: The recording; it starts at the present of *clock*.
         clock: The time of the replay.
         settle: Returns when everything has happened that is due now.
     """
@@ -50,14 +50,14 @@ class ReplayFeed:
         return self._clock.monotonic() - self._began
 
     async def open(self, gateway: str, tell: Tell) -> None:
-        """Hand over what *gateway* had told before the recording began, and from now on what it told then."""
+        """Publish the messages of *gateway* before the recording, and from now on the recorded ones."""
         for message in self._recording.before:
             if _gateway(message) == gateway:
                 await tell(message)
         self._gateways[gateway] = tell
 
     async def play(self, ask_directory: Callable[[OwnerRequest], Awaitable[None]]) -> None:
-        """Hand over all that happened, and *ask_directory* what the owner asked; return where the recording ends."""
+        """Publish all events, and call *ask_directory* with the owner's requests; return the end of the recording."""
         given = sorted(one.line for one in self._recording.commands)
         before, moment = 0, -math.inf
         for event in self._recording.events:

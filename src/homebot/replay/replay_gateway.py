@@ -1,4 +1,4 @@
-"""The muted gateway of a replay: it tells what a gateway told in the recording, and sends nothing.
+"""The muted gateway of a replay: it publishes the recorded messages of a gateway and sends nothing.
 
 It keeps the duties of :mod:`homebot.gateways.base`. Commands are accepted as the recorded gateway did: while it was
 away they are unreachable, and where it only observed they are refused. What a device does then is in the recording.
@@ -56,7 +56,7 @@ class ReplayGateway(Gateway):
         node.create_service(GetHealth, self.names.health, self._health)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Publish what the gateway had told before the recording began, and then what it is fed, until cancelled."""
+        """Publish the messages before the recording, and then those of the feed, until cancelled."""
         feed = self.context.service(ReplayFeed)
         self._publish_told_state(_ACTIVE)
         if feed is not None:

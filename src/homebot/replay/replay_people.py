@@ -1,4 +1,4 @@
-"""People in a replay: the commands that they gave, what they held, and what they asked of the directory."""
+"""People in a replay: their commands, leases and requests to the directory."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _RENEWED_AFTER: Final = LONGEST_TTL / 3
 
 @final
 class ReplayPeople:
-    """Does what people did, each at its time; what was refused to them needs no answer.
+    """Repeats the recorded actions of people at their times; refused ones need no answer.
 
     Leases are held for as long as they were: they end when they were released, ended, or over in the recording. Those
     of apps are their own.
@@ -156,5 +156,5 @@ def _is_given_again(given: TimedCommand) -> bool:
 
 
 def _scope(device: str) -> tuple[str, ...]:
-    """Return a scope that refuses nothing: what was refused for want of a right is not done again."""
+    """Return a scope that refuses nothing: commands refused for a missing right are not repeated."""
     return "act: all", f'act: id="{device}"'

@@ -45,6 +45,6 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
     def __getattr__(name: str) -> object:
         if name not in __all__:  # a module of the package, which pytest's plug-in asks for in every program
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        from homebot.lazy_names import lazy_names  # noqa: PLC0415 - for those who ask for something
+        from homebot.lazy_names import lazy_names  # noqa: PLC0415 - on first use
 
         return lazy_names(__name__, _NAMES)(name)

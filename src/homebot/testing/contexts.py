@@ -1,4 +1,4 @@
-"""Contexts around a test: work beside it, what its fixtures hold open, and its log."""
+"""Contexts around a test: concurrent tasks, open resources of fixtures, and its log."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ async def in_background(*works: Callable[[], Coroutine[object, object, None]]) -
             tasks.start_soon(work)
         try:
             yield
-        except Exception as error:  # noqa: BLE001 - whatever it is, it is raised again below
+        except Exception as error:  # noqa: BLE001 - raised again below
             failure = error
         tasks.cancel_scope.cancel()
     if failure is not None:
@@ -45,7 +45,7 @@ def hold_open(loop: asyncio.AbstractEventLoop, context: AbstractAsyncContextMana
 
     Args:
         loop: It does not run when the block begins, nor when it ends; in between anybody may run it.
-        context: What to hold.
+        context: The context manager to hold open.
     """
     value: asyncio.Future[ValueT] = loop.create_future()
     leave = asyncio.Event()
@@ -74,7 +74,7 @@ def plain_logs() -> Iterator[None]:
     """Write tracebacks as Python does during the block, unless the program has set up structlog itself.
 
     Where ``rich`` is installed, structlog's default draws them with the values of all variables: hundreds of lines and
-    a tenth of a second for an app that crashed, and whatever is secret among the values.
+    a tenth of a second for a crashed app, and any secret among the values.
     """
     if structlog.is_configured():
         yield

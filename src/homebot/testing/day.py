@@ -1,4 +1,4 @@
-"""A day in a house as plain data: which house, and what happens in it; saved as one TOML file and lived again.
+"""A day in a house as plain data: the house and its events; saved as one TOML file and lived again.
 
 ::
 
@@ -51,13 +51,13 @@ HEAD = "day"
 
 @dataclass(frozen=True, repr=False)
 class Day:
-    """A house, and what happens in it on one day.
+    """A house and its events on one day.
 
     Attributes:
         house: The tables that describe it, as :func:`homebot.house.description.parse_world` takes them; not to
             be changed.
-        happenings: What happens, kept in time order; of two at one time the first given comes first.
-        start: Seconds after midnight when it begins, below 24 hours. What the house itself does before, it does.
+        happenings: The events, in time order; of two at one time the first given comes first.
+        start: Start in seconds after midnight, below 24 hours. Earlier events of the house itself happen too.
         length: Seconds until it ends; at most a week after the midnight.
         source: The file, for messages.
 
@@ -137,7 +137,7 @@ class Day:
     def play(self, world: World | None = None) -> WorldLog:
         """Play the day without a wire, in a few milliseconds.
 
-        What happens to the wire (``cut``, ``pull``, ``restart``) changes nothing here.
+        Events on the wire (``cut``, ``pull``, ``restart``) change nothing here.
 
         Args:
             world: The house to live it in; without it a fresh one of its own.
@@ -165,7 +165,7 @@ class Day:
             root: First level of its topics.
 
         Returns:
-            What found nothing to do: a command while the broker was away, a cut of a link that was down.
+            Events without effect: a command while the broker was away, a cut of a link that was down.
 
         Raises:
             UsageError: It is too late in the house for this day, or a device is not in it.

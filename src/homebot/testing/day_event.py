@@ -101,7 +101,7 @@ class DayEvent:
             ``cut``, after which it dials again; its cable is pulled (``pull``): nothing is carried, and neither side is
             informed; or the broker goes and comes back (``restart``).
         device: Which device; not for ``restart``.
-        command: What hands or the wire want; for ``press`` and ``tell`` alone.
+        command: The command by hand or on the wire; for ``press`` and ``tell`` alone.
         lasts: Seconds until the cable is plugged in or the broker is back; for ``pull`` and ``restart`` alone.
         forget: Whether the broker comes back without its sessions and retained messages; for ``restart`` alone.
 
@@ -143,7 +143,7 @@ class DayEvent:
 
     @classmethod
     def parse(cls, table: Mapping[str, object], source: str, key: str) -> DayEvent:
-        """Return what *table* says.
+        """Return the event in *table*.
 
         Raises:
             ConfigError: A key is unknown or a value wrong; names *source*, *key* and reason.

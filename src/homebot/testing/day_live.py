@@ -33,7 +33,7 @@ def live_day(day: Day, *apps: str, root: str = ROOT, seed: int = 0, heartbeat: s
         heartbeat: The time after which a device repeats its last report.
 
     Returns:
-        The house at the end of the day; its ``event log`` is what happened in it.
+        The house at the end of the day, with its ``event log``.
 
     Raises:
         AssertionError: An app crashed.
@@ -87,7 +87,7 @@ class _Wire:
     forget: bool = False
 
     async def press(self, event: DayEvent) -> bool:
-        self.house.simulated.press(event.device, event.command)  # a random day presses what is not there, too
+        self.house.simulated.press(event.device, event.command)  # random days also press missing devices
         await self.house.settle()
         return True
 

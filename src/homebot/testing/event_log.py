@@ -85,9 +85,9 @@ class EventLog:
     @classmethod
     @asynccontextmanager
     async def of(cls, house: TestHouse) -> AsyncIterator[EventLog]:
-        """Keep a log of *house* during the block: all messages on MQTT and on the graph, and who comes and goes there.
+        """Log *house* during the block: all messages on MQTT and on the graph, and all nodes that come and go.
 
-        It is a node ``/event_log`` and a client of the broker, and reads as anybody may. The fixtures of pytest keep
+        It is a node ``/event_log`` and a client of the broker without special rights. The fixtures of pytest keep
         one already: ``house.log``.
         """
         log = cls(house.runtime.graph.clock)
@@ -144,7 +144,7 @@ LINES = 40
 
 
 def house_report(house: TestHouse) -> str:
-    """Return the time in *house*, what crashed, and the newest 40 lines of its log."""
+    """Return the time in *house*, its crashes, and the newest 40 lines of its log."""
     now = datetime.fromtimestamp(house.runtime.graph.clock.now(), UTC)
     events = house.log.events
     newest = list(islice(reversed(events), LINES))[::-1]

@@ -19,14 +19,14 @@ class FakeGatewaySettings(MemoryGatewaySettings):
     """The settings of the fake.
 
     Attributes:
-        refused: Addresses that nobody may subscribe to.
+        refused: Addresses that cannot be subscribed to.
     """
 
     refused: tuple[str, ...] = ()
 
 
 class FakeGateway(MemoryGateway):
-    """A gateway whose devices, ``SERVICE_TYPE/DEVICE_ID``, publish on ``KEY/out`` and take commands on ``KEY/in``."""
+    """A gateway for devices ``SERVICE_TYPE/DEVICE_ID`` that publish on ``KEY/out`` and take commands on ``KEY/in``."""
 
     Settings: ClassVar[type[BaseModel]] = FakeGatewaySettings
 

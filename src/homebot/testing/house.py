@@ -34,7 +34,7 @@ __all__ = ["TestHouse", "house_config", "house_of", "mqtt_gateway_of"]
 GATEWAYS = "homebot.gateways"
 
 LOGIN: Final = frozenset({"user", "password_file", "password_env", "ca_file", "cert_file", "key_file", "client_id"})
-"""What a gateway's table says about a broker that the test's own one replaces."""
+"""Keys of a gateway's table that describe a broker, which the test's own one replaces."""
 
 
 def house_config(apps: Sequence[str], root: str, url: str, given: Config | None = None) -> Config:
@@ -48,7 +48,7 @@ def house_config(apps: Sequence[str], root: str, url: str, given: Config | None 
         apps: Each a plug-in's name or ``module:Class``; they come last.
         root: The home: first level of the topics.
         url: The test's broker.
-        given: What the test says.
+        given: The arguments of the test.
 
     Raises:
         UsageError: The address of a broker cannot be read.
@@ -87,7 +87,7 @@ def _on_test_broker(name: str, table: Table, root: str, url: str) -> Table:
 
 
 def _is_here(url: object) -> bool:
-    """Return whether *url* is a broker that a test may talk to; what is no text is refused later, by its key."""
+    """Return whether *url* is a broker that a test may use; other types are refused later, by their key."""
     return not isinstance(url, str) or (url != EMBEDDED and is_loopback(MqttOptions.from_url(url).host))
 
 
@@ -109,7 +109,7 @@ KEPT = 1000
 """Payloads of one topic that wait to be asked for; the oldest goes."""
 
 MAX_TOPICS = 10_000
-"""Topics whose payloads wait; the one that came first goes."""
+"""Topics with waiting payloads; the oldest is dropped first."""
 
 
 _SHOWN = 10
@@ -129,7 +129,7 @@ class TestHouse:
         broker_url: The address of its broker, as ``mqtt://host:port``.
     """
 
-    __test__ = False  # no collection of tests, whatever its name
+    __test__ = False  # not a test class in spite of its name
 
     def __init__(
         self,
@@ -190,7 +190,7 @@ class TestHouse:
             within: Seconds to wait for a payload.
 
         Raises:
-            TimeoutError: Nothing came in time; the message lists what came on other topics and which apps crashed.
+            TimeoutError: Nothing came in time; the message lists other received topics and crashed apps.
             UsageError: *topic* is not a valid topic.
         """
         try:
@@ -206,7 +206,7 @@ class TestHouse:
         return received.popleft()
 
     async def listen(self) -> None:
-        """Take in what homebot sends, until cancelled."""
+        """Receive homebot's messages until cancelled."""
         while True:
             try:
                 messages = await self._field.receive()
@@ -226,7 +226,7 @@ class TestHouse:
         self._received[topic].append(payload)
 
     def _timeout_text(self, topic: str, within: float) -> str:
-        """Describe what came on other topics: first what homebot sent to devices, without its own status."""
+        """Describe messages on other topics: first those of homebot to devices, without its own status."""
         received = [name for name, payloads in self._received.items() if payloads and not name.endswith("/mqtt/status")]
         names = sorted(received, key=lambda one: not one.endswith("/in"))
         elsewhere = {name: list(self._received[name])[-_SHOWN:] for name in names[:_SHOWN]}

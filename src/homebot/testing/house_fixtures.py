@@ -1,4 +1,4 @@
-"""The fixtures ``house`` and ``homebot`` of pytest, and what pytest has to do for them."""
+"""The pytest fixtures ``house`` and ``homebot``, and their hooks."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ _HOUSES = pytest.StashKey["list[tuple[str, TestHouse]]"]()
 _FAILED = pytest.StashKey[bool]()
 
 _OF_REAL_TIME = {"homebot_config": "homebot", loops.BROKERS: "mqtt_broker"}
-"""What only our fixtures use, and their names, which others may use too."""
+"""Names of fixtures that only ours use, and of ours that tests may use too."""
 
 HouseT = TypeVar("HouseT", bound="TestHouse")
 
 
 @pytest.fixture
 def house(request: pytest.FixtureRequest, _homebot_virtual_time: None) -> Iterator[VirtualHouse]:
-    """A simulated house in virtual time: ``await house.run_for("8h")``; ``@pytest.mark.house`` says what is in it."""
-    from homebot.testing.house_marks import house_by_mark  # noqa: PLC0415 - only for those who use it
+    """A simulated house in virtual time: ``await house.run_for("8h")``; ``@pytest.mark.house`` describes it."""
+    from homebot.testing.house_marks import house_by_mark  # noqa: PLC0415 - on first use
 
     for used, other in _OF_REAL_TIME.items():
         if used in request.fixturenames:
@@ -46,8 +46,8 @@ def house(request: pytest.FixtureRequest, _homebot_virtual_time: None) -> Iterat
 
 @pytest.fixture
 def homebot(request: pytest.FixtureRequest, homebot_config: object) -> Iterator[TestHouse]:
-    """A running homebot with a broker of its own; ``@pytest.mark.homebot`` says what runs in it."""
-    from homebot.testing.house_marks import homebot_of  # noqa: PLC0415 - only for those who use it
+    """A running homebot with its own broker; ``@pytest.mark.homebot`` names its apps."""
+    from homebot.testing.house_marks import homebot_of  # noqa: PLC0415 - on first use
 
     with _explained():
         made = homebot_of(request.node, homebot_config)
@@ -57,8 +57,8 @@ def homebot(request: pytest.FixtureRequest, homebot_config: object) -> Iterator[
 
 @pytest.fixture
 def homebot_config(request: pytest.FixtureRequest) -> object:
-    """The configuration of ``homebot``, tables or a file: what its mark says, unless you write your own fixture."""
-    from homebot.testing.house_marks import config_of  # noqa: PLC0415 - only for those who use it
+    """The configuration of ``homebot``, tables or a file: that of its mark, unless you write your own fixture."""
+    from homebot.testing.house_marks import config_of  # noqa: PLC0415 - on first use
 
     return config_of(request.node)
 
@@ -83,7 +83,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> Generator[None, None, None]:
-    """Choose the loop before anybody makes tests of it."""
+    """Choose the loop before other plug-ins generate tests."""
     loops.use_virtual_loop(metafunc)
     yield
 
@@ -95,11 +95,11 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
-    """Run a test with a fixture of ours that nobody else runs."""
+    """Run a test with one of our fixtures if no other plug-in runs it."""
     with loops.own_runner(pyfuncitem) as runner:
         if runner is None:
             return None
-        names = pyfuncitem._fixtureinfo.argnames  # noqa: SLF001 - what pytest itself passes, and no public way to it
+        names = pyfuncitem._fixtureinfo.argnames  # noqa: SLF001 - as pytest itself does; there is no public way
         runner.run(pyfuncitem.obj(**{name: pyfuncitem.funcargs[name] for name in names}))
     return True
 
@@ -115,13 +115,13 @@ def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Show what happened in the houses of a test that failed."""
+    """Show the event log of the houses of a failed test."""
     report = yield
     if report.failed and report.when == "call":
         item.stash[_FAILED] = True
     houses = item.stash.get(_HOUSES, [])
     if report.failed and houses:
-        from homebot.testing.event_log import house_report  # noqa: PLC0415 - only for those who use it
+        from homebot.testing.event_log import house_report  # noqa: PLC0415 - on first use
 
         report.sections += [(f"what happened in `{name}`", house_report(one)) for name, one in houses]
     return report
@@ -135,7 +135,7 @@ def _shown(
     made: AbstractAsyncContextManager[HouseT],
 ) -> Iterator[HouseT]:
     """Run the house on *loop*, with a log of it for the report of a failed test."""
-    from homebot.testing.contexts import hold_open  # noqa: PLC0415 - only for those who use it
+    from homebot.testing.contexts import hold_open  # noqa: PLC0415 - on first use
 
     houses = request.node.stash.setdefault(_HOUSES, [])
     with _explained(), hold_open(loop, _with_log(made)) as house:
@@ -147,7 +147,7 @@ def _shown(
 
 def _check_crashes(test: pytest.Item, name: str, house: TestHouse) -> None:
     """Fail the test where an app crashed: it was started again, so that the test might not notice."""
-    from homebot.testing.house_marks import allows_crashes  # noqa: PLC0415 - only for those who use it
+    from homebot.testing.house_marks import allows_crashes  # noqa: PLC0415 - on first use
 
     if house.crashed and not allows_crashes(test, name) and not test.stash.get(_FAILED, False):
         parts = ", ".join(house.crashed)
@@ -156,7 +156,7 @@ def _check_crashes(test: pytest.Item, name: str, house: TestHouse) -> None:
 
 @asynccontextmanager
 async def _with_log(made: AbstractAsyncContextManager[HouseT]) -> AsyncIterator[HouseT]:
-    from homebot.testing.event_log import EventLog  # noqa: PLC0415 - only for those who use it
+    from homebot.testing.event_log import EventLog  # noqa: PLC0415 - on first use
 
     async with made as house, EventLog.of(house):
         yield house
@@ -164,8 +164,8 @@ async def _with_log(made: AbstractAsyncContextManager[HouseT]) -> AsyncIterator[
 
 @contextmanager
 def _explained() -> Iterator[None]:
-    """Fail with a message, without our code, about what the test's author has to mend."""
-    from homebot.errors import UsageError  # noqa: PLC0415 - only for those who use it
+    """Fail with a message for the test's author, without our code in the traceback."""
+    from homebot.errors import UsageError  # noqa: PLC0415 - on first use
 
     try:
         yield

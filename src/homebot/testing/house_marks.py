@@ -1,4 +1,4 @@
-"""Arguments of the marks ``house`` and ``homebot``; whatever is wrong is refused with the argument's name."""
+"""Arguments of the marks ``house`` and ``homebot``; an error names the argument."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def house_by_mark(test: pytest.Item) -> AbstractAsyncContextManager[VirtualHouse
     Of the marks of function, class and module the nearest counts most; apps are those of the nearest that has any.
 
     Raises:
-        UsageError: The mark says what cannot be; names the argument.
+        UsageError: The mark is invalid; names the argument.
     """
     apps, arguments = _read(test, "house", HOUSE)
     seed = arguments.get("seed")
@@ -46,7 +46,7 @@ def homebot_of(test: pytest.Item, config: object) -> AbstractAsyncContextManager
     """Return the homebot with *config* that the marks of *test* describe, as :func:`house_by_mark`.
 
     Raises:
-        UsageError: The mark, or the configuration, says what cannot be; names the argument or the key.
+        UsageError: The mark or the configuration is invalid; names the argument or the key.
     """
     apps, arguments = _read(test, "homebot", HOMEBOT)
     given = _checked("homebot", "config", config, lambda value: _config(value, test))
@@ -59,7 +59,7 @@ def allows_crashes(test: pytest.Item, name: str) -> bool:
 
 
 def config_of(test: pytest.Item) -> object:
-    """Return what the marks of *test* say as ``config``."""
+    """Return the argument ``config`` of the marks of *test*."""
     return _arguments(test, "homebot").get("config", {})
 
 

@@ -40,7 +40,7 @@ _shown = pytest.StashKey[bool]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Make the mark known, also to ``--strict-markers``, and let a command that nobody awaits fail its test."""
+    """Register the mark, also for ``--strict-markers``, and fail tests with a command that is never awaited."""
     config.addinivalue_line("markers", _MARK_HELP)
     for warning in _FORGOTTEN_COMMANDS:
         config.addinivalue_line("filterwarnings", warning)
@@ -49,7 +49,7 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.fixture
 def mqtt_broker(request: pytest.FixtureRequest, _mqtt_broker_loop: BrokerThread) -> Iterator[TestBroker]:
     """A fresh MQTT broker on a free port of 127.0.0.1, for a test on an asyncio loop."""
-    from homebot.testing.mqtt import serve_broker  # noqa: PLC0415 - only for those who use it
+    from homebot.testing.mqtt import serve_broker  # noqa: PLC0415 - on first use
 
     settings = _settings(request.node)
     with serve_broker(_mqtt_broker_loop, settings, _tls(request, settings)) as broker:
@@ -94,7 +94,7 @@ def _mqtt_broker_tls(tmp_path_factory: pytest.TempPathFactory) -> TestTls:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
-    """Fail the test whose client broke the protocol, once its fixtures are gone."""
+    """Fail the test after its fixtures if its client violated the protocol."""
     try:
         yield
     finally:

@@ -1,4 +1,4 @@
-"""The event loop of a test, whoever runs it: pytest-asyncio, the plug-in of anyio, or nobody else, so that we do.
+"""The event loop of a test: of pytest-asyncio, of anyio's plug-in, or of homebot if neither runs it.
 
 A fixture of ours is no coroutine: what runs those differs from test to test. It asks for the loop of its test, and runs
 on that. A test in virtual time gets a loop of its own, made by a :class:`homebot.testing.VirtualTimeLoop`; all others
@@ -38,7 +38,7 @@ PYTEST_ASYNCIO = "asyncio"
 """The name of pytest-asyncio among the plug-ins."""
 
 RUNNER_FIXTURE = "_function_scoped_runner"
-"""What runs one test and its fixtures in pytest-asyncio."""
+"""The runner of a test and its fixtures in pytest-asyncio."""
 
 _CHOOSES_LOOPS = "_asyncio_loop_factory"
 """In pytest-asyncio since 1.4, which gives a warning for the policies that are the way before."""
@@ -52,14 +52,14 @@ def virtual_time() -> None:
 
 
 @pytest.fixture(name="_homebot_anyio_loop")
-async def anyio_loop(anyio_backend: object) -> asyncio.AbstractEventLoop:  # noqa: ARG001 - it names who runs this
+async def anyio_loop(anyio_backend: object) -> asyncio.AbstractEventLoop:  # noqa: ARG001 - selects the backend
     """The loop of a test that anyio's plug-in runs."""
     return asyncio.get_running_loop()
 
 
 @pytest.fixture(name="_homebot_own_loop")
 def own_loop(request: pytest.FixtureRequest) -> Iterator[asyncio.AbstractEventLoop]:
-    """The loop of a test that nobody else runs."""
+    """The loop of a test without another runner."""
     with asyncio.Runner(loop_factory=_virtual_loop if VIRTUAL_TIME in request.fixturenames else None) as runner:
         request.node.stash[_RUNNER] = runner
         yield runner.get_loop()
@@ -94,7 +94,7 @@ def loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEve
 
 def virtual_loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEventLoop:
     """Return the loop of virtual time that runs the test of *request*; the test fails where it has another one."""
-    from homebot.virtual_time import VirtualTimeLoop  # noqa: PLC0415 - only for those who use it
+    from homebot.virtual_time import VirtualTimeLoop  # noqa: PLC0415 - on first use
 
     loop = loop_of(request, fixture)
     if not isinstance(loop, VirtualTimeLoop):
@@ -108,7 +108,7 @@ def virtual_loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.Abs
 
 @contextmanager
 def own_runner(test: pytest.Item) -> Iterator[asyncio.Runner | None]:
-    """Give what runs *test* where nobody else does and a fixture of ours wants a loop."""
+    """Create a loop for *test* if it has no other runner and one of our fixtures needs a loop."""
     runner = test.stash.get(_RUNNER, None)
     if runner is None and _is_left_with_a_broker(test):
         with asyncio.Runner() as runner:
@@ -118,7 +118,7 @@ def own_runner(test: pytest.Item) -> Iterator[asyncio.Runner | None]:
 
 
 def use_virtual_loop(metafunc: pytest.Metafunc) -> None:
-    """Let whoever will run the test do so on a loop of virtual time, if that is what its fixtures ask for."""
+    """Use a virtual loop for the test if its fixtures ask for one, in any runner."""
     if VIRTUAL_TIME not in metafunc.fixturenames:
         return
     if "anyio_backend" in metafunc.fixturenames:
@@ -141,7 +141,7 @@ def use_loop_of_its_own(test: pytest.Item) -> None:
 
 
 def close_virtual_loop(test: pytest.Item) -> None:
-    """Close what :func:`use_virtual_loop` gave to *test*, once all its fixtures are gone."""
+    """Close the loop of :func:`use_virtual_loop` after all fixtures of *test*."""
     given = getattr(test, "callspec", None)
     runner = None if given is None else given.params.get(RUNNER_FIXTURE)
     if isinstance(runner, _VirtualRunner):
@@ -172,13 +172,13 @@ class _VirtualRunner:
 
 
 def _virtual_loop() -> asyncio.AbstractEventLoop:
-    from homebot.virtual_time import VirtualTimeLoop  # noqa: PLC0415 - only for those who use it
+    from homebot.virtual_time import VirtualTimeLoop  # noqa: PLC0415 - on first use
 
     return VirtualTimeLoop()
 
 
 def _virtual_policy() -> asyncio.AbstractEventLoopPolicy:
-    """Return what gives virtual loops to pytest-asyncio before 1.4."""
+    """Return the loop policy with virtual loops for pytest-asyncio before 1.4."""
 
     class Policy(asyncio.DefaultEventLoopPolicy):
         def new_event_loop(self) -> asyncio.AbstractEventLoop:
@@ -193,7 +193,7 @@ def _give_one_loop(test: pytest.Item) -> None:
 
 
 def _give(metafunc: pytest.Metafunc, fixture: str, value: object) -> None:
-    """Let *fixture* be *value* in the test of *metafunc*, unless the test says itself what it is."""
+    """Set *fixture* to *value* in the test of *metafunc*, unless the test sets it itself."""
     for mark in metafunc.definition.iter_markers("parametrize"):
         names: str | Collection[str] = mark.args[0] if mark.args else mark.kwargs["argnames"]
         if fixture in (names.replace(" ", "").split(",") if isinstance(names, str) else names):

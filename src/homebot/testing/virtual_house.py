@@ -118,7 +118,7 @@ class VirtualHouse(TestHouse):
         return datetime.fromtimestamp(self.clock.now(), UTC)
 
     async def run_for(self, duration: str | float) -> None:
-        """Let time pass; what is due at its end has happened when this returns.
+        """Let time pass; all events due at its end have happened when this returns.
 
         Args:
             duration: Such as ``"90s"``, ``"8h"`` or ``"1h30m"``; a number is seconds.
@@ -130,7 +130,7 @@ class VirtualHouse(TestHouse):
         await self.settle()
 
     async def run_until(self, when: str | datetime) -> None:
-        """Let time pass until *when*; what is due then has happened when this returns.
+        """Let time pass until *when*; all events due then have happened when this returns.
 
         Args:
             when: A time of day in UTC, such as ``"22:00"``: the next one; or a date-time, such as

@@ -17,7 +17,7 @@ class EndpointDetails(Message):
         node: Full name of its node.
         name: Full name of its topic or service; of the node, where it is one.
         type: Full ROS type; empty for a node.
-        reliability: ``reliable`` or ``best_effort``; empty for what has no quality of service.
+        reliability: ``reliable`` or ``best_effort``; empty without QoS.
         durability: ``volatile`` or ``transient_local``; empty likewise.
         history: ``keep_last`` or ``keep_all``; empty likewise.
         depth: Messages kept; 0 likewise.

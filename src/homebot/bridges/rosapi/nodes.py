@@ -87,7 +87,7 @@ def list_nodes(graph: Graph, _request: NodesRequest) -> NodesResponse:
 
 
 def node_details(graph: Graph, request: NodeDetailsRequest) -> NodeDetailsResponse:
-    """Return what a node reads, publishes and serves; an unknown one does nothing."""
+    """Return the subscriptions, publications and services of a node; empty for an unknown one."""
     ends = graph.get_endpoints(node=absolute(request.node))
     return NodeDetailsResponse(
         subscribing=unique(info.name for info in ends if info.kind is EntityKind.SUBSCRIPTION),

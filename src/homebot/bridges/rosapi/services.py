@@ -117,13 +117,13 @@ def type_of_service(graph: Graph, request: ServiceTypeRequest) -> ServiceTypeRes
 
 
 def request_details(graph: Graph, request: ServiceRequestDetailsRequest) -> ServiceRequestDetailsResponse:
-    """Return what the request of a service type looks like; an unknown one is a PeerError."""
+    """Return the fields of the request of a service type; an unknown one is a PeerError."""
     found = find_service_type(graph, request.type)
     return ServiceRequestDetailsResponse(typedefs=typedefs_of(found.Request))
 
 
 def response_details(graph: Graph, request: ServiceResponseDetailsRequest) -> ServiceResponseDetailsResponse:
-    """Return what the response of a service type looks like; an unknown one is a PeerError."""
+    """Return the fields of the response of a service type; an unknown one is a PeerError."""
     found = find_service_type(graph, request.type)
     return ServiceResponseDetailsResponse(typedefs=typedefs_of(found.Response))
 

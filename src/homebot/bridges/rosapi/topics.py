@@ -120,7 +120,7 @@ def topics_for_type(graph: Graph, request: TopicsForTypeRequest) -> TopicsForTyp
 
 
 def type_of_topic(graph: Graph, request: TopicTypeRequest) -> TopicTypeResponse:
-    """Return what a topic carries."""
+    """Return the type of a topic."""
     found = graph.get_message_type(absolute(request.topic))
     return TopicTypeResponse(type=found.ros_type if found else "")
 
@@ -135,7 +135,7 @@ def topics_with_text(graph: Graph, _request: TopicsAndRawTypesRequest) -> Topics
 
 
 def message_details(graph: Graph, request: MessageDetailsRequest) -> MessageDetailsResponse:
-    """Return what a message type looks like; an unknown one is a PeerError."""
+    """Return the fields of a message type; an unknown one is a PeerError."""
     return MessageDetailsResponse(typedefs=typedefs_of(find_message_type(graph, request.type)))
 
 

@@ -86,7 +86,7 @@ _SETTING_PARAMETERS: Final = frozenset({"/rosapi/delete_param", "/rosapi/set_par
 
 
 class MissingRightError(PeerError):
-    """A client asked for what it has no right to.
+    """A client lacks the right for a request.
 
     Attributes:
         right: The right that is missing.
@@ -144,7 +144,7 @@ class ClientAccess:
                 right = right_to_call(resolve(op.service))
             case SubscribeOperation():
                 right = Right.READ
-            case _:  # ends what was begun, or concerns the client alone
+            case _:  # ends earlier operations, or concerns the client alone
                 return
         if not self.rights.has(right):
             raise MissingRightError(right, self._problem(right))

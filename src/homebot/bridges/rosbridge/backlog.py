@@ -47,7 +47,7 @@ class DoorBacklog:
         self._last: tuple[weakref.ref[Message] | None, int] = (None, 0)
 
     def client_came(self, backlog: Backlog) -> None:
-        """Take in what waits for one client more."""
+        """Add the queue of a client."""
         self._clients[backlog] = None
 
     def client_left(self, backlog: Backlog) -> None:
@@ -55,7 +55,7 @@ class DoorBacklog:
         self._clients.pop(backlog, None)
 
     def drop_what_is_too_much(self) -> None:
-        """Drop the oldest messages of whoever has most, though never the only one."""
+        """Drop the oldest messages of the client with the most, though never its only one."""
         while self.waiting > self._limit:
             if not max(self._clients, key=lambda one: one.waiting).drop_oldest():
                 return
@@ -74,8 +74,8 @@ class Backlog:
     """The frames that wait for one client.
 
     Args:
-        limit: Bytes that may wait; one message may, whatever its size.
-        everybody: What waits for all clients.
+        limit: Maximum number of bytes; one message of any size is allowed.
+        everybody: The backlog of all clients.
     """
 
     def __init__(self, limit: int, everybody: DoorBacklog) -> None:
@@ -86,7 +86,7 @@ class Backlog:
         everybody.client_came(self)
 
     def add(self, waiting: _Waiting, queue: FeedQueue) -> None:
-        """Note that *waiting* lies in *queue*; drop what is too much."""
+        """Record *waiting* in *queue* and drop the excess."""
         self._order[waiting] = queue
         self.waiting += waiting.weight
         self.everybody.waiting += waiting.weight
@@ -157,7 +157,7 @@ class FeedQueue:
             self._queue = keyed_queue(depth, lambda waiting: key(waiting.item), self._note_loss)
 
     def append(self, item: Item) -> None:
-        """Add *item* at the end; what is too much is dropped and counted. After :meth:`close` nothing happens."""
+        """Add *item* at the end; the excess is dropped and counted. Ignored after :meth:`close`."""
         if self._on_arrival is None:
             return
         message = item.message if isinstance(item, Expiring) else item
@@ -179,7 +179,7 @@ class FeedQueue:
         self._note_loss(self._queue.popleft())
 
     def has_room_for(self, _item: object) -> bool:
-        """Return True: nobody ever waits for a client of the door."""
+        """Return True: publishers never wait for a client of the door."""
         return True
 
     def close(self) -> None:

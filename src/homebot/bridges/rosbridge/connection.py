@@ -1,4 +1,4 @@
-"""A WebSocket connection of the door: reads little at a time, when the door has time, and only what is answered.
+"""A WebSocket connection of the door that reads only as fast as the door answers.
 
 A flood of frames reaches the session, which knows the limits; pings and what is no frame at all the library answers by
 itself, so here is where they are slowed down. What a client does not read it is not read for either: else its pings
@@ -20,7 +20,7 @@ _READ = 2048
 """Bytes read at once: of the smallest frames 340, which take the library about 5 ms."""
 
 _MOST_ARRIVING = 64
-"""Connections whose request has not come yet; one more ends the oldest, which had the most time for it."""
+"""Connections without a request yet; one more ends the oldest."""
 
 
 class DoorConnection(ServerConnection):
@@ -62,7 +62,7 @@ class DoorConnection(ServerConnection):
         self._turns.defer(lambda: self._take(data))
 
     def pause_writing(self) -> None:
-        """Stop reading what the client sends, because it does not take what it is sent."""
+        """Stop reading from a client that does not read its answers."""
         super().pause_writing()
         self._hold("writing")
 
@@ -72,7 +72,7 @@ class DoorConnection(ServerConnection):
         self._release("writing")
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Forget what was not taken yet."""
+        """Discard unsent data."""
         self._is_lost = True
         self._arriving.pop(self, None)
         super().connection_lost(exc)

@@ -1,7 +1,7 @@
 """One topic on its way to one client.
 
 Messages wait in a queue of the client's backlog until the client can take them: a slow client loses messages, counted,
-and holds up nobody.
+and delays no other client.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Feed:
     Args:
         node: The node that subscribes in the client's stead.
         topic: The name that the client uses.
-        message_type: What the topic carries.
+        message_type: Type of the topic.
         depth: Messages that may wait.
         backlog: All that waits for the client.
         outbox: Takes frames to the client.
@@ -66,7 +66,7 @@ class Feed:
         return Packing(any(op.compression == "png" for op in requests), min(sizes, default=0))
 
     def add(self, op: SubscribeOperation) -> None:
-        """Take one more request of the client; it gets what the publishers keep for late joiners."""
+        """Add a request of the client; it receives the publishers' history for late joiners."""
         is_first = not self.requests
         self.requests[op.id] = op
         if not is_first and self._qos.durability is DurabilityPolicy.TRANSIENT_LOCAL:
@@ -112,7 +112,7 @@ class Feed:
             self._outbox.ready(self)
 
     def _end_rest(self) -> None:
-        """Drop what came while throttled, save the newest ``queue_length`` messages; that is no loss but a wish."""
+        """Drop messages received while throttled, except the newest ``queue_length``; that is requested, not a loss."""
         self._rest = None
         keep = max(op.queue_length for op in self.requests.values())
         while len(self._queue) > keep:

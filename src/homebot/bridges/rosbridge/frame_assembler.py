@@ -13,7 +13,7 @@ _MOST_OPEN: Final = 10
 
 @final
 class FrameAssembler:
-    """Reads operations; one that comes in fragments when its last fragment has come, in whatever order.
+    """Reads operations; a fragmented one after its last fragment, in any order.
 
     The fragments of ten frames may wait for others; those of one more replace those that have waited longest.
 

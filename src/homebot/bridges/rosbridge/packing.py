@@ -39,7 +39,7 @@ class Packing:
     fragment_size: int = 0
 
     def pack(self, text: str, identifier: str) -> Iterator[str]:
-        """Yield what to send for the frame *text*; *identifier* tells its fragments from those of others."""
+        """Yield the frames for *text*; *identifier* separates its fragments from those of others."""
         if self.as_png and len(text) <= _LARGEST_IMAGE:
             text = _frame({"op": "png", "data": b64encode(_image(text.encode())).decode()})
         if not 0 < self.fragment_size < len(text):

@@ -76,7 +76,7 @@ class FrameError(PeerError):
         op: The operation it asks for, as far as it can be told; else empty.
         id: The identifier to answer with, if it has one.
         target: The service, action or topic it names, as far as it can be told; else empty.
-        problem: What is wrong with the operation; without an operation, what to say after "a frame that".
+        problem: The problem with the operation; without an operation, the text after "a frame that".
     """
 
     def __init__(self, problem: str, op: str = "", identifier: Identifier = None, target: str = "") -> None:
@@ -88,7 +88,7 @@ class FrameError(PeerError):
 
 
 _CLASSES: dict[str, type[Operation]] = {}
-"""What a client may ask for, by the protocol's names."""
+"""The operations of clients, by the protocol's names."""
 
 
 class Operation(BaseModel):
@@ -141,7 +141,7 @@ class SubscribeOperation(Operation, ops=("subscribe",)):
 
     Attributes:
         throttle_rate: Least milliseconds between two messages.
-        queue_length: Messages that wait while throttled, the oldest dropped first; 0 drops what comes meanwhile.
+        queue_length: Messages that wait while throttled, the oldest dropped first; 0 drops all of them.
         compression: How messages should come: as JSON, that as a PNG image, in CBOR, or (``cbor-raw``) as ROS 2 writes
             them.
         fragment_size: Characters of JSON above which a message should come in fragments.
@@ -235,7 +235,7 @@ class Fragment(Operation, ops=("fragment",)):
 
     Attributes:
         id: Common to all fragments of the frame.
-        data: What stands in the frame at this place.
+        data: The value at this place of the frame.
         num: The place, from 0 on.
         total: How many there are; each is kept until the last one comes.
     """
@@ -279,7 +279,7 @@ def parse_frame(text: str) -> Operation:
 
 
 def encode_frame(frame: Frame) -> str:
-    """Return the text of *frame*, in ASCII: what no client can read as broken Unicode."""
+    """Return the text of *frame* in ASCII, which no client can misread as broken Unicode."""
     return frame if isinstance(frame, str) else json.dumps(frame, separators=(",", ":"), allow_nan=False)
 
 
@@ -341,7 +341,7 @@ def _load(text: str) -> object:
 
 
 def _check_size(text: str) -> None:
-    """Count what separates values before they are read: how long that takes depends on their number."""
+    """Count the separators of values before parsing, whose time depends on their number."""
     if _separators(text) >= MAX_VALUES and _separators(_STRING.sub("", text)) >= MAX_VALUES:
         raise FrameError(f"holds more than {MAX_VALUES:,} values; send bytes as base64 text")
 

@@ -28,7 +28,7 @@ class ProvidedServices:
         client: The name of the client.
         limit: Calls that the client may owe an answer to; one more fails at once.
         outbox: Takes frames to the client.
-        providers: Who provides each service, by its full name: all connections of the door.
+        providers: The connection that provides each service, by its full name.
         on_taken: Called with the name of a service that a newer connection took over.
 
     Attributes:
@@ -62,7 +62,7 @@ class ProvidedServices:
 
         Raises:
             InvalidNameError: The name is illegal.
-            DuplicateNameError: Somebody else serves it.
+            DuplicateNameError: Another node serves it.
             TypeMismatchError: It is of another type.
             PeerError: The type is unknown.
         """
@@ -110,7 +110,7 @@ class ProvidedServices:
         self._on_taken(name)
 
     def close_one(self) -> bool:
-        """Withdraw one service, whose calls under way fail; return whether there was one."""
+        """Withdraw one service and fail its pending calls; return whether there was one."""
         if not self._services:
             return False
         self._withdraw(next(reversed(self._services)))

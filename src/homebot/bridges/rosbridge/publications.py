@@ -35,7 +35,7 @@ class Publications:
 
     Args:
         node: The node that publishes in the client's stead.
-        access: Who the client is: where a message has an issuer, it is that.
+        access: The client's identity, used as the issuer of messages.
     """
 
     def __init__(self, node: Node, access: ClientAccess) -> None:

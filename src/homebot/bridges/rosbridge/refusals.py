@@ -92,7 +92,7 @@ def operation_text(op: str, name: str) -> str:
 
 
 def _command_in(op: Operation) -> tuple[str, str]:
-    """Return what a command in *op* is for and what it wants, as far as it says so in words."""
+    """Return the target and content of a command in *op*, if it is in words."""
     from homebot.bridges.rosbridge.protocol import CallService, PublishOperation  # noqa: PLC0415 - see above
 
     match op:

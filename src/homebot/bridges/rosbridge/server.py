@@ -58,7 +58,7 @@ class Door:
 
     Args:
         node: The node that acts in the clients' stead; it must outlive the door.
-        settings: Where to listen, whom to let in.
+        settings: Address and access rules.
         announce: Told of it as a service of the network, when it listens and when it no longer does.
         local_rights: The rights of clients without a token, where the settings have no scope for them.
 
@@ -108,7 +108,7 @@ class Door:
         return len(self._sessions)
 
     def health(self, _request: HealthRequest) -> HealthResponse:
-        """Return what was counted, and who guesses tokens; the answer of the service ``health``."""
+        """Return the counters and guessing addresses; the answer of the service ``health``."""
         counts = {
             **asdict(self._counters),
             "wrong_tokens": self._tokens.wrong,
@@ -192,7 +192,7 @@ class Door:
         return None
 
     async def _check_token(self, connection: ServerConnection, token: str) -> Response | None:
-        """Find out who the client is; return the answer to one that is not let in."""
+        """Check the token of the client; return the response to a refused one."""
         if LOCAL_CLIENT in self._rights and (not token or len(self._rights) == 1):
             self._names[connection] = LOCAL_CLIENT
             return None

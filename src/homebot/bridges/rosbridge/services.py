@@ -36,7 +36,7 @@ __all__ = ["call_service", "missing_service", "parse_queries", "refusal"]
 def parse_queries(
     request_type: type[Message], values: Mapping[str, object]
 ) -> tuple[Mapping[str, object], UsageError | None]:
-    """Return *values* of a request with the terms of each query that is text, and what is wrong with one.
+    """Return *values* of a request with each text query parsed, and the problem with one.
 
     In the place of a query that cannot be parsed stands one that nothing matches.
     """
@@ -77,7 +77,7 @@ async def call_service(
 ) -> None:
     """Make the call *op* on the graph of *node* and *answer* it, be it with a failure.
 
-    In a request with an ``issuer``, that and its ``scope`` are those of *access*, whatever the client wrote there.
+    In a request with an ``issuer``, that and its ``scope`` are those of *access*, replacing the client's.
 
     It returns when the handler has ended, which may be after the time limit that the client set: a client that sets
     short ones has no more handlers at work than others. A response of many messages is written in several *turns*.
@@ -124,7 +124,7 @@ def _failure(node: Node, op: CallService, error: HomebotError) -> Frame:
 
 
 def _prepare(node: Node, op: CallService, access: ClientAccess) -> tuple[Client[Any, Any], Message, UsageError | None]:
-    """Return a client of the service, the request, and what is wrong with a query in it.
+    """Return a client of the service, the request, and the problem with a query in it.
 
     The client is for this call alone: one that is kept would hold the name's type after the server is gone.
     """

@@ -1,4 +1,4 @@
-"""One client of the door: what it may do, what it holds, and that all of it goes when the client goes.
+"""One client of the door: its rights and its entities, which end with it.
 
 Frames are handled in the order in which they come, each in a turn of its own; service calls run side by side.
 """
@@ -62,12 +62,12 @@ class ClientSession:
     """All that one client does through the door.
 
     Args:
-        shared: What it shares with other clients.
-        access: Who it is, and what it may do.
-        client: What to call the client in the log.
+        shared: State shared with other clients.
+        access: Identity and rights.
+        client: Name of the client in the log.
         send: Takes a frame to the client, waiting until there is room for it; LinkError when the client is gone.
         cut: Ends the connection at once.
-        reads_png: The client reads what it asks for as PNG; otherwise it is sent JSON.
+        reads_png: Whether the client can read PNG frames; otherwise it receives JSON.
 
     Attributes:
         refused: Frames and requests of the client that were refused.
@@ -98,7 +98,7 @@ class ClientSession:
         self._slowness = LogLimit(shared.node.graph.clock)
 
     async def run(self, frames: AsyncIterator[str]) -> None:
-        """Do what *frames* ask for until they end; then take back everything the client holds."""
+        """Carry out *frames* until they end; then release everything the client holds."""
         backlog = Backlog(self._settings.max_waiting_bytes, self._shared.backlog)
         node, settings = self._node, self._settings
         async with anyio.create_task_group() as tasks:

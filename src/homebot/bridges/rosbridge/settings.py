@@ -1,4 +1,4 @@
-"""Settings of the door: its address, whom it lets in, and how much one client may hold."""
+"""Settings of the door: address, access and limits of a client."""
 
 import re
 from collections.abc import Mapping
@@ -30,8 +30,8 @@ class ClientToken(BaseModel):
     """A token that belongs to one program.
 
     Attributes:
-        token: What the program must show.
-        scope: What it may do.
+        token: The token of the program.
+        scope: Its rights.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
@@ -47,7 +47,7 @@ class DoorSettings(AccessSettings):
 
     Attributes:
         tokens: Tokens of single programs, by the names of these. The ``token`` has every right.
-        scope: What a client without a token may do; None for the default, which reads and commands every device but
+        scope: Rights of a client without a token; None for the default, which reads and commands every device but
             those of :mod:`homebot.devices.always_ask`.
         max_frame_bytes: Largest frame taken from a client; a larger one closes its connection.
         queue_depth: Messages of one topic that may wait for a slow client (on a keyed topic: of each key); then the

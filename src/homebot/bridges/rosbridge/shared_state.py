@@ -31,8 +31,8 @@ class DoorCounters:
         clients: Clients that were let in.
         turned_away: Connections that were not: too many, a foreign page, a wrong token.
         frames: Frames that clients sent.
-        requests_refused: Of those, what was refused.
-        rights_missing: Of those, what the client had no right to.
+        requests_refused: Number of refused requests among them.
+        rights_missing: Number of requests without the right among them.
         slowed_down: Frames that had to wait because their client sends too many.
         clients_cut: Clients cut off because they took no bytes.
     """
@@ -59,7 +59,7 @@ class ExpectedTopics:
         self._expected: dict[str, dict[Callable[[str], None], None]] = {}
 
     def expect(self, topic: str, callback: Callable[[str], None]) -> None:
-        """Call *callback* once with the full name *topic* when somebody begins to use it."""
+        """Call *callback* once with the full name *topic* when the topic is first used."""
         self._expected.setdefault(topic, {})[callback] = None
 
     def forget(self, topic: str, callback: Callable[[str], None]) -> None:
@@ -87,11 +87,11 @@ class SharedState:
         node: The node that acts in the clients' stead.
         settings: The limits.
         turns: When work may be done.
-        backlog: What waits for all clients.
+        backlog: The backlog of all clients.
         expected: Topics to come.
-        counters: What is counted.
-        error_log: Logs what clients do wrong.
-        refusals: Notes what clients had no right to.
+        counters: The counters.
+        error_log: Logs mistakes of clients.
+        refusals: Records requests without the right.
         providers: The connection that provides each service, by its full name.
     """
 

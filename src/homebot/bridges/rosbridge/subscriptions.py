@@ -20,7 +20,7 @@ __all__ = ["Subscriptions"]
 class Subscriptions:
     """The topics that one client subscribed to, under the names that the client uses.
 
-    A request for a topic whose type is not known yet is remembered and served once somebody uses the topic.
+    A request for a topic of unknown type is remembered and served when the topic is first used.
 
     Args:
         node: The node that subscribes in the client's stead.

@@ -65,7 +65,7 @@ def same_type(first: str, second: str) -> bool:
 
 
 def message_type_of_topic(graph: Graph, topic: str, ros_type: str) -> type[Message]:
-    """Return what the topic with the full name *topic* carries, or would carry.
+    """Return the current or future type of the topic with the full name *topic*.
 
     Args:
         graph: The graph.
@@ -105,7 +105,7 @@ def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
     """Return the message type called *ros_type*, from those that topics of *graph* carry, or from the standard ones.
 
     Raises:
-        PeerError: It is unknown; the message names what is similar.
+        PeerError: It is unknown; the message suggests similar names.
     """
     wanted = _parts(ros_type)
     in_use = graph.get_message_types()  # first, as an app may have a class of its own for a standard type
@@ -121,7 +121,7 @@ def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
     """Return the service type called *ros_type*, from those of servers on *graph*, or from the standard ones.
 
     Raises:
-        PeerError: It is unknown; the message names what is similar.
+        PeerError: It is unknown; the message suggests similar names.
     """
     wanted = _parts(ros_type)
     for known in chain(graph.get_service_types(), _standard_services(wanted[0])):
@@ -139,7 +139,7 @@ def _parts(ros_type: str) -> tuple[str, str]:
 
 
 def _similar_packages(package: str) -> list[str]:
-    """Return the packages that may be meant: not all are loaded for a type that nobody has."""
+    """Return the likely packages; they are not all loaded for an unknown type."""
     from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.similar
 
     from homebot.messages.packages import MESSAGE_PACKAGES  # noqa: PLC0415 - as above

@@ -51,11 +51,11 @@ _MOST_SEGMENTS = 8
 class ThingDirectoryBridge:
     """A W3C Thing Description Directory of the devices of the house, read only, and the devices themselves over HTTP.
 
-    Each device is a thing whose properties are read and set here, whatever its protocol.
+    Each device is a thing with properties that are read and set here, for any protocol.
 
     Args:
         node: The node that acts in the clients' stead; it must outlive the directory.
-        settings: Where to listen, whom to let in.
+        settings: Address and access rules.
         home: The name of the home.
         owner: The id of this homebot, which the ids of its things begin with.
         announce: Told of it as a service of the network, when it listens and when it no longer does.
@@ -103,7 +103,7 @@ class ThingDirectoryBridge:
         return self._server.port
 
     def health(self, _request: HealthRequest) -> HealthResponse:
-        """Return what was counted, and who guesses tokens; the answer of the service ``health``."""
+        """Return the counters and guessing addresses; the answer of the service ``health``."""
         counts = {
             **asdict(self._server.counters),
             "things_listed": len(self._devices.catalog),

@@ -45,7 +45,7 @@ class CatalogChange:
 
     Attributes:
         number: Its place among the changes; the first is 1.
-        name: What happened.
+        name: Name of the event.
         id: The thing's.
         detail: In JSON the whole description of a thing that is new, and what is different in one that is not (RFC
             7396); empty for one that is gone.
@@ -129,7 +129,7 @@ class ThingCatalog:
 
 
 def merge_patch(before: object, after: object) -> object:
-    """Return what makes *after* of *before*, both JSON, as a merge patch of RFC 7396."""
+    """Return the merge patch (RFC 7396) from *before* to *after*, both JSON."""
     if not isinstance(before, dict) or not isinstance(after, dict):
         return after
     patch: dict[str, object] = {name: None for name in before if name not in after}

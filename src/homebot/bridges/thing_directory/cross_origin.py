@@ -21,7 +21,7 @@ PREFLIGHT: Final = DirectoryAnswer(
         "Access-Control-Max-Age": "600",
     },
 )
-"""The answer to a browser that asks what a page may send; it comes before the request itself, and without a token."""
+"""The answer to a browser's preflight request, which comes without a token."""
 
 
 def sharing_headers(origins: Sequence[str]) -> Mapping[str, str]:
@@ -39,5 +39,5 @@ def sharing_headers(origins: Sequence[str]) -> Mapping[str, str]:
 
 
 def is_preflight(method: str, asked_methods: Sequence[str]) -> bool:
-    """Return whether a request asks what a page may send: *asked_methods* is its ``Access-Control-Request-Method``."""
+    """Return whether a request is a preflight: *asked_methods* is its ``Access-Control-Request-Method``."""
     return method == "OPTIONS" and bool(asked_methods)

@@ -130,7 +130,7 @@ def page_of(query: Mapping[str, str]) -> PageRequest:
 
 
 def at_base(text: str, base: str) -> str:
-    """Return the description *text*, JSON of an object with members, whose relative addresses begin at *base*."""
+    """Return the description *text*, a non-empty JSON object, with relative addresses resolved against *base*."""
     return f'{{"base":{compact_json(base)},{text[1:]}'
 
 

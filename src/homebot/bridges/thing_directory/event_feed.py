@@ -59,7 +59,7 @@ class EventFeed:
 
     Args:
         catalog: The list.
-        version: What tells the catalog of this run from that of another.
+        version: Identifies the catalog of this run.
 
     Attributes:
         clients: Number of clients that are sent events.

@@ -28,16 +28,16 @@ FIRST_REQUEST_WITHIN: Final = 10.0
 IDLE_FOR: Final = 30.0
 BODY_WITHIN: Final = 10.0
 TAKES_WITHIN: Final = 30.0
-"""All in seconds: for the first request, between two, for a body, and for a client to take what it is sent."""
+"""Timeouts in seconds: for the first request, between two, for a body, and for reading a response."""
 
 _SWEEP_EVERY = 1.0
 _LINE = 8190
 _CLOSING = 0.5
 _BUSY = b"HTTP/1.1 503 Service Unavailable\r\nRetry-After: 5\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
-"""What a client gets that is one too many."""
+"""The response to one client too many."""
 _CONTINUE = b"HTTP/1.1 100 Continue\r\n\r\n"
 _OTHER_VERSION = b"HTTP/1.1 505 HTTP Version Not Supported\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
-"""What a client gets that speaks HTTP/0.9 or HTTP/2, which the library would answer in the version that it claims."""
+"""The response to HTTP/0.9 and HTTP/2, which the library would answer in the claimed version."""
 
 
 @dataclass(slots=True)
@@ -146,7 +146,7 @@ class HttpExchange:
 
 
 class ErrorLog(Protocol):
-    """A log of what clients do wrong."""
+    """A log of clients' mistakes."""
 
     def __call__(self, problem: str, error: BaseException | None) -> None:
         """Log one line."""
@@ -159,7 +159,7 @@ class BoundedServer:
         settings: Where it listens, and the number of its clients.
         handle: Answers a request.
         clock: The clock to live by.
-        log_error: Logs what clients and the library do wrong.
+        log_error: Logs mistakes of clients and the library.
 
     Attributes:
         counters: Its counters.

@@ -87,7 +87,7 @@ class ListedDevices:
     Args:
         node: The node that follows the directory.
         owner: The id of this homebot.
-        needs_token: Whether who reads or sets a property needs a token.
+        needs_token: Whether reading and setting properties needs a token.
         allows_commands: Whether properties can be set.
         max_devices: Devices that are listed.
         on_change: Called after each change of the catalog.

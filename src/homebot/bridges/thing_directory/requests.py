@@ -70,7 +70,7 @@ class DirectoryRequests:
     Args:
         description: The description of the directory, in JSON.
         devices: The devices that it lists.
-        version: What tells the catalog of this run from that of another.
+        version: Identifies the catalog of this run.
     """
 
     def __init__(self, description: str, devices: ListedDevices, version: str) -> None:
@@ -218,7 +218,7 @@ def _check_method(request: DirectoryRequest, allowed: frozenset[str]) -> None:
 
 
 def _matches(request: DirectoryRequest, etag: str) -> bool:
-    """Return whether the client has what is asked for already."""
+    """Return whether the client already has the requested version."""
     known = request.headers.get("if-none-match", "")
     return known.strip() == "*" or etag in {one.strip().removeprefix("W/") for one in known.split(",")}
 

@@ -30,7 +30,7 @@ class ThingDirectoryTable(DirectoryBridgeSettings):
     """The keys of the table ``[thing_directory]``.
 
     Attributes:
-        token_file: File whose first line is the token, for nobody else to read.
+        token_file: File with the token in its first line, readable by its owner only.
     """
 
     token_file: FilePath | None = None

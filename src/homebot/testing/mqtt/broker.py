@@ -25,7 +25,7 @@ __all__ = ["BlockingTestBroker", "BrokerView", "TestBroker", "serve_blocking_bro
 class BrokerView:
     """The base of both kinds of brokers that fixtures give."""
 
-    __test__ = False  # no collection of tests, whatever the name
+    __test__ = False  # not a test class in spite of its name
 
     def __init__(self, core: BrokerCore, thread: BrokerThread) -> None:
         self._core = core
@@ -72,17 +72,17 @@ class BrokerView:
         return self._core.breaches.kept
 
     def forget_protocol_errors(self) -> None:
-        """Forget them: they were what the test is about."""
+        """Forget them: they were the subject of the test."""
         self._core.breaches.clear()
 
     def forget_messages(self) -> None:
-        """Forget what clients have published so far; for a broker that several tests share."""
+        """Forget all published messages; for a broker shared by several tests."""
         self._core.journal.clear()
 
     def assert_not_published(self, filter: str) -> None:  # noqa: A002 - the protocol's own word
         """Make sure that no client has published on *filter*, messages taken by ``expect`` aside.
 
-        Call ``settle`` first: this looks only at what the broker has got.
+        Call ``settle`` first: this only looks at received messages.
 
         Raises:
             AssertionError: One has; shows the messages.
@@ -104,7 +104,7 @@ class TestBroker(BrokerView):
     """A real MQTT broker for one test, watched and ready to fail on demand.
 
     Attributes:
-        faults: What can go wrong.
+        faults: The possible faults.
     """
 
     def __init__(self, core: BrokerCore, thread: BrokerThread) -> None:
@@ -144,7 +144,7 @@ class TestBroker(BrokerView):
             timeout: Seconds to wait.
 
         Raises:
-            AssertionError: None came; shows what came instead.
+            AssertionError: None came; shows the received messages instead.
             InvalidNameError: *filter* is no topic filter.
         """
         validate_filter(filter)
@@ -196,7 +196,7 @@ class BlockingTestBroker(BrokerView):
     """As :class:`~homebot.testing.mqtt.TestBroker`, but every method blocks: for tests without an event loop.
 
     Attributes:
-        faults: What can go wrong.
+        faults: The possible faults.
     """
 
     def __init__(self, core: BrokerCore, thread: BrokerThread) -> None:
@@ -254,7 +254,7 @@ def serve_broker(
 
     Args:
         thread: Where it lives.
-        settings: What it is to be like.
+        settings: Settings of the broker.
         tls: Needed where *settings* ask for TLS.
     """
     with _core(thread, settings, tls) as core:
@@ -287,5 +287,5 @@ async def _start(settings: BrokerSettings, tls: TestTls | None) -> BrokerCore:
 
 async def _stop(core: BrokerCore) -> None:
     core.rules.lift_all()
-    await core.turn()  # what clients have sent is read, so that a breach in it is noticed
+    await core.turn()  # reads pending bytes of clients, so that breaches are noticed
     await core.broker.stop(abrupt=True)

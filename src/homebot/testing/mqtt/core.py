@@ -64,7 +64,7 @@ class BrokerCore:
     """A broker, its journal, its packet log and its faults. Make it on the loop it is to live on.
 
     Args:
-        settings: What the test asks for.
+        settings: The test's settings.
         tls: Needed where the settings ask for TLS.
 
     Attributes:
@@ -74,7 +74,7 @@ class BrokerCore:
         journal: The messages of its clients.
         log: The packets.
         rules: The faults in force.
-        breaches: What clients did that MQTT does not allow.
+        breaches: Violations of MQTT by clients.
 
     Raises:
         UsageError: There is no *tls*, and the settings ask for TLS.
@@ -114,7 +114,7 @@ class BrokerCore:
         return {session.client_id: ClientView.of(session) for session in tuple(self.broker.state.sessions)}
 
     async def publish(self, topic: str, payload: Payload, qos: int, retain: bool, properties: Properties) -> None:  # noqa: FBT001 - handed on by position
-        """Send a message to all who subscribe to *topic*, as if a client that nobody sees had published it.
+        """Send a message to all subscribers of *topic*, as from an invisible client.
 
         Raises:
             InvalidNameError: *topic* is no topic name.
@@ -134,7 +134,7 @@ class BrokerCore:
             raise LinkError(f"the broker had no room for the message on {topic}: {receipt.reason.text}")
 
     async def turn(self) -> None:
-        """Let the loop go round until what lies in the sockets is handled."""
+        """Run the loop until all bytes in the sockets are handled."""
         for _ in range(_TURNS):
             await anyio.lowlevel.checkpoint()
 

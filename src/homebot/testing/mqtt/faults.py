@@ -30,7 +30,7 @@ class Fault:
     """One thing that goes wrong until it is lifted.
 
     Args:
-        client: Whose connection is concerned; None is everybody's.
+        client: Client id of the concerned connection, or None for all.
         on_lift: Called once with the fault when it is lifted.
 
     Attributes:
@@ -73,7 +73,7 @@ class HalfPacket(Fault):
 
 
 class SlowReader(Fault):
-    """The client takes no bytes; what was written comes when the fault is lifted."""
+    """The client accepts no bytes; written ones follow when the fault is lifted."""
 
 
 class RefusedSubscribe(Fault):
@@ -159,13 +159,13 @@ class FaultPolicy:
         self._otherwise = otherwise
 
     def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - fills the port
-        """Return the reason of the fault that refuses this, else what the policy below says."""
+        """Return the refusal reason of the fault, or the decision of the policy below."""
         return _apply_fault(self._rules.subscribe_refusal(client_id, filter)) or self._otherwise.subscribe(
             client_id, filter
         )
 
     def publish(self, client_id: str, topic: str) -> ReasonCode:
-        """Return the reason of the fault that refuses this, else what the policy below says."""
+        """Return the refusal reason of the fault, or the decision of the policy below."""
         return _apply_fault(self._rules.publish_refusal(client_id, topic)) or self._otherwise.publish(client_id, topic)
 
 

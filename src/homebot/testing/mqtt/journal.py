@@ -20,13 +20,13 @@ __all__ = ["Journal", "Payload", "PulseEvent", "RecordedMessage", "Wanted", "enc
 
 @final
 class PulseEvent:
-    """Wakes everybody who waits at the moment it rings; remembers nothing."""
+    """A bell that wakes all waiting tasks; it remembers nothing."""
 
     def __init__(self) -> None:
         self._next = anyio.Event()
 
     def ring(self) -> None:
-        """Wake all who wait."""
+        """Wake all waiting tasks."""
         self._next.set()
         self._next = anyio.Event()
 
@@ -36,7 +36,7 @@ class PulseEvent:
 
 
 Payload = bytes | str | Mapping[str, object] | Sequence[object]
-"""What can be published: bytes as they are, text as UTF-8, a dict or list as JSON."""
+"""Types of payloads: bytes, text as UTF-8, a dict or list as JSON."""
 
 _MAX_TEXT = 200
 
@@ -48,10 +48,10 @@ class RecordedMessage:
     Attributes:
         topic: Full topic name.
         payload: The content.
-        qos: What it was published with.
+        qos: QoS of the publication.
         retain: Whether it was published to be retained.
         properties: The MQTT 5 properties.
-        client_id: Who published it.
+        client_id: Client id of the publisher.
     """
 
     topic: str
@@ -83,7 +83,7 @@ class RecordedMessage:
 
 
 Wanted = Payload | Callable[[RecordedMessage], bool] | None
-"""What a test expects: None is anything, a dict or list is compared as JSON, a function decides by itself."""
+"""The expectation of a test: None is anything, a dict or list is compared as JSON, a function decides."""
 
 
 def encode_payload(payload: Payload) -> bytes:
@@ -163,7 +163,7 @@ class Journal:
         return None
 
     def waiting(self, filter: str) -> list[RecordedMessage]:  # noqa: A002 - the protocol's own word
-        """Return all messages on *filter* that nobody has taken, in their order."""
+        """Return all unread messages on *filter*, in their order."""
         return [
             each.message
             for each in self._entries.copy()
@@ -171,7 +171,7 @@ class Journal:
         ]
 
     def near_misses(self, filter: str, wanted: Wanted, timeout: float) -> str:  # noqa: A002 - as above
-        """Return a text that nothing came, and what came instead."""
+        """Return the text of a missing message, with the received ones."""
         here: list[_Entry] = []
         elsewhere: dict[str, RecordedMessage] = {}
         for entry in self._entries.copy():

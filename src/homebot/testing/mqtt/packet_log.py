@@ -1,4 +1,4 @@
-"""Packets between the test broker and its clients, in words, and what was wrong with them."""
+"""Packets between the test broker and its clients, in words, with their errors."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from homebot.mqtt.packets import (
 __all__ = ["PROTOCOL_NAMES", "PacketLog", "PacketRecord", "ProtocolViolation", "ViolationLog", "packet_text"]
 
 PROTOCOL_NAMES = {ProtocolVersion.V31: "3.1", ProtocolVersion.V311: "3.1.1", ProtocolVersion.V5: "5"}
-"""What people call the versions."""
+"""Common names of the versions."""
 
 _MAX_PAYLOAD = 120
 _SECRET = ("authentication_data",)
@@ -103,7 +103,7 @@ class PacketRecord:
         at: Seconds since the broker started.
         direction: ``in`` from a client, ``out`` to it, ``note`` an event such as a connection that was lost.
         client: Client id, or the address before the login.
-        what: The packet, or the event in words.
+        what: The packet or event, in words.
     """
 
     at: float
@@ -169,7 +169,7 @@ class ProtocolViolation:
     Attributes:
         client: Client id, or the address before the login.
         reason: The reason code the connection was closed with.
-        problem: What was wrong, for people.
+        problem: The problem, for people.
     """
 
     client: str
@@ -182,7 +182,7 @@ class ProtocolViolation:
 
 @final
 class ViolationLog:
-    """The first 20 breaches that nobody has taken; written on the broker's thread, read in any.
+    """The first 20 unread breaches; written on the broker's thread, read in any.
 
     Attributes:
         untold: How many more there were.

@@ -20,11 +20,11 @@ class BrokerSettings:
     """The arguments of the mark ``mqtt_broker``, checked where they are made.
 
     Attributes:
-        user: Who may log in; None lets everybody in.
+        user: Allowed user; None allows everybody.
         password: Of that user; never shown.
         tls: Speak TLS, with a certificate for 127.0.0.1, ::1 and localhost.
         keep_alive: The longest keep-alive of an MQTT 5 client in seconds, 1 to 65535; None leaves it to them.
-        refuse_filter: A filter, or some, whose subscription is answered with 0x80.
+        refuse_filter: One or several filters with subscriptions answered by 0x80.
         limits: The broker's bounds.
         allow_protocol_errors: Whether clients may break the protocol without failing the test.
 
@@ -67,7 +67,7 @@ class BrokerSettings:
 
     @classmethod
     def parse(cls, arguments: Mapping[str, object]) -> Self:
-        """Make them from keyword arguments that nobody has checked yet.
+        """Create them from unchecked keyword arguments.
 
         Raises:
             UsageError: There is no such argument; names the one that was probably meant. Also as above.

@@ -22,8 +22,8 @@ class TapDuties:
 
     Attributes:
         rules: The faults in force.
-        note: Called with each packet and event: direction, client, what.
-        failed: Called with each connection that ended by its client's fault: client, what; not after a fault struck it.
+        note: Called with each packet and event: direction, client, text.
+        failed: Called with each connection ended by a violation of its client: client, text; not after injected faults.
         taps: Those of the connections that are open; they add and remove themselves.
     """
 
@@ -37,7 +37,7 @@ class TapDuties:
 class Tap:
     """One connection: an :class:`ConnectionHandler` for its carrier, and the :class:`Transport` of its peer.
 
-    What waits for a slow reader is bounded by ``limits.write_buffer`` bytes; beyond it the connection is closed.
+    The bytes for a slow reader are bounded by ``limits.write_buffer``; beyond it the connection is closed.
     """
 
     def __init__(self, duties: TapDuties, state: BrokerState, link: Transport) -> None:
@@ -77,7 +77,7 @@ class Tap:
         return not self._stalled and self._link.has_room_for(size)
 
     def receive(self, data: bytes) -> None:
-        """Note what came and pass it on."""
+        """Record received bytes and pass them on."""
         if self._in is not None and not self._begun and data[0] >> 4 != PacketType.CONNECT:
             self._in = None
             self._note("note", f"sent invalid MQTT: {data[:40]!r}")
@@ -109,7 +109,7 @@ class Tap:
         self._link.close(linger=False)
 
     def unstall(self) -> None:
-        """Write what waited, where a slow reader has become quick again."""
+        """Write the queued bytes to a reader that is fast again."""
         if self._stalled:
             return
         self._flush()
@@ -117,7 +117,7 @@ class Tap:
             self._peer.writable()
 
     def write(self, data: bytes) -> None:
-        """Write what the faults in force let through."""
+        """Write all bytes that the active faults let through."""
         for piece in _split(data):
             if self._cut:
                 return
@@ -132,8 +132,8 @@ class Tap:
         self._link.resume_reading()
 
     def close(self, *, linger: bool) -> None:
-        """Send what was written, then close."""
-        self._report_failure()  # first: who reads the reason may ask for it at once
+        """Send all written bytes, then close."""
+        self._report_failure()  # first: a reader of the reason may ask for it at once
         self._flush()
         self._link.close(linger=linger)
 

@@ -34,7 +34,7 @@ def broker_thread() -> Iterator[BrokerThread]:
 
 @final
 class BrokerThread:
-    """Runs coroutines on the thread's loop. What they raise reaches the caller and harms nobody else."""
+    """Runs coroutines on the thread's loop. Their exceptions reach only the caller."""
 
     def __init__(self) -> None:
         self._tasks: TaskGroup | None = None
@@ -42,7 +42,7 @@ class BrokerThread:
         self._ident = 0
 
     async def serve(self, *, task_status: TaskStatus[None]) -> None:
-        """Run what :meth:`call` and :meth:`run` bring, until :meth:`close`; once, on the thread's loop."""
+        """Run the work of :meth:`call` and :meth:`run` until :meth:`close`; once, on the thread's loop."""
         self._ident = threading.get_ident()
         try:
             async with anyio.create_task_group() as self._tasks:
@@ -76,7 +76,7 @@ class BrokerThread:
         return outcome()
 
     async def run(self, function: Callable[[Unpack[_Ts]], Awaitable[_T]], *args: *_Ts) -> _T:
-        """Run ``function(*args)`` and wait for it, on any asyncio loop; takes no lock, so it blocks nobody.
+        """Run ``function(*args)`` and wait for it, on any asyncio loop; takes no lock, so it blocks no thread.
 
         Raises:
             RuntimeError: The thread has ended.
@@ -115,8 +115,8 @@ class _Job(Generic[_T]):
     """One call; all its methods are for the thread's loop.
 
     Args:
-        function: What to run.
-        ended: Called once with what came of it: a function that returns or raises it.
+        function: The function to run.
+        ended: Called once with the result: a function that returns or raises it.
     """
 
     def __init__(self, function: Callable[[], Awaitable[_T]], ended: Callable[[Callable[[], _T]], object]) -> None:

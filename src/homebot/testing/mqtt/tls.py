@@ -24,14 +24,14 @@ class TestTls:
         context: The server's side.
     """
 
-    __test__ = False  # no collection of tests, whatever the name
+    __test__ = False  # not a test class in spite of its name
 
     ca_file: Path
     context: ssl.SSLContext
 
     @classmethod
     def make(cls, folder: Path, now: datetime) -> Self:
-        """Make new keys, and write what clients and server need into *folder*.
+        """Create new keys and write the files of clients and server into *folder*.
 
         Args:
             folder: A folder that exists.

@@ -41,7 +41,7 @@ def days(
     Args:
         house: Where: a strategy such as :func:`houses` returns, the tables of one house, or the TOML file that
             describes it; None is any house.
-        what: What may happen, of ``press``, ``tell``, ``cut``, ``pull`` and ``restart``.
+        what: Allowed events, of ``press``, ``tell``, ``cut``, ``pull`` and ``restart``.
         max_happenings: How much happens at most, 0 to 100.
         max_length: How long a day is at most, such as ``"8h"``; from an hour to 24 hours.
 
@@ -84,7 +84,7 @@ def _days(
 @st.composite
 def _happenings(draw: DrawFn, whats: tuple[What, ...], kinds: Mapping[str, str], length: float) -> DayEvent:
     """Draw happenings, with their time since the start."""
-    what = draw(one_of((*whats, *whats[:2])))  # the first are likelier: most of what goes wrong needs commands
+    what = draw(one_of((*whats, *whats[:2])))  # the first are likelier: most failures need commands
     at = draw(moments(length))
     if what == "restart":
         return DayEvent(at, what, lasts=draw(_durations), forget=draw(st.booleans()))

@@ -31,7 +31,7 @@ PAYLOADS: Final[Mapping[str, Sequence[str]]] = {
     "thermostat": ("20", "5", "30"),
     "robot": ("go outside", "stop"),
 }
-"""What each kind of device obeys."""
+"""The commands of each kind of device."""
 
 _switch = st.booleans()
 _share = st.integers(0, 10).map(lambda tenths: tenths / 10)
@@ -99,8 +99,8 @@ def devices(
         draw: Draws.
         rooms: Where it may be, the simplest first.
         doors: Pairs of rooms that a door joins.
-        kinds: What it may be.
-        faults: What may be wrong with it.
+        kinds: Possible kinds.
+        faults: Possible faults.
     """
     kind = draw(one_of(kinds))
     room = draw(one_of(rooms))
@@ -115,7 +115,7 @@ def devices(
 
 def commands(kind: str) -> SearchStrategy[str]:
     """Return a strategy for commands to a device of *kind*, unknown ones as well."""
-    likely = PAYLOADS[kind][:2]  # most of what goes wrong needs these
+    likely = PAYLOADS[kind][:2]  # most failures need these
     return one_of((*PAYLOADS[kind], NONSENSE, *likely))
 
 
