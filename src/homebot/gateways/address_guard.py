@@ -1,4 +1,4 @@
-"""The guard of this computer: a host on the network may not lead homebot to what runs here.
+"""The guard of this computer: a host on the network may not lead homebot to local services.
 
 Names are judged by the addresses that they are resolved to, at the moment of the connection: ``127.1``,
 ``[::ffff:127.0.0.1]``, ``0.0.0.0``, the name of this computer, and a name of the internet may all lead here.
@@ -70,7 +70,7 @@ class AddressGuard:
 
 
 async def guard_for(host: str | None) -> AddressGuard | None:
-    """Return the guard for what *host* describes; None if it is this computer, which may describe what runs here."""
+    """Return the guard for addresses that *host* describes; None for this computer, which may describe any."""
     guard = AddressGuard()
     try:
         await guard.resolve(host or "", 0)

@@ -1,1 +1,1 @@
-"""The engine for gateways whose devices are announced, whatever the protocol: sightings, reports, commands, texts."""
+"""The engine for gateways of announced devices, for any protocol: sightings, reports, commands, texts."""

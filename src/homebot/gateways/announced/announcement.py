@@ -1,4 +1,4 @@
-"""One announcement that stands: what it says of its device, and how that device was last heard. Pure."""
+"""One registered announcement: the description of its device, and the last sign of life of that device. Pure."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ __all__ = ["AnnouncedPart", "AvailabilityReader", "SightingKind", "StoredAnnounc
 SightingKind: TypeAlias = Literal["appeared", "updated", "removed"]
 
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
-"""Most devices have none of what few have; a dict of their own would be 64 bytes of each device."""
+"""The shared empty mapping: a dict of its own would be 64 bytes of each device, and most devices need none."""
 
 # Looked up once: pydantic's metaclass makes each look-up on a message type cost as much as a call.
 _reading_of, _value_of = Reading.of_checked, Value.of
@@ -42,7 +42,7 @@ class AnnouncedPart(PartTexts):
     """One part of a described device, as it speaks.
 
     Attributes:
-        stored: Whose part it is.
+        stored: The announcement of the part.
         described: The part.
         address: Where it is listened to: its text address, or the address on which it says text by itself.
         known: The last value of each capability with its reading; None where it reported none.
@@ -95,7 +95,7 @@ class AvailabilityReader:
     """One address that tells whether a described device, or one of its parts, can be reached.
 
     Attributes:
-        stored: Whose availability.
+        stored: The announcement of the device.
         part: Which part; empty for the whole.
         index: Which of its sources.
     """
@@ -111,18 +111,18 @@ class StoredAnnouncement:
 
     Attributes:
         gateway: The gateway.
-        key: What that gateway calls it.
-        described: What it says.
-        excess: Bytes by which it is longer than what it offers explains.
-        stale_after: Seconds of silence after which it counts as stale; 0 for what its gateway says of all.
+        key: The key of the device at that gateway.
+        described: The description.
+        excess: Bytes beyond the length that its offers explain.
+        stale_after: Seconds of silence after which it counts as stale; 0 for the default of its gateway.
         parts: Its parts by id.
-        reachability: What is known of whether the device (``""``) and its parts can be reached, as far as they tell.
-        subscriptions: The filters that it is read on, each with who reads.
+        reachability: Reported reachability of the device (``""``) and its parts; only of those that report it.
+        subscriptions: The filters that it is read on, each with its readers.
         is_confirmed: Whether the last sighting was a sign of life of the device itself.
         heard_at: When it last reported, or was announced, live, on the monotonic clock; -inf where it was not.
         refresh_at: Reading of the monotonic clock from which on another sign of life is worth a sighting.
         reachable: Whether the device (``""``) and its parts can be reached, as it was published last.
-        report_streams: The streams of reports that late joiners get, by what was said on them.
+        report_streams: The streams of reports that late joiners get, by address.
         template: A sighting with all that its sightings have in common.
     """
 
@@ -156,14 +156,14 @@ class StoredAnnouncement:
             if one.availability is not None and one.availability.sources:
                 readers[part] = ReachabilityReader(one.availability)
         self.reachability = readers or _NOTHING
-        self.template = self._template(tuple(shown))  # so that what cannot be told is found at once
+        self.template = self._template(tuple(shown))  # so that an invalid sighting is found at once
 
     def publishes_the_same(self, other: StoredAnnouncement) -> bool:
         """Return whether the graph sees no difference between the two."""
         return self.template == other.template
 
     def report_stream(self, address: str) -> str:
-        """Return the name of the stream of what is said on *address*; of a device with hundreds, they share one."""
+        """Return the name of the report stream of *address*; the addresses of a device with hundreds share one."""
         name = self.report_streams.get(address)
         if name is None:
             if len(self.report_streams) >= _MAX_STREAMS:
@@ -180,14 +180,14 @@ class StoredAnnouncement:
         )
 
     def take_over_state(self, before: StoredAnnouncement) -> None:
-        """Take over what is known of the device from the announcement *before* this one."""
+        """Take over the state of the device from the announcement *before* this one."""
         self.is_confirmed = before.is_confirmed
         self.heard_at, self.refresh_at = before.heard_at, before.refresh_at
         self.report_streams = before.report_streams
         known = {
             part: told
             for part, told in before.reachable.items()
-            if part in self.reachability or part not in before.reachability  # what the gateway itself knows
+            if part in self.reachability or part not in before.reachability  # known to the gateway itself
         }
         self.reachable = known or _NOTHING
         readers = dict(self.reachability)
@@ -201,17 +201,17 @@ class StoredAnnouncement:
                 announced_part.take_over(old)
 
     def let_go(self) -> None:
-        """Forget its parts, which know it: what stands no more must not wait for the collector of circular garbage."""
+        """Forget its parts, which refer back to it: a removed announcement must not wait for the garbage collector."""
         self.parts, self.reachability, self.subscriptions = {}, _NOTHING, []
 
     def note_reachable(self, part: str, reachable: bool | None) -> None:  # noqa: FBT001 - the value itself
-        """Note what is published of whether *part* can be reached; most devices tell nothing of it."""
+        """Record the published reachability of *part*; most devices report none."""
         if not isinstance(self.reachable, dict):
             self.reachable = {}
         self.reachable[part] = reachable
 
     def _template(self, parts: tuple[Part, ...]) -> Sighting:
-        """Return what all its sightings have in common; its addresses are those of its main part's texts.
+        """Return the common fields of all its sightings; its addresses are those of its main part's texts.
 
         One that says text by itself has the addresses, and the service type, of that.
 

@@ -46,7 +46,7 @@ class CommandServer:
         counters: Its counters.
 
     Attributes:
-        raw: The raw commands: one that comes after those that nobody has begun to send does not overtake them.
+        raw: The raw commands: a later command does not overtake those that are still queued.
     """
 
     def __init__(self, gateway: Gateway, perform: Perform, find_part: FindPart, counters: GatewayCounters) -> None:
@@ -58,7 +58,7 @@ class CommandServer:
         gateway.node.create_service(SendCommand, gateway.names.send_command, self.serve, concurrent=True)
 
     async def serve(self, command: Command) -> SendCommandResponse:
-        """Answer the service: carry *command* out, and return what became of it."""
+        """Answer the service: carry *command* out, and return its outcome."""
         if not self._gateway.acts:
             self._counters.commands_refused += 1
             return SendCommandResponse(success=False, message=self._gateway.observes_because, problem="refused")
@@ -96,7 +96,7 @@ class CommandServer:
         return SendCommandResponse(success=False, message=problem, problem="unreachable")
 
     async def tell(self, key: str, part_id: str, text: str, command_id: str = "") -> None:
-        """Carry out what *text* means to a part; see :mod:`homebot.devices.text.commands`.
+        """Carry out the command that *text* means for a part; see :mod:`homebot.devices.text.commands`.
 
         Raises:
             RefusedError: The gateway only observes, the part takes no such text, or as :data:`Perform`.
@@ -108,7 +108,7 @@ class CommandServer:
         await self._perform(Command(key=key, part=part_id, capability=capability, value=Value.of(value), id=command_id))
 
     async def _perform_after_raw(self, command: Command) -> None:
-        """Carry *command* out once somebody has begun to send each raw one that is queued now."""
+        """Carry *command* out once the sending of each raw command that is queued now has begun."""
         if self.raw is not None:
             mailbox = self.raw.mailbox
             for _ in range(len(mailbox.queue)):  # at each change one of them is taken out, or several

@@ -9,7 +9,7 @@ __all__ = ["GatewayCounters"]
 
 @dataclass(slots=True)
 class GatewayCounters:
-    """The counters of one gateway since its start; what its protocol does not have stays 0.
+    """The counters of one gateway since its start; counters that its protocol lacks stay 0.
 
     Attributes:
         received: Messages of devices.
@@ -26,10 +26,10 @@ class GatewayCounters:
         topics_reserved: Addresses of commands that were announced and belong to no device.
         types_refused: Times that a service type was announced and not looked for, because there were too many.
         addresses_refused: Network addresses that were dropped because their host announces too many.
-        reports: Reports of what devices told.
+        reports: Reports from devices.
         readings_refused: Values that no described part can have reported.
         oversize: Messages that were too long to be looked at.
-        failures: Times that a convention raised what it must not.
+        failures: Times that a convention raised an unexpected exception.
         asks: Questions to devices for their state.
         asks_dropped: Questions that were one too many.
         expiries_dropped: Values that do not end by themselves because too many others do.

@@ -39,8 +39,8 @@ class _Source(Generic[MessageT]):
 class DeferredMessages(Generic[MessageT]):
     """The messages that wait for a budget: the newest of each source, in their order.
 
-    Of too many of one source those go first that do not look like what was accepted from it, the oldest of them first.
-    Of too many in all those go first of whose sources no device stands announced, the oldest of them first.
+    If one source has too many, those that do not look like its accepted messages go first, the oldest of them first.
+    If there are too many in all, those of sources without a registered device go first, the oldest of them first.
 
     Args:
         max_bytes: Bytes of all of them.
@@ -71,8 +71,8 @@ class DeferredMessages(Generic[MessageT]):
             message: The message.
             source: Where it came from.
             length: Its bytes.
-            payer: Whose budget pays for it.
-            is_like: Whether it looks like what was accepted from its source.
+            payer: The name of the budget that pays for it.
+            is_like: Whether it looks like the accepted messages of its source.
         """
         known = self._sources.get(source)
         if known is None:
@@ -95,10 +95,10 @@ class DeferredMessages(Generic[MessageT]):
             self._pop(source, 0)
 
     def take(self, admits: Callable[[str], bool]) -> Iterator[MessageT]:
-        """Take out what is no longer to wait, one message of each budget in turn until none *admits* one more.
+        """Take out the messages that need not wait, one of each budget in turn until none *admits* one more.
 
         Those of a source come in their order; of the sources that share a budget the newest comes first, so that
-        somebody new is not behind a flood.
+        a new source is not behind a flood.
         """
         is_done = False
         while not is_done:

@@ -33,7 +33,7 @@ SLEEPER_WITHIN: Final = 5.0
 """Longest pause between two attempts to connect to a device that sleeps: it is awake for some seconds only."""
 
 MAX_PROBLEMS: Final = 20
-"""Devices whose problems are listed."""
+"""Devices in the list of problems."""
 
 
 class DeviceRunner(PublishedDevice, ABC):
@@ -78,7 +78,7 @@ class DeviceRunner(PublishedDevice, ABC):
 
     @abstractmethod
     async def work(self) -> None:
-        """Connect, publish what the device says, and call :meth:`note_answer` when it answers, until cancelled.
+        """Connect, publish the device's values, and call :meth:`note_answer` when it answers, until cancelled.
 
         Raises:
             LinkError: It cannot be connected to, or the connection was lost.

@@ -42,22 +42,22 @@ _NOT_ANNOUNCED = (
 class GatewayEngine(Generic[MessageT]):
     """The mechanisms of one gateway, over the *devices* that it keeps.
 
-    They need no task of the gateway: what must wait or keep the time is done by tasks of its node.
+    They need no task of the gateway: waiting and timing are done by tasks of its node.
 
     Args:
         gateway: The gateway.
-        devices: What stands, by key.
-        stale_after: Seconds of silence after which a device counts as stale that says nothing else.
+        devices: The registered announcements, by key.
+        stale_after: Seconds of silence after which a device without its own limit counts as stale.
         inboxes: Whether nodes get raw messages and texts in their inboxes, rather than on a topic for each device.
-        budgets: The budgets that peers pay from who break rules; by default all unknown peers share one.
-        log_key: What the source of a message is called in the log.
+        budgets: The budgets of peers that break rules; by default all unknown peers share one.
+        log_key: The name of a message's source in the log.
 
     Attributes:
-        counters: What the gateway did.
+        counters: The counters of the gateway.
         reporter: Publishes sightings and reports.
-        scheduler: Calls what is planned.
+        scheduler: Makes the scheduled calls.
         quarantine: Judges peers.
-        listeners: Who wants texts and raw messages.
+        listeners: The nodes that subscribed to texts and raw messages.
         states: Reads and publishes states.
     """
 
@@ -98,9 +98,9 @@ class GatewayEngine(Generic[MessageT]):
         Args:
             perform: Carries out commands.
             raw: The raw messages of the protocol.
-            health: Returns what there is to say beside what is counted here, and who is quarantined.
-            keeps_states: Whether the last state of a part is told, as one that was kept, to who begins to listen to its
-                texts; no where the network itself keeps states and sends them.
+            health: Returns the health report beside the counters here, and the quarantined sources.
+            keeps_states: Whether a new listener to the texts of a part gets its last state as a retained one;
+                no if the network itself retains states and sends them.
 
         Returns:
             The service of texts and raw messages.
@@ -127,7 +127,7 @@ class GatewayEngine(Generic[MessageT]):
         """Return a part that is described.
 
         Raises:
-            UnableError: Nobody is described by that key and part.
+            UnableError: No device has that key and part.
         """
         stored = self._devices.get(key)
         if stored is None:

@@ -29,13 +29,13 @@ PublishStates: TypeAlias = Callable[[ExposedDevice, KnownStates, Collection[tupl
 
 
 class ExposedDevices:
-    """Keeps what homebot exposes, with its states, for a gateway that shows it; 1,000 devices at most.
+    """The devices that homebot exposes, with their states, for a gateway that shows them; 1,000 devices at most.
 
     Args:
         gateway: The gateway.
         show: Publishes that a device is exposed, or that it is withdrawn.
         tell: Publishes its states.
-        log: Warns of what cannot be exposed: by an event, in words, about an id.
+        log: Warns of a device that cannot be exposed: by an event, in words, about an id.
     """
 
     def __init__(
@@ -56,11 +56,11 @@ class ExposedDevices:
         node.create_subscription(ExposedState, names.offer_reports, self._report, _QOS)
 
     def command(self, command: Command) -> None:
-        """Hand on what another system tells an exposed device, whose id is the command's key."""
+        """Hand on the command of another system to an exposed device; its id is the command's key."""
         self._commands.publish(command)
 
     def show_all(self) -> None:
-        """Publish all of it anew, as on a new link; what happened is over and not told again."""
+        """Publish all of it anew, as on a new link; events are over and not repeated."""
         for offer in self._offers.values():
             self._show(offer)
             self._publish_all(offer)

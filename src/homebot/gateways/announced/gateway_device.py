@@ -19,23 +19,23 @@ __all__ = ["GatewayDevice", "simple_part"]
 
 @dataclass(frozen=True, slots=True)
 class GatewayDevice:
-    """A device in a protocol that knows what its devices are.
+    """A device in a protocol that describes its devices.
 
     Attributes:
-        key: What the gateway calls it: unique there, and the same after a restart.
+        key: The gateway's key for it: unique there, and the same after a restart.
         name: The name for people.
-        parts: What can be used by itself; a device whose parts are unknown has none.
+        parts: The units that can be used by themselves; a device with unknown parts has none.
         metadata: Further facts, for example ``manufacturer`` and ``model``.
-        identifiers: See :func:`homebot.devices.identity.identifiers`; what it is known by beyond this gateway.
+        identifiers: See :func:`homebot.devices.identity.identifiers`; identifiers that hold beyond this gateway.
         authenticated: Whether it proved to the gateway that it is the owner's; see :class:`homebot.devices.Sighting`.
         area: The room that it is said to be in; empty for none.
         service_type: Its type in the protocol's own words; by default the type of its main part.
         address: Where it says the state of its main part by itself, as plain text (``on``, ``21.5``) that apps read; by
             default the text address of that part, on which the gateway says it.
         command_address: Where it takes plain text by itself; likewise.
-        raw_address: Where its raw messages are listened to, whatever they look like; by default *address*,
+        raw_address: The address of its raw messages, in any format; by default *address*,
             or else its key: apps that read plain text never hear them.
-        stale_after: Seconds of silence after which it counts as stale; 0 for what the gateway says of all.
+        stale_after: Seconds of silence after which it counts as stale; 0 for the default of the gateway.
         sleeps: Whether it is off the network most of the time, to save its battery; it is there all the same.
         expiries: Values that end by themselves, by the id of the part, such as of a motion sensor that never says that
             all is quiet again.
@@ -69,7 +69,7 @@ class GatewayDevice:
         )
 
     def complete(self, stored: StoredAnnouncement) -> None:
-        """Add to what is *stored* of it what no announcement says: its own addresses and expiry."""
+        """Add to *stored* the data that no announcement has: the device's own addresses and expiry."""
         stored.stale_after = self.stale_after
         own = {name: getattr(self, name) for name in ("service_type", "address", "command_address")}
         given: dict[str, object] = {name: text for name, text in own.items() if text}

@@ -42,7 +42,7 @@ class LastMessageCache:
         self._total = 0
 
     def keep(self, topic: str, payload: bytes, at: Time, heard_at: float, *, retained: bool) -> None:
-        """Remember what was said last on *topic*; see :class:`CachedMessage`."""
+        """Remember the last message on *topic*; see :class:`CachedMessage`."""
         kept, length = self._kept, len(payload)
         before = kept.pop(topic, None)
         if length > self._max_each:

@@ -1,4 +1,4 @@
-"""One of the devices that a gateway publishes, for what works with that one alone."""
+"""One of the devices that a gateway publishes, for code that works with that one alone."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ class PublishedDevice:
         self._devices = devices
 
     def describe(self, device: GatewayDevice) -> None:
-        """Publish what the device is."""
+        """Publish the description of the device."""
         self._devices.put(device, "it described itself")
 
     async def report(self, values: Mapping[str, PlainValue], part: str = "") -> None:
-        """Publish what a part reported."""
+        """Publish the reported values of a part."""
         await self._devices.report(self.key, values, part)
 
     def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
@@ -48,7 +48,7 @@ class PublishedDevice:
         self._devices.report_reachable(self.key, part, reachable=reachable)
 
     async def deliver_raw(self, payload: bytes) -> None:
-        """Deliver a raw message of the device, to who listens to its address."""
+        """Deliver a raw message of the device to the listeners of its address."""
         await self._devices.deliver_raw(self.key, payload)
 
     def reject(self, payload: bytes, why: str) -> None:

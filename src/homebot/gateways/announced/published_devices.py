@@ -37,7 +37,7 @@ SendRaw: TypeAlias = Callable[[RawCommand], Awaitable[None]]
 FindSource: TypeAlias = Callable[[str], tuple[str, str]]
 """Returns key and name of the device that reports raw messages on an address, known or not yet.
 
-It raises :class:`RefusedError` where nobody may listen.
+It raises :class:`RefusedError` if listening is not allowed.
 """
 
 
@@ -51,15 +51,15 @@ class PublishedDevices:
         gateway: The gateway.
         perform: Carries out commands that fit the part they are for.
         send_raw: Sends raw commands to addresses; None for a protocol that has none.
-        find_source: Says whose an address of raw messages is; by default that of the device that has it.
-        settings: The settings of the gateway, for what every gateway's table has; by default their defaults.
+        find_source: Returns the device of an address of raw messages; by default the device that has it.
+        settings: The settings of the gateway, for the columns of every gateway's table; by default their defaults.
         max_devices: Devices that may be known at once; see :class:`RegistryLimits` for the other limits.
-        find_problems: Returns what is wrong with single devices now, as text; the health service shows it.
+        find_problems: Returns the present problems of single devices, as text; the health service shows them.
 
     Attributes:
         engine: The mechanisms that do it, for a gateway that needs more of them.
-        counters: What it did.
-        problems: What is wrong with the gateway now, as text; the health service shows it first.
+        counters: Its counters.
+        problems: The present problems of the gateway, as text; the health service shows them first.
     """
 
     def __init__(
@@ -142,13 +142,13 @@ class PublishedDevices:
     async def report(
         self, key: str, values: Mapping[str, PlainValue], part: str = "", *, retained: bool = False
     ) -> None:
-        """Publish what a part reported; values that it cannot have reported are refused, and counted.
+        """Publish the reported values of a part; values that it cannot have reported are refused, and counted.
 
         Args:
             key: The device.
             values: Values by capability, in the unit of the vocabulary; None for unknown.
             part: The part.
-            retained: Whether that was kept from before: what was, not what is.
+            retained: Whether it is a retained report, of an earlier state.
         """
         stored = self._devices.get(key)
         described = None if stored is None else stored.parts.get(part)
@@ -170,12 +170,12 @@ class PublishedDevices:
             return
         self._reporter.refresh_time()
         stored.note_reachable(part, reachable)
-        # Without an address it would say that the device reports it no longer, which is what None means.
+        # Without an address the report would say None: the device no longer reports it.
         address = "" if reachable is None else stored.template.address or key
         self._reporter.report_reachable(stored, part, address, reachable=reachable, retained=False)
 
     async def deliver_raw(self, key: str, payload: bytes, *, retained: bool = False) -> None:
-        """Deliver a raw message of a device, to who listens to its address."""
+        """Deliver a raw message of a device to the listeners of its address."""
         stored = self._devices.get(key)
         if stored is None:
             return
@@ -195,7 +195,7 @@ class PublishedDevices:
     def admits(self, source: str) -> bool:
         """Return whether a message from *source* is to be read; no while that breaks the rules too often.
 
-        For messages that come again by themselves, such as what is asked for in turns or broadcast: one that is not
+        For messages that come again by themselves, such as polled or broadcast values: one that is not
         admitted is dropped, and counted.
 
         Args:
@@ -224,7 +224,7 @@ class PublishedDevices:
         """Carry *command* out where it fits the part.
 
         Raises:
-            UnableError: It does not; says what would.
+            UnableError: It does not; the message names the kind that does.
         """
         part = self.engine.find_part(command.key, command.part).described.part
         try:
@@ -239,7 +239,7 @@ class PublishedDevices:
 
 
 class _RawMessages:
-    """The last raw messages of devices by address, and what a gateway says of its addresses."""
+    """The last raw messages of devices by address, and the gateway's facts about its addresses."""
 
     def __init__(self, send_raw: SendRaw | None, find_source: FindSource | None) -> None:
         self._send_raw = send_raw

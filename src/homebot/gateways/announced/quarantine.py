@@ -32,7 +32,7 @@ MAX_WARNINGS = 20
 """Lines of one kind in ten seconds, each about another culprit."""
 
 REFILL_EVERY = 0.1
-"""Seconds between two looks at whether what waits need not wait any more."""
+"""Seconds between two checks of the waiting messages."""
 
 _QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _LONGEST = 300
@@ -42,16 +42,16 @@ _LONGEST = 300
 class PeerQuarantine(Generic[MessageT]):
     """Judges peers by their source, and lets their messages wait where they cost too much.
 
-    A gateway asks :meth:`must_wait` before it reads a message that anybody may have sent, and then says what it was:
-    :meth:`accept` or :meth:`record_offence`. What waits is read by :meth:`serve`.
+    A gateway asks :meth:`must_wait` before it reads a message of an unproven sender, and then reports the result:
+    :meth:`accept` or :meth:`record_offence`. Waiting messages are read by :meth:`serve`.
 
     Args:
-        gateway: In whose name.
+        gateway: The name of the gateway.
         reporter: Has the time.
         scheduler: Ends each quarantine.
         counters: Of the gateway.
         budgets: The budgets that offences are paid from.
-        log_key: What a source is called in the log.
+        log_key: The name of a source in the log.
 
     Attributes:
         budgets: Those budgets.
@@ -80,7 +80,7 @@ class PeerQuarantine(Generic[MessageT]):
         self._flood_limit = LogLimit(gateway.node.graph.clock, burst=MAX_WARNINGS)
 
     def must_wait(self, message: MessageT, source: str, payload: bytes) -> bool:
-        """Let *message* wait where that is due, behind what waits of its source; return whether it does.
+        """Queue *message* if that is due, behind the waiting messages of its source; return whether it was queued.
 
         Args:
             message: The message, as :meth:`serve` is to hand it back.
@@ -123,7 +123,7 @@ class PeerQuarantine(Generic[MessageT]):
         self.budgets.charge(source, length, f"{name}: {why}"[:_LONGEST], self._reporter.now)
 
     async def serve(self, read_next: Callable[[Iterator[MessageT]], Awaitable[bool]]) -> None:
-        """Have what waits read, as far as the budgets reach, as often as they are filled up, until cancelled.
+        """Read the waiting messages, as far as the budgets reach, each time they are refilled, until cancelled.
 
         Args:
             read_next: Takes the next message out, reads it, and returns True; False where none is to be had.
@@ -170,11 +170,11 @@ class PeerQuarantine(Generic[MessageT]):
         self._node.log.warning(event, message=f"{words}{more_like_this(held_back)}", **facts)
 
     def quarantined(self) -> tuple[Quarantine, ...]:
-        """Return who is quarantined now."""
+        """Return the sources that are in quarantine now."""
         return tuple(self._message(budget) for budget in self.budgets.quarantined())
 
     def _defer(self, payer: str) -> None:
-        """Log that what is charged to *payer* has to wait."""
+        """Log that messages charged to *payer* have to wait."""
         budget = self.budgets.defer(payer, self._reporter.now)
         if budget is None:
             return

@@ -8,7 +8,7 @@ __all__ = ["ReachabilityReader"]
 
 
 class ReachabilityReader:
-    """The last reports about one device, and what they mean together.
+    """The last reports about one device, and their combined meaning.
 
     Args:
         availability: Where the reports come from, and how they are joined.
@@ -32,7 +32,7 @@ class ReachabilityReader:
             return decisive
         return not decisive if len(known) == len(self._reports) else None
 
-    def update(self, index: int, is_reachable: bool, *, retained: bool) -> None:  # noqa: FBT001 - what the source says
+    def update(self, index: int, is_reachable: bool, *, retained: bool) -> None:  # noqa: FBT001 - the report of the source
         """Take the report of source *index*: whether the device can be reached."""
         self._reports[index] = self._latest = is_reachable, retained
 

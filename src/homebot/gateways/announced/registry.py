@@ -1,9 +1,9 @@
-"""Every announcement that stands at a gateway, and the limits of what they may take, in gateway and directory. Pure.
+"""The registered announcements of a gateway, and their memory limits in gateway and directory. Pure.
 
 Memory, measured: a device takes 15 kB with its one announcement and part, a further announcement of it 8 kB, a further
-part of an announcement 3 kB. What announcements are longer than that explains is an account of its own, the *excess*: a
-house with many devices has many announcements, each as long as the parts that it tells of, and who wants memory has
-long ones, of lists and of templates. Only what an announcement is longer than an honest one of as many parts counts.
+part of an announcement 3 kB. Length beyond that is an account of its own, the *excess*: a
+house with many devices has many announcements, each as long as its parts need, and an attacker sends
+long ones, of lists and of templates. Only the length beyond an honest one of as many parts counts.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class RegistryLimits(NamedTuple):
         parts: Parts of all of them.
         parts_each: Parts of one.
         readers: Parts that read one topic: each of its messages is work for all of them.
-        excess: Bytes by which announcements are longer than what they offer explains, of all.
+        excess: Bytes of all announcements beyond the length that their offers explain.
         excess_each: The same of one.
         memory: Bytes that all take, about.
     """
@@ -79,10 +79,10 @@ class RegistryChange(NamedTuple):
     """The changes that a new description makes.
 
     Attributes:
-        stored: What stands now.
-        before: What it took the place of, or None.
+        stored: The announcement that is registered now.
+        before: The announcement that it replaced, or None.
         refused: Addresses of states that cannot be read, with the reasons.
-        readers: Who reads which address now that is read by others already, and may have missed what was said there.
+        readers: The readers of each address that had other readers before, so that they may have missed messages there.
     """
 
     stored: StoredAnnouncement
@@ -92,7 +92,7 @@ class RegistryChange(NamedTuple):
 
 
 class DeviceRegistry:
-    """The devices of one gateway, or the announcements of them; a protocol adds who reads which address.
+    """The devices of one gateway, or the announcements of them; a protocol adds the readers of each address.
 
     Args:
         gateway: Its name.
@@ -100,7 +100,7 @@ class DeviceRegistry:
 
     Attributes:
         gateway: Its name.
-        by_key: What stands, by key, in the order of its coming.
+        by_key: The registered announcements, by key, in the order of arrival.
     """
 
     def __init__(self, gateway: str, limits: RegistryLimits = _LIMITS) -> None:
@@ -113,7 +113,7 @@ class DeviceRegistry:
 
     @property
     def excess(self) -> int:
-        """Bytes by which all that stand are longer than what they offer explains."""
+        """Bytes of all registered announcements beyond the length that their offers explain."""
         return self._excess.total
 
     @property
@@ -122,7 +122,7 @@ class DeviceRegistry:
         return self._memory.total
 
     def get(self, key: str) -> StoredAnnouncement | None:
-        """Return what stands under *key*."""
+        """Return the announcement registered under *key*."""
         return self.by_key.get(key)
 
     def all(self) -> tuple[StoredAnnouncement, ...]:
@@ -138,7 +138,7 @@ class DeviceRegistry:
 
         Raises:
             WireError: It has more than 1,000 parts, is one device or part too many, too long, or there is no more
-                memory for it. What stood before stays.
+                memory for it. The announcement before it stays.
         """
         key = described.full_key
         before = self.by_key.get(key)
@@ -159,7 +159,7 @@ class DeviceRegistry:
         return RegistryChange(stored, before, refused, readers)
 
     def remove(self, key: str) -> StoredAnnouncement | None:
-        """Let what stands under *key* stand no more, and return it."""
+        """Remove the announcement registered under *key*, and return it."""
         stored = self.by_key.pop(key, None)
         if stored is not None:
             self._forget(stored)
@@ -171,7 +171,7 @@ class DeviceRegistry:
     def _enter(
         self, stored: StoredAnnouncement, before: StoredAnnouncement | None
     ) -> tuple[tuple[WireError, ...], Readers]:
-        """Have what *stored* says read, in place of what stood *before*; return what is refused, and who missed what.
+        """Register the readers of *stored*, replacing *before*. Return refused filters and readers that need a replay.
 
         It may raise, because a plug-in fails, and then nothing has changed.
         """
@@ -179,7 +179,7 @@ class DeviceRegistry:
         return (), ()
 
     def _leave(self, stored: StoredAnnouncement) -> None:
-        """Have what *stored* says read no more."""
+        """Remove the readers of *stored*."""
 
     def _forget(self, stored: StoredAnnouncement) -> None:
         self._leave(stored)
@@ -202,12 +202,12 @@ class DeviceRegistry:
 
 
 def excess_of(described: DeviceAnnounced, length: int) -> int:
-    """Return by how many bytes *described* is longer than what its number of parts explains.
+    """Return the bytes of *described* beyond the length that its number of parts explains.
 
     Args:
         described: The description.
-        length: Of the message that it alone was made of; 0 where many were, or the length is unknown: then only what
-            the description shows counts, which is the lists, topics and facts.
+        length: Of the message that described it alone; 0 if the message described many, or its length is unknown: then
+            only the lists, topics and facts of the description count.
     """
     texts = [*described.identifiers, *described.facts.values()]
     for one in described.parts:
@@ -216,7 +216,7 @@ def excess_of(described: DeviceAnnounced, length: int) -> int:
 
 
 class Excess:
-    """The account of what stands.
+    """The account of the registered announcements.
 
     Args:
         most: Bytes of all.
@@ -251,7 +251,7 @@ class Excess:
 
 
 class MemoryAccount:
-    """The account of what stands.
+    """The account of the registered announcements.
 
     Args:
         most: Bytes of all, about.
@@ -282,14 +282,14 @@ class MemoryAccount:
             )
 
     def put(self, described: DeviceAnnounced) -> None:
-        """Count what stands from now on."""
+        """Count an announcement that is registered now."""
         who, size = _account_of(described)
         count = self._devices.get(who, 0)
         self._devices[who] = count + 1
         self.total += size + (0 if count else _DEVICE)
 
     def drop(self, described: DeviceAnnounced) -> None:
-        """Count no more what was put before."""
+        """Count an announcement no more."""
         who, size = _account_of(described)
         self._devices[who] -= 1
         self.total -= size
@@ -299,6 +299,6 @@ class MemoryAccount:
 
 
 def _account_of(described: DeviceAnnounced) -> tuple[tuple[str, ...], int]:
-    """Return what identifies the device, and the bytes of this announcement; one without identifiers is a device."""
+    """Return the identity of the device, and the bytes of this announcement; one without identifiers is a device."""
     who = described.identifiers or (described.convention, described.key)
     return who, _ANNOUNCEMENT + _PART * len(described.parts)

@@ -29,7 +29,7 @@ class DeviceReporter:
     """Publishes sightings and reports of one gateway, all with the time of the last :meth:`refresh_time`.
 
     Args:
-        gateway: Whose devices they are.
+        gateway: The gateway of the devices.
         stale_after: Seconds of silence after which a device counts as stale.
 
     Attributes:
@@ -68,7 +68,7 @@ class DeviceReporter:
     def publish_report(
         self, key: str, readings: tuple[Reading, ...], address: str, stream: str, *, retained: bool
     ) -> None:
-        """Publish what the device *key* reported."""
+        """Publish a report of the device *key*."""
         self._reports.publish(
             _report_of(
                 gateway=self._gateway_name,
@@ -89,7 +89,7 @@ class DeviceReporter:
 
         Args:
             device: The device.
-            readings: What it reported.
+            readings: The reported values.
             source: Tells its streams apart: the address or the part.
             address: Where it was said; empty where the protocol has no addresses.
             retained: Whether it was kept from before.
@@ -104,7 +104,7 @@ class DeviceReporter:
     def publish_states(
         self, device: StoredAnnouncement, states: tuple[Reading, ...], source: str, address: str, *, retained: bool
     ) -> None:
-        """Publish as :meth:`publish_readings` what has no events."""
+        """Publish a report without events, as :meth:`publish_readings` does."""
         self._reports.publish(
             _report_of(
                 gateway=self._gateway_name,

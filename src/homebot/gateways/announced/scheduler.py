@@ -1,4 +1,4 @@
-"""Calls what is planned when its time has come."""
+"""The scheduler: makes each planned call when its time has come."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Scheduler:
         self._earlier = anyio.Event()
 
     def plan(self, name: Hashable, after: float, callback: Callable[[], None]) -> bool:
-        """Plan *callback* in *after* seconds, in place of what *name* had before; False where there is no room."""
+        """Plan *callback* in *after* seconds, replacing the plan of *name*; return False if there is no room."""
         if name not in self._queue and len(self._queue) >= self._most:
             return False
         at = self._clock.monotonic() + after
@@ -43,7 +43,7 @@ class Scheduler:
         self._queue.discard(name)
 
     async def run(self) -> None:
-        """Call what is due, until cancelled."""
+        """Make the calls that are due, until cancelled."""
         while True:
             self._earlier = anyio.Event()
             next_at = self._queue.next()

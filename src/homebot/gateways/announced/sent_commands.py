@@ -21,10 +21,10 @@ _COLOR = (0.0, 100.0)
 
 
 def sent_commands(described: DescribedPart) -> Iterator[str]:
-    """Yield a line for each setting of a part: what is sent, and where. Nothing for a gateway that encodes by itself.
+    """Yield a line for each setting of a part: payload and address. Nothing for a gateway that encodes by itself.
 
-    The payload of a number is shown for its largest value. A codec that remembers is not tried: what it sends depends
-    on what the device reported, and commands may be among what it remembers.
+    The payload of a number is shown for its largest value. A codec with memory is not tried: its payloads depend
+    on the reports of the device, and it may remember commands as well.
     """
     part = described.part
     label = f"{part.name or part.id}: " if part.name or part.id else ""
@@ -57,7 +57,7 @@ def _samples(capability: Capability) -> tuple[PlainValue, ...]:
 
 
 def _sent(codec: Codec, capability: str, value: PlainValue) -> str | None:
-    """Return what is sent as text; None if the part does not take *value*."""
+    """Return the sent payload as text; None if the part does not take *value*."""
     try:
         return _shown(codec.write(capability, value))
     except WrongCodeError:

@@ -11,7 +11,7 @@ LONG = 32 * 1024
 """Bytes of a message from which on reading it leaves holes in the heap that are worth a look."""
 
 _AFTER = 10.0
-"""Seconds within which the directory and the broker, too, have let go of what is gone."""
+"""Seconds within which the directory and the broker, too, have freed removed announcements."""
 
 
 class SpareMemory:

@@ -1,7 +1,7 @@
-"""Reads what described devices say: reports for the graph, texts, and whether a device can be reached.
+"""The reader of device states: reports for the graph, texts, and reachability.
 
-A message is an *address*, on which devices say what they do, with its bytes; it is *retained* where it was kept from
-before, and says what was, not what is.
+A message is the bytes on an *address*, on which devices publish their state; it is *retained* if it was kept from
+before, and then tells a past state.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ class StateReader:
     """The way from messages of state to the graph.
 
     Args:
-        devices: What stands, by key.
+        devices: The registered announcements, by key.
         reporter: Where it is reported.
-        listeners: Who wants texts.
+        listeners: The subscribers to texts.
         scheduler: Ends values that end by themselves.
         counters: Of the gateway.
-        record_failure: Told where a convention raised what it must not: the address, the convention, and the error.
+        record_failure: Called with address, convention and error if a convention raised an unexpected exception.
     """
 
     def __init__(
@@ -80,8 +80,8 @@ class StateReader:
         Args:
             address: Where it came.
             payload: Its bytes; where they are too long for a state, that is only counted.
-            announced_parts: Who speaks there, the parts of one device together.
-            availability_readers: Whose availability is told there.
+            announced_parts: The parts that publish there, the parts of one device together.
+            availability_readers: The devices and parts with availability there.
             retained: Whether it was kept from before.
             wait_if_full: Whether to wait a moment for a full inbox.
             longest: Bytes that a state may have.
@@ -102,7 +102,7 @@ class StateReader:
     def take(
         self, address: str, payload: bytes, announced_parts: Sequence[AnnouncedPart], *, retained: bool
     ) -> Sequence[RawMessage]:
-        """Take a message as :meth:`read`, but return the texts to be delivered: none where nobody listens to any."""
+        """Read a message as :meth:`read`, but return the texts to be delivered: none without a listener to texts."""
         readings: list[Reading] = []
         texts: list[RawMessage] = []
         stored: StoredAnnouncement | None = None
@@ -162,12 +162,12 @@ class StateReader:
         await self._listeners.deliver(raw, wait_if_full=wait_if_full)
 
     async def publish(self, part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool) -> None:
-        """Publish *values* of a part whose gateway has read them itself, and which nobody changes any more."""
+        """Publish *values* of a part that its gateway has read itself and that stay unchanged."""
         name = part.described.part.id
         readings = [_reading_of(part=name, capability=one, value=_value_of(value)) for one, value in values.items()]
         for expiry in part.described.expiries:
             self._schedule_expiry(part, expiry, values)
-        # By what it has a value of: a report of one capability takes the place of no other's.
+        # By its capabilities: a report of one capability replaces no other's.
         stream = " ".join((name, *sorted(values)))
         is_brief = _is_brief(values)
         self._report(part.stored, readings, "", retained=retained, has_events=not is_brief, stream=stream)
@@ -236,7 +236,7 @@ class StateReader:
         if not retained:
             stored.heard_at = reporter.now
             if reporter.now >= stored.refresh_at or not stored.is_confirmed:
-                # First: to a directory that has forgotten the device, a report alone is of nobody.
+                # First: a directory that has forgotten the device cannot assign a report alone.
                 why = f"message on {address}" if address else "it reported"
                 reporter.publish_sighting(stored, "updated", why, confirmed=True)
         if has_events:
@@ -263,7 +263,7 @@ class StateReader:
         self._reporter.report_reachable(stored, part, address, reachable=reachable, retained=retained)
 
     def _keep_late(self, part: AnnouncedPart, values: Mapping[str, PlainValue], retained: bool) -> None:  # noqa: FBT001 - it runs for each message
-        """Keep *values*, of which the text is made when somebody asks for it."""
+        """Keep *values*, and make their text on demand."""
         stored, reporter, names = part.stored, self._reporter, tuple(values)
         if names == part.names:
             names = part.names
@@ -342,7 +342,7 @@ _BRIEF = frozenset({bool, float, tuple, type(None)})
 
 
 class _LateText(NamedTuple):
-    """A state whose text is made late. Ten are kept of each part, so it is as small as can be: without a dict."""
+    """A state with its text made on demand. Ten are kept of each part, so it is small: without a dict."""
 
     gateway: str
     key: str

@@ -39,13 +39,13 @@ class RawMessages(Protocol):
         """Return key and name of the device that reports raw messages on *address*, known or not yet.
 
         Raises:
-            RefusedError, WireError: Nobody may listen there.
+            RefusedError, WireError: Listening there is not allowed.
             InvalidNameError: It is no address.
         """
         ...
 
     def missed_by(self, address: str, since: float) -> tuple[RawMessage, ...]:
-        """Return what a new listener wants of what came on *address* from *since* on, on the monotonic clock."""
+        """Return the messages on *address* since *since*, on the monotonic clock, for a new listener."""
         ...
 
 
@@ -54,12 +54,12 @@ class TextService:
 
     Args:
         gateway: The gateway.
-        devices: What stands, by key.
-        commands: Carries out what a text means.
-        listeners: Who listens.
+        devices: The registered announcements, by key.
+        commands: Carries out the command that a text means.
+        listeners: The listeners to raw messages and texts.
         counters: Its counters.
         raw: Its raw messages.
-        log: Warns of what cannot be sent: by an event, in words, about an address.
+        log: Warns of a text that cannot be sent: by an event, in words, about an address.
         keeps_states: See :meth:`homebot.gateways.announced.engine.GatewayEngine.serve`.
     """
 
@@ -90,7 +90,7 @@ class TextService:
         node.create_service(SubscribeToTopic, names.subscribe, self.subscribe)
 
     def subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
-        """Answer the service: deliver what comes on an address from now on."""
+        """Answer the service: deliver all further messages on an address."""
         try:
             part = read_text_address(request.topic)
             key, name = self._raw.find_source(request.topic) if part is None else self._device_of(part[0])
@@ -124,7 +124,7 @@ class TextService:
             self._log(COMMAND_REFUSED, f"not sent to {address[:100]}: {exc}", address)
 
     def _device_of(self, key: str) -> tuple[str, str]:
-        """Return key and name; whoever listened before the gateway was restarted asks before its devices are found."""
+        """Return key and name; a listener from before the gateway's restart asks before its devices are found."""
         stored = self._devices.get(key)
         return key, key if stored is None else stored.described.name
 

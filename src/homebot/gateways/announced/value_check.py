@@ -1,4 +1,4 @@
-"""Checks values against what a part can do and report. Pure."""
+"""The check of values against the commands and reports of a part. Pure."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def check_command(part: Part, capability: str, value: PlainValue) -> None:
     """Check that *part* can be told that *capability* shall be *value*.
 
     Raises:
-        RefusedError: It cannot; says what it takes.
+        RefusedError: It cannot; the message names the accepted values.
     """
     for found in part.capabilities:
         if found.name == capability and found.settable:

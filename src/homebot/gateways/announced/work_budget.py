@@ -1,10 +1,10 @@
 """Budget for the work on messages that break the rules. Pure.
 
-Who sends a message is known by its *source*: the address it came from, or came on. Neither proves much: MQTT does not
-tell who published a message, and a radio address is soon another one. So nobody can be shut out without shutting out an
-honest device as well. What is bounded is the work: a message that breaks the rules is paid for out of the budget of its
-source, where a device stands announced by it, and else out of one that all other sources of a *group* share. While a
-budget is used up, what would be charged to it waits; see :mod:`homebot.gateways.announced.deferred`.
+The sender of a message is known by its *source*: the address it came from, or came on. Neither proves much: MQTT does
+not name the publisher, and a radio address is soon another one. So no sender can be shut out without shutting out an
+honest device as well. The work is bounded instead: a message that breaks the rules is paid for out of the budget of its
+source, if it has a registered device, and else out of one that all other sources of a *group* share. While a
+budget is used up, messages charged to it wait; see :mod:`homebot.gateways.announced.deferred`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ CALM = 10.0
 """Seconds without an offence after which a source counts as clean."""
 
 CLEAR_EVERY = 1.0
-"""Seconds between two valid announcements that each clear what a source is charged: one may be a copy of the last."""
+"""Seconds between two valid announcements that each clear the charge of a source: one may be a copy of the last."""
 
 UNKNOWN_SENDER = "unknown sender"
 """The name of the only group, where a gateway has no groups of its own."""
@@ -62,7 +62,7 @@ class WorkBudget:
         at: When that was so.
         offended_at: When a rule was broken last.
         cleared_at: When a valid announcement cleared the charge last.
-        is_quarantined: Whether what comes from there waits.
+        is_quarantined: Whether its messages wait.
         since: When that began.
         deferred_at: When something was last made to wait.
         spent_at: When the budget was last used up.
@@ -110,8 +110,8 @@ class WorkBudgets:
     """The budgets of one gateway: of 1,000 sources with devices at most, and one of each group of others.
 
     Args:
-        group: Returns the name of the group of a source by which no device stands announced. There must be few groups,
-            whatever sources call themselves; by default all are one.
+        group: Returns the name of the group of a source without a registered device. There must be few groups,
+            however sources name themselves; by default all are one.
         max_offenders: Sources with a budget of their own.
 
     Attributes:
@@ -131,11 +131,11 @@ class WorkBudgets:
         self._all_clean_at = 0.0
 
     def is_clean(self, now: float) -> bool:
-        """Return whether nobody broke a rule for a while."""
+        """Return whether the last offence is long ago."""
         return now >= self._all_clean_at
 
     def payer(self, source: str) -> str:
-        """Return whose budget pays for *source*: its own where a device stands announced, else that of its group."""
+        """Return the payer for *source*: its own budget if it has a registered device, else that of its group."""
         return source if source in self._accepted else self._group(source)
 
     def admits(self, payer: str, now: float) -> bool:
@@ -146,7 +146,7 @@ class WorkBudgets:
             budget = self._shared.get(payer)
             return budget is None or budget.left(now) > 0
         if (budget := self._own.get(payer)) is None:
-            # Who never broke a rule is not made to wait for the others, as long as it would be noticed.
+            # A source without offences is not made to wait for the others, as long as it would be noticed.
             return len(self._own) < self._max_offenders or self._total.left(now) > 0
         return budget.left(now) > 0 and self._total.left(now) > 0
 
@@ -184,7 +184,7 @@ class WorkBudgets:
         self._accepted.pop(source, None)
 
     def resembles(self, source: str, payload: bytes) -> bool:
-        """Return whether *payload* begins and ends as what was last accepted from *source*."""
+        """Return whether *payload* begins and ends as the last accepted payload of *source*."""
         known = self._accepted.get(source)
         return known is not None and payload.startswith(known[0]) and payload.endswith(known[1])
 
@@ -213,7 +213,7 @@ class WorkBudgets:
         return budget
 
     def quarantined(self) -> tuple[WorkBudget, ...]:
-        """Return whose messages wait."""
+        """Return the budgets in quarantine."""
         return tuple(one for one in (*self._own.values(), *self._shared.values()) if one.is_quarantined)
 
     def _budget(self, payer: str, now: float, *, is_own: bool) -> WorkBudget:
