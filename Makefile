@@ -19,7 +19,7 @@ SLOW = tests/system tests/fuzz tests/cli tests/bridges/rosbridge tests/mqtt/brok
 	tests/conventions/zigbee2mqtt/test_both_announcements.py tests/test_benchmarks.py tests/test_examples.py \
 	tests/gateways/ble tests/gateways/coap tests/gateways/drivers tests/gateways/matter tests/gateways/mdns tests/gateways/nfc \
 	tests/gateways/thing_directory tests/gateways/test_http_client.py $(wildcard tests/gateways/test_contract_*.py) \
-	tests/control/test_plain_text_lamps.py tests/control/witnesses/test_disbelief.py tests/control/witnesses/test_honest_houses.py \
+	tests/control/test_plain_text_lamps.py \
 	tests/replay/test_people_and_owner.py tests/replay/test_replay.py tests/replay/test_several_gateways.py \
 	tests/house/test_ble_devices.py tests/house/test_guide.py tests/house/test_matter.py tests/house/test_network.py \
 	tests/bridges/test_token_guard.py tests/bridges/thing_directory tests/conventions/test_long_json.py \

@@ -68,7 +68,7 @@ def first_words() -> list[tuple[str, str]]:
         (f"{path}:{node.lineno} {node.name}", text.split()[0].rstrip(".,:;"))
         for path, node in source_nodes()
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and not is_attribute(node)
-        if (text := ast.get_docstring(node))
+        if not node.name.startswith("test_") and (text := ast.get_docstring(node))
     ]
 
 

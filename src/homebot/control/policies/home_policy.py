@@ -28,7 +28,7 @@ PolicyTables: TypeAlias = dict[str, dict[str, object]]
 _logger = logging.getLogger(__name__)
 
 
-class NoSettings(BaseModel):
+class NoPolicySettings(BaseModel):
     """The table of a policy without keys."""
 
     model_config = ConfigDict(extra="forbid")
@@ -45,7 +45,7 @@ class HomePolicy(ABC):
         needs: The query for the devices whose values it reads in ``facts.house``; None for no values.
     """
 
-    Settings: ClassVar[type[BaseModel]] = NoSettings
+    Settings: ClassVar[type[BaseModel]] = NoPolicySettings
     needs: Query | None = None
 
     def __init__(self, settings: BaseModel) -> None:

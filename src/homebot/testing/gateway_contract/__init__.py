@@ -16,4 +16,4 @@ __all__ = ["GatewayContract", "Lamp", "Neighbour", "running"]
 
 
 class GatewayContract(LinkSuite, DeviceSuite, CommandSuite, MessageSuite):
-    """What every gateway does."""
+    """The duties of every gateway."""
