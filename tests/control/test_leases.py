@@ -143,6 +143,22 @@ async def test_the_steps_of_a_dimmer_are_no_hand(open_home: OpenHome) -> None:
             assert isinstance(holding.outcome, Contradicted)
 
 
+@pytest.mark.parametrize(("later", "is_so"), [((2.0, 80.0), True), ((2.0, 60.0), False)])
+async def test_steps_after_the_end_was_reported_are_a_hand_only_if_the_lamp_stays_there(
+    open_home: OpenHome, later: tuple[float, float], *, is_so: bool
+) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        await home.report("lamp", "level", 20.0)
+        home.behaviours["lamp"] = report((0.05, 80.0), (1.0, 50.0), later)
+        lamp = await home.handle(Light)
+        async with lamp.hold("0.8", by="robot", ttl=10) as holding:
+            await anyio.sleep(5)
+            assert isinstance(holding.outcome, Confirmed)
+            await anyio.sleep(15)
+            assert isinstance(holding.outcome, Confirmed if is_so else Contradicted)
+
+
 async def test_a_command_for_the_same_and_a_stop_pass(open_home: OpenHome) -> None:
     async with a_door(open_home, hand_time=20) as (home, door), door.hold("open", by="robot"):
         assert (await door.open()).succeeded

@@ -12,7 +12,7 @@ from typing import Final, TypeAlias, final
 from homebot.control.held_values import related
 from homebot.control.profiles import Profiles
 from homebot.control.reports import GatewayFeed, ReportWatch
-from homebot.control.timeline.cause import Attribution
+from homebot.control.timeline.cause import Attribution, cause_of_undoing
 from homebot.control.timeline.facts import Reported
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
@@ -176,6 +176,13 @@ class Timelines:
         self.on_end(progress)
 
     def _on_undone(self, place: _Place, progress: CommandProgress) -> None:
+        """Publish the end of a confirmed value, also to listeners that took its last report for a step on the way."""
+        entry, settling = self._entries.get(place), progress.settling
+        if entry is not None and settling is not None and settling.undoing is not None:
+            capability = settling.undoing.capability
+            attribution = Attribution(cause_of_undoing(progress, capability), progress.order.id)
+            for listener in tuple(entry.listeners):
+                listener(capability, entry.timeline.value(capability), attribution)
         self.on_undone(place, progress)
 
 

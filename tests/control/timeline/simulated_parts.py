@@ -110,10 +110,10 @@ class SimulatedPart:
         self._generation = 0
         self._obeyed: set[int] = set()
 
-    def run(self) -> None:
+    def run(self, commands: int = _COMMANDS) -> None:
         """Give some commands, with persons between them."""
         self._report(self.kind.capability, self.value, "person")
-        for number in range(_COMMANDS):
+        for number in range(commands):
             if self.random.random() < 0.5:
                 self._at(self.random.uniform(12.0, 24.0), self.touch)
             self._pass(self.random.uniform(25.0, 90.0))

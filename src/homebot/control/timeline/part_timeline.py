@@ -151,6 +151,11 @@ class PartTimeline:
                 one.settling.advance(now)
                 self._learn(one)
 
+    def value(self, capability: str) -> PlainValue:
+        """Return the newest live value; None if there is none."""
+        known = self._latest.get(capability)
+        return None if known is None else known[0]
+
     def cause_of(self, fact: facts.Reported) -> Attribution:
         """Return the cause of a report."""
         return cause_of(fact, reversed(self.commands))
