@@ -9,6 +9,7 @@ from typing import Final, final
 from homebot.control import durations
 from homebot.control.client_commands import POLICY
 from homebot.control.command import IssuedCommand, order_of, zero_as_off
+from homebot.control.commanded_part import commanded_part, no_part_result
 from homebot.control.held_values import changes, related
 from homebot.control.journal import CommandJournal
 from homebot.control.journal.given_codes import MAY_BE_CODE, without_codes
@@ -16,8 +17,6 @@ from homebot.control.judge import Judge
 from homebot.control.known_state import KnownState, known_state
 from homebot.control.learnt_persistence import LearntPersistence
 from homebot.control.leases import Leases
-from homebot.control.meant_part import meant_part
-from homebot.control.missing_part import missing_part
 from homebot.control.rehearsal import Rehearsal, rehearsed_result
 from homebot.control.reports import GatewayFeed
 from homebot.control.sending import OpenCommand, Sending, Signal
@@ -117,13 +116,13 @@ class CommandExecutor:
             device = await self.find_device(request.device)
         except ServiceError as exc:
             unanswered = str(exc)
-        part = None if device is None else meant_part(device, request.part, request.settings)
+        part = None if device is None else commanded_part(device, request.part, request.settings)
         place = (request.device, request.part if part is None else part.id)
         name = self._journal.requested(request.issuer, place, _shown(request, device, part), request.trigger, asked_at)
         if unanswered:
             result = result_of(NoAnswer(0.0, unanswered, command_id=name))
         elif device is None or part is None:
-            result = missing_part(request.device, request.part, device, name)
+            result = no_part_result(request.device, request.part, device, name)
         else:
             result = await self._carry_out(self._issued(name, request, device, part))
         self._journal.decided(name, request.issuer, place, result)

@@ -12,6 +12,7 @@ import anyio
 from anyio.abc import TaskGroup
 
 from homebot.control.command import zero_as_off
+from homebot.control.commanded_part import commanded_part, no_part_result
 from homebot.control.executor import CommandExecutor
 from homebot.control.held_parts import held_part
 from homebot.control.held_values import STOPPED
@@ -19,8 +20,6 @@ from homebot.control.journal import CommandJournal
 from homebot.control.journal.given_codes import without_codes
 from homebot.control.journal.journal import LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, held_text
-from homebot.control.meant_part import meant_part
-from homebot.control.missing_part import missing_part
 from homebot.control.timeline.cause import Attribution, Cause
 from homebot.control.value_text import value_text
 from homebot.devices import DevicePart
@@ -99,9 +98,9 @@ class LeaseKeeper:
             device = await self._executor.find_device(request.device)
         except ServiceError as exc:
             return LeaseResponse(held=False, result=result_of(NoAnswer(0.0, str(exc))))
-        part = None if device is None else meant_part(device, request.part, (request.setting,))
+        part = None if device is None else commanded_part(device, request.part, (request.setting,))
         if device is None or part is None:
-            return LeaseResponse(held=False, result=missing_part(request.device, request.part, device))
+            return LeaseResponse(held=False, result=no_part_result(request.device, request.part, device))
         request = request.with_checked(part=part.id, setting=_setting_of(request.setting, part))
         if (shown := without_codes((request.setting,), device, part)) != (request.setting,):
             return self._refused(request.with_checked(setting=shown[0]), "a code is given once, and nothing to hold")
