@@ -25,7 +25,7 @@ for one in found:
     one.birth_messages()
 assert readers() == [], readers()
 homie = next(one for one in found if one.name == "homie")
-homie.take("homie/5/lamp/$state", b"init", retained=True)
+homie.read_message("homie/5/lamp/$state", b"init", retained=True)
 assert readers() == ["homebot.conventions.homie.reader"], readers()
 """
 
@@ -41,5 +41,5 @@ def test_what_is_rejected_is_counted_from_the_first_message_on() -> None:
     convention = HomeAssistantDiscovery(HomeAssistantSettings())
     assert (convention.is_loaded, convention.rejected) == (False, 0)
     with pytest.raises(WireError):
-        convention.take("homeassistant/light/x/config", b"not JSON", retained=True)
+        convention.read_message("homeassistant/light/x/config", b"not JSON", retained=True)
     assert (convention.is_loaded, convention.rejected) == (True, 1)

@@ -152,7 +152,7 @@ class Fuzz:
             described: dict[str, DeviceAnnounced] = {}
             for topic, payload in announcements(mutator, rows):
                 try:
-                    heard = convention.take(topic, payload, retained=rng.random() < 0.7)
+                    heard = convention.read_message(topic, payload, retained=rng.random() < 0.7)
                 except WireError:
                     continue
                 described |= {one.key: one for one in heard if isinstance(one, DeviceAnnounced)}

@@ -52,7 +52,7 @@ def test_any_order_is_commands_of_their_kinds(fuzz: Fuzz, mutator: type[Mutator]
             fields = json.loads(config.payload)
             for topic in {text for key, text in fields.items() if key.endswith("command_topic")}:
                 order = mutate.damaged_json(rng.choice(ORDERS)) if rng.random() < 0.7 else rng.choice(ORDERS).encode()
-                for command in ours.take(topic, order):
+                for command in ours.read_command(topic, order):
                     value = command.value.plain()
                     assert offered[command.capability].settable
                     assert type(value) is KINDS[CAPABILITIES[command.capability].kind]

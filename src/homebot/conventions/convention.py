@@ -70,7 +70,7 @@ class Convention(Protocol):
         """Return what to publish, once subscribed and at every reconnect, so that devices announce themselves."""
         ...
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Take a message that matches one of the filters, and return what it describes of devices; often nothing.
 
         A convention whose devices identify themselves only when asked also returns what to ask them.
@@ -103,7 +103,7 @@ class OfferPublisher(Protocol):
         """Return what publishes what is *known* of *offer* now that *changed* are news, by part and capability."""
         ...
 
-    def take(self, topic: str, payload: bytes) -> tuple[Command, ...]:
+    def read_command(self, topic: str, payload: bytes) -> tuple[Command, ...]:
         """Return the commands that a message on one of the filters is, in this order; none where it is none."""
         ...
 
@@ -138,11 +138,13 @@ class ReservingConvention(Protocol):
 class SlicedConvention(Protocol):
     """A convention of which one message may describe many devices, so that it is better taken with pauses."""
 
-    def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[AnnouncementEvent | None]:
-        """Do what :meth:`Convention.take` does, in steps of a few milliseconds: None where others may have a turn.
+    def read_message_in_slices(
+        self, topic: str, payload: bytes, *, retained: bool
+    ) -> Iterator[AnnouncementEvent | None]:
+        """Read a message in steps of a few milliseconds; yield None where the caller may pause.
 
         Raises:
-            WireError: As :meth:`Convention.take`.
+            WireError: As :meth:`Convention.read_message`.
         """
         ...
 
@@ -179,8 +181,8 @@ class MessageReader(Protocol):
 
     rejected: int
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Do what :meth:`Convention.take` does."""
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+        """Do what :meth:`Convention.read_message` does."""
         ...
 
 
@@ -223,10 +225,10 @@ class LazyConvention(ABC, Generic[SettingsT, ReaderT]):
         """Return nothing: announcements are retained."""
         return ()
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Take a message and return what it describes of devices."""
         try:
-            return self.reader.take(topic, payload, retained=retained)
+            return self.reader.read_message(topic, payload, retained=retained)
         except WireError:
             self.reader.rejected += 1
             raise

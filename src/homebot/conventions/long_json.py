@@ -15,8 +15,8 @@ from homebot.conventions.payload import (
     check_depth,
     check_surrogates,
     json_decoder,
-    note_duplicate,
     parse_json,
+    record_duplicate,
     shown,
 )
 from homebot.errors import WireError
@@ -138,7 +138,7 @@ def _object(names: list[str], values: list[object]) -> dict[str, object]:
         known: set[str] = set()
         for name in names:
             if name in known:
-                note_duplicate(name)
+                record_duplicate(name)
             known.add(name)
     return found
 

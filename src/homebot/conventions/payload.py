@@ -36,13 +36,13 @@ __all__ = [
     "is_unknown",
     "json_decoder",
     "meaning_reader",
-    "note_duplicate",
     "number_of",
     "numbers_of",
     "parse_json",
     "parse_object",
     "percent_of",
     "read_number",
+    "record_duplicate",
     "shown",
     "text_of",
     "to_json",
@@ -219,7 +219,7 @@ class DuplicateKeys:
         _noted.reset(self._token)
 
 
-def note_duplicate(key: str) -> None:
+def record_duplicate(key: str) -> None:
     """Note that a key of an object is there twice, where :class:`DuplicateKeys` asks for that."""
     keys = _noted.get()
     if keys is not None and len(keys) < _MOST_NOTED:
@@ -231,7 +231,7 @@ def _refuse(key: str) -> NoReturn:
 
 
 _NOTING = json.JSONDecoder(
-    parse_float=_finite, parse_constant=_refuse_constant, object_pairs_hook=duplicate_key_hook(note_duplicate)
+    parse_float=_finite, parse_constant=_refuse_constant, object_pairs_hook=duplicate_key_hook(record_duplicate)
 )
 _UNIQUE = json.JSONDecoder(
     parse_float=_finite, parse_constant=_refuse_constant, object_pairs_hook=duplicate_key_hook(_refuse)

@@ -3,8 +3,8 @@ from collections.abc import Mapping
 import pytest
 
 from homebot.conventions.description import DescribedPart, TakesCode
-from homebot.conventions.homeassistant.alarm_control_panel import build_alarm_control_panel
 from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.locks import build_alarm_control_panel
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError, WrongCodeError
 

@@ -56,7 +56,7 @@ def described(one: Mapping[str, Any], changed: Mapping[str, object]) -> tuple[De
     topic = f"homeassistant/{one['component']}/x/config"
     payload = json.dumps({**one["config"], **changed}).encode()
     try:
-        (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(topic, payload, retained=True)
+        (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).read_message(topic, payload, retained=True)
     except WireError:
         return ()
     assert isinstance(found, DeviceAnnounced)

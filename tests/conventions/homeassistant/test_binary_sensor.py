@@ -4,8 +4,8 @@ from collections.abc import Mapping
 import pytest
 
 from homebot.conventions.description import AutoExpiry, DescribedPart
-from homebot.conventions.homeassistant.binary_sensor import build_binary_sensor
 from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.sensors import build_binary_sensor
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 

@@ -1,8 +1,8 @@
 import pytest
 
 from homebot.conventions.description import Publication
-from homebot.conventions.homeassistant.button import build_button, build_scene
 from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.settings import build_button, build_scene
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 

@@ -1,8 +1,8 @@
 import pytest
 
 from homebot.conventions.description import DescribedPart
-from homebot.conventions.homeassistant.camera import build_camera, build_image
 from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.sensors import build_camera, build_image
 from homebot.errors import RefusedError, WireError
 
 

@@ -47,7 +47,7 @@ def convention() -> HomeAssistantDiscovery:
 
 def take(convention: HomeAssistantDiscovery, topic: str, fields: object) -> AnnouncementEvent:
     payload = fields.encode() if isinstance(fields, str) else json.dumps(fields).encode()
-    (heard,) = convention.take(f"homeassistant/{topic}/config", payload, retained=True)
+    (heard,) = convention.read_message(f"homeassistant/{topic}/config", payload, retained=True)
     return heard
 
 
@@ -145,7 +145,7 @@ def test_a_move_to_another_form_withdraws_for_a_moment(convention: HomeAssistant
 
 @pytest.mark.parametrize("topic", ["homeassistant/media_player/x/config", "homeassistant/status", "ha/light/x/config"])
 def test_what_is_not_known_is_ignored_quietly(convention: HomeAssistantDiscovery, topic: str) -> None:
-    assert convention.take(topic, b"online", retained=False) == ()
+    assert convention.read_message(topic, b"online", retained=False) == ()
     assert convention.rejected == 0
 
 
@@ -184,7 +184,7 @@ def test_there_are_two_filters_per_component_and_prefix() -> None:
 def test_every_prefix_is_understood() -> None:
     convention = HomeAssistantDiscovery(HomeAssistantSettings(prefixes=("a", "b/c")))
     for topic in ("a/switch/x/config", "b/c/switch/x/config"):
-        assert len(convention.take(topic, json.dumps(SWITCH).encode(), retained=True)) == 1
+        assert len(convention.read_message(topic, json.dumps(SWITCH).encode(), retained=True)) == 1
 
 
 def test_only_where_wanted_devices_are_asked_to_announce_themselves() -> None:

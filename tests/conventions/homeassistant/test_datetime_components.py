@@ -4,7 +4,7 @@ import pytest
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.datetime_components import build_moment
+from homebot.conventions.homeassistant.settings import build_moment
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 

@@ -4,7 +4,7 @@ import pytest
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.device_tracker import build_device_tracker
+from homebot.conventions.homeassistant.sensors import build_device_tracker
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 

@@ -30,7 +30,7 @@ def test_what_is_optimistic_or_reported_where_it_is_commanded_is_an_echo(
 ) -> None:
     payload = json.dumps({"unique_id": "lamp", **config}).encode()
     convention = HomeAssistantDiscovery(HomeAssistantSettings())
-    (announced,) = convention.take("homeassistant/light/lamp/config", payload, retained=True)
+    (announced,) = convention.read_message("homeassistant/light/lamp/config", payload, retained=True)
     assert isinstance(announced, DeviceAnnounced)
     (described,) = announced.parts
     assert {one.name for one in described.part.capabilities if one.echoed} == echoed

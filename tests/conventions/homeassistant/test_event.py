@@ -4,7 +4,7 @@ import pytest
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.event import build_event, build_tag, build_trigger
+from homebot.conventions.homeassistant.sensors import build_event, build_tag, build_trigger
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 

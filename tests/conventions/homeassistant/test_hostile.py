@@ -116,7 +116,7 @@ def mutated() -> st.SearchStrategy[dict[str, Any]]:
 def use(topic: str, payload: bytes, heard: bytes, value: PlainValue, transition: float) -> None:
     """Take a config, let its parts hear something, and tell each of its capabilities something."""
     try:
-        found = HomeAssistantDiscovery(HomeAssistantSettings()).take(topic, payload, retained=True)
+        found = HomeAssistantDiscovery(HomeAssistantSettings()).read_message(topic, payload, retained=True)
     except WireError:
         return
     for one in found:
@@ -165,14 +165,14 @@ def test_any_message_and_any_command_to_a_valid_part_is_taken_or_refused(
 @pytest.mark.parametrize("topic", ["homeassistant/switch/x/config", "homeassistant/device/x/config"])
 def test_an_attack_is_refused(topic: str, payload: bytes) -> None:
     with pytest.raises(WireError) as refused:
-        HomeAssistantDiscovery(HomeAssistantSettings()).take(topic, payload, retained=False)
+        HomeAssistantDiscovery(HomeAssistantSettings()).read_message(topic, payload, retained=False)
     assert len(str(refused.value)) < 400
 
 
 def test_a_name_of_any_length_and_content_is_cut_to_a_line() -> None:
     fields = {"cmd_t": "a", "name": "<b>\x1b[31m" + "n" * 8_000, "dev": {"ids": "x", "name": "d\n" + "n" * 100_000}}
     payload = json.dumps(fields).encode()
-    (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(
+    (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).read_message(
         "homeassistant/switch/x/config", payload, retained=True
     )
     assert isinstance(found, DeviceAnnounced)
@@ -182,7 +182,7 @@ def test_a_name_of_any_length_and_content_is_cut_to_a_line() -> None:
 
 def test_a_long_state_is_not_looked_at() -> None:
     payload = json.dumps({"cmd_t": "a/set", "stat_t": "a"}).encode()
-    (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(
+    (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).read_message(
         "homeassistant/switch/x/config", payload, retained=True
     )
     assert isinstance(found, DeviceAnnounced)
@@ -192,7 +192,7 @@ def test_a_long_state_is_not_looked_at() -> None:
 def test_a_valve_that_has_no_stop_says_so_with_null() -> None:
     """Found by fuzzing: a payload that is null means that there is no such command."""
     payload = json.dumps({"cmd_t": "v/set", "stat_t": "v", "payload_stop": None}).encode()
-    (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(
+    (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).read_message(
         "homeassistant/valve/x/config", payload, retained=True
     )
     assert isinstance(found, DeviceAnnounced)

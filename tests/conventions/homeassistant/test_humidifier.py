@@ -3,8 +3,8 @@ from collections.abc import Mapping
 import pytest
 
 from homebot.conventions.description import DescribedPart
+from homebot.conventions.homeassistant.appliances import build_humidifier
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.humidifier import build_humidifier
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 

@@ -1,7 +1,7 @@
 import pytest
 
+from homebot.conventions.homeassistant.appliances import build_lawn_mower
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.lawn_mower import build_lawn_mower
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 

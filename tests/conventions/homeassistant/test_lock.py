@@ -2,7 +2,7 @@ import pytest
 
 from homebot.conventions.description import TakesCode
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.lock import build_lock
+from homebot.conventions.homeassistant.locks import build_lock
 from homebot.errors import RefusedError, WrongCodeError
 
 

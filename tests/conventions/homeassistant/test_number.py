@@ -4,7 +4,7 @@ import pytest
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.number import build_number
+from homebot.conventions.homeassistant.settings import build_number
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 

@@ -37,7 +37,7 @@ def name(answer: Answer) -> str:
 def described(answer: Answer) -> DescribedPart:
     convention = HomeAssistantDiscovery(HomeAssistantSettings())
     topic = f"homeassistant/{answer['component']}/device/config"
-    (device,) = convention.take(topic, json.dumps(answer["config"]).encode(), retained=True)
+    (device,) = convention.read_message(topic, json.dumps(answer["config"]).encode(), retained=True)
     assert isinstance(device, DeviceAnnounced)
     return device.parts[0]
 

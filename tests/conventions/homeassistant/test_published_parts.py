@@ -119,7 +119,7 @@ class Way:
                     yield {
                         command.capability: command.value.plain()
                         for publication in read.codec.write(name, value)
-                        for command in self.ours.take(publication.topic, publication.payload)
+                        for command in self.ours.read_command(publication.topic, publication.payload)
                     }
 
     def said(self, name: str, value: PlainValue) -> dict[str, PlainValue]:
@@ -141,7 +141,7 @@ SCHEMAS = Path(__file__).with_name("home_assistant_schemas.py")
 
 
 def understood(topic: str, payload: bytes) -> list[DescribedPart]:
-    (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(topic, payload, retained=True)
+    (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).read_message(topic, payload, retained=True)
     assert isinstance(heard, DeviceAnnounced)
     assert len(heard.parts) == 1, payload
     return list(heard.parts)
@@ -238,7 +238,7 @@ def test_a_lock_is_never_ordered_to_be_what_it_only_reports(word: str) -> None:
     fields = json.loads(config.payload)
     assert config.topic.split("/")[1] == "lock"
     assert "options" not in fields
-    assert way.ours.take(fields["command_topic"], word.encode()) == ()
+    assert way.ours.read_command(fields["command_topic"], word.encode()) == ()
     assert way.said("lock", "jammed") == {"lock": "jammed"}
 
 

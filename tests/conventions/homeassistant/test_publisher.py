@@ -29,7 +29,7 @@ def offer(*capabilities: Capability, name: str = "Robot", **fields: object) -> E
 
 
 def understood(config: Publication) -> DeviceAnnounced:
-    (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(config.topic, config.payload, retained=True)
+    (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).read_message(config.topic, config.payload, retained=True)
     assert isinstance(heard, DeviceAnnounced)
     return heard
 
@@ -78,7 +78,7 @@ def test_what_is_offered_is_understood_as_it_was_meant(
         if not capability.settable:
             continue
         (told,) = part.codec.write(part.part.capabilities[0].name, value)
-        (command,) = ours.take(told.topic, told.payload)
+        (command,) = ours.read_command(told.topic, told.payload)
         assert (command.key, command.part, command.capability) == ("robot1", "robot", capability.name)
         assert command.value.plain() == value
 
@@ -88,7 +88,7 @@ def test_a_button_is_pressed() -> None:
     (config,) = ours.publications(offer(Capability(name="locate", readable=False, settable=True)))
     (part,) = understood(config).parts
     (told,) = part.codec.write("push", True)
-    (command,) = ours.take(told.topic, told.payload)
+    (command,) = ours.read_command(told.topic, told.payload)
     assert command.value.plain() is True
 
 
@@ -110,8 +110,8 @@ def test_what_is_withdrawn_is_gone_and_takes_no_command() -> None:
     gone, state = ours.publications(offered.model_copy(update={"is_withdrawn": True}))
     assert (gone.topic, gone.payload, gone.retain) == (config.topic, b"", True)
     assert (state.topic, state.payload, state.retain) == (json.loads(config.payload)["state_topic"], b"", True)
-    assert ours.take(command_topic, b"ON") == ()
-    (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(gone.topic, b"", retained=False)
+    assert ours.read_command(command_topic, b"ON") == ()
+    (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).read_message(gone.topic, b"", retained=False)
     assert isinstance(heard, DeviceWithdrawn)
 
 
@@ -119,14 +119,14 @@ def test_what_is_withdrawn_is_gone_and_takes_no_command() -> None:
 def test_what_is_no_command_is_no_command(payload: bytes) -> None:
     ours = publisher()
     (config,) = ours.publications(offer(Capability(name="on_off", settable=True)))
-    assert ours.take(json.loads(config.payload)["command_topic"], payload) == ()
+    assert ours.read_command(json.loads(config.payload)["command_topic"], payload) == ()
 
 
 @pytest.mark.parametrize("payload", [b"nan", b"101", b"-1", b"1e999", b"much"])
 def test_a_number_out_of_bounds_is_no_command(payload: bytes) -> None:
     ours = publisher()
     (config,) = ours.publications(offer(Capability(name="level", settable=True)))
-    assert ours.take(json.loads(config.payload)["command_topic"], payload) == ()
+    assert ours.read_command(json.loads(config.payload)["command_topic"], payload) == ()
 
 
 def test_names_and_ids_of_any_kind_stay_apart() -> None:

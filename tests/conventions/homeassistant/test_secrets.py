@@ -18,7 +18,7 @@ def parts(component: str, fields: Mapping[str, object]) -> tuple[DescribedPart, 
     config = {"state_topic": STATE, "unique_id": "0x1_x", **fields}
     if component != "sensor":
         config["command_topic"] = f"{STATE}/set"
-    taken = HomeAssistantDiscovery(HomeAssistantSettings()).take(
+    taken = HomeAssistantDiscovery(HomeAssistantSettings()).read_message(
         f"homeassistant/{component}/0x1/x/config", json.dumps(config).encode(), retained=True
     )
     (heard,) = taken

@@ -5,7 +5,7 @@ import pytest
 
 from homebot.conventions.description import AutoExpiry, DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.sensor import build_sensor
+from homebot.conventions.homeassistant.sensors import build_sensor
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 

@@ -5,7 +5,7 @@ import pytest
 
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.switch import build_switch
+from homebot.conventions.homeassistant.settings import build_switch
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 

@@ -4,7 +4,7 @@ import pytest
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.update import build_update
+from homebot.conventions.homeassistant.sensors import build_update
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 

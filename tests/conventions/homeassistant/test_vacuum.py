@@ -3,8 +3,8 @@ from collections.abc import Mapping
 import pytest
 
 from homebot.conventions.description import DescribedPart
+from homebot.conventions.homeassistant.appliances import build_vacuum
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.vacuum import build_vacuum
 from homebot.devices.text.commands import decode_command
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError

@@ -20,7 +20,7 @@ def say(homie: Homie) -> Say:
 
     def say(topic: str, payload: object) -> tuple[AnnouncementEvent, ...]:
         text = payload if isinstance(payload, str) else json.dumps(payload)
-        return homie.take(topic, text.encode(), retained=True)
+        return homie.read_message(topic, text.encode(), retained=True)
 
     return say
 

@@ -114,7 +114,7 @@ def by_homie() -> DeviceAnnounced:
     heard = [
         one
         for suffix, text in {**messages, "$state": "ready"}.items()
-        for one in homie.take(f"{ROBOT}/{suffix}", text.encode(), retained=True)
+        for one in homie.read_message(f"{ROBOT}/{suffix}", text.encode(), retained=True)
     ]
     return [one for one in heard if isinstance(one, DeviceAnnounced)][-1]
 
@@ -130,7 +130,7 @@ def by_discovery(**device: object) -> Iterator[DeviceAnnounced]:
             "device": {"identifiers": ["BigSlowDog"], "name": "Rocky", **device},
         }
         topic = f"homeassistant/{component}/BigSlowDog/BigSlowDog_{name}/config"
-        heard = convention.take(topic, json.dumps(config).encode(), retained=True)
+        heard = convention.read_message(topic, json.dumps(config).encode(), retained=True)
         yield from (one for one in heard if isinstance(one, DeviceAnnounced))
 
 
@@ -173,7 +173,7 @@ def test_another_device_with_its_name_is_another_device() -> None:
     assert len(devices(robot, *by_discovery(identifiers=["valetudo"]))) == 2
     elsewhere = HomeAssistantDiscovery(HomeAssistantSettings())
     config = {"state_topic": "zones/BigSlowDog/state", "unique_id": "u", "device": {"identifiers": ["BigSlowDog"]}}
-    (other,) = elsewhere.take("homeassistant/sensor/u/config", json.dumps(config).encode(), retained=True)
+    (other,) = elsewhere.read_message("homeassistant/sensor/u/config", json.dumps(config).encode(), retained=True)
     assert isinstance(other, DeviceAnnounced)
     assert len(devices(robot, other)) == 2
 
@@ -186,7 +186,7 @@ def test_a_device_that_speaks_partly_elsewhere_is_not_known_by_the_topic() -> No
         "unique_id": "u",
         "device": {"identifiers": ["BigSlowDog"]},
     }
-    (other,) = convention.take("homeassistant/switch/u/config", json.dumps(config).encode(), retained=True)
+    (other,) = convention.read_message("homeassistant/switch/u/config", json.dumps(config).encode(), retained=True)
     assert isinstance(other, DeviceAnnounced)
     assert len(devices(by_homie(), other)) == 2
 
@@ -198,7 +198,7 @@ def test_a_device_that_moves_to_other_topics_is_a_device_of_its_own_again() -> N
     counts = []
     for base in (ROBOT, "elsewhere", ROBOT):
         config = {"state_topic": f"{base}/x", "unique_id": "u", "device": {"identifiers": ["BigSlowDog"]}}
-        (other,) = convention.take("homeassistant/sensor/u/config", json.dumps(config).encode(), retained=True)
+        (other,) = convention.read_message("homeassistant/sensor/u/config", json.dumps(config).encode(), retained=True)
         assert isinstance(other, DeviceAnnounced)
         index.observe(sighting(other))
         counts.append(len(index))

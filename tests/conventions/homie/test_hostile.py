@@ -63,9 +63,9 @@ def test_any_document_is_described_read_and_told(
     document: dict[str, object], payload: bytes, value: PlainValue, transition: float
 ) -> None:
     homie = Homie(HomieSettings())
-    homie.take("homie/5/x/$state", b"ready", retained=True)
+    homie.read_message("homie/5/x/$state", b"ready", retained=True)
     with contextlib.suppress(WireError):
-        for device in homie.take("homie/5/x/$description", json.dumps(document).encode(), retained=True):
+        for device in homie.read_message("homie/5/x/$description", json.dumps(document).encode(), retained=True):
             assert isinstance(device, DeviceAnnounced)
             use(device, payload, value, transition)
 
@@ -89,7 +89,7 @@ def test_any_attributes_are_survived(
     homie = Homie(HomieSettings())
     for attribute, text in said:
         with contextlib.suppress(WireError):
-            for device in homie.take(f"homie/x/{attribute}", text.encode(errors="replace"), retained=True):
+            for device in homie.read_message(f"homie/x/{attribute}", text.encode(errors="replace"), retained=True):
                 if isinstance(device, DeviceAnnounced):
                     use(device, payload, value, transition)
 
@@ -101,7 +101,7 @@ def test_any_attributes_are_survived(
 )
 def test_any_bytes_are_survived(payload: bytes, topic: str) -> None:
     with contextlib.suppress(WireError):
-        Homie(HomieSettings()).take(topic, payload, retained=True)
+        Homie(HomieSettings()).read_message(topic, payload, retained=True)
 
 
 def test_long_and_deep_messages_cost_little() -> None:
@@ -109,4 +109,4 @@ def test_long_and_deep_messages_cost_little() -> None:
     for payload in (b"[" * 100_000, b"{" * 5_000_000, b'{"homie":"5.0","nodes":' + b'{"a":' * 10_000):
         for topic in ("homie/5/x/$description", "homie/x/$nodes"):
             with contextlib.suppress(WireError):
-                assert homie.take(topic, payload, retained=True) == ()
+                assert homie.read_message(topic, payload, retained=True) == ()

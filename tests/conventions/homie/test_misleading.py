@@ -38,8 +38,8 @@ def parts_of(nodes: Mapping[str, Mapping[str, object]], name: str = "Thing") -> 
         "name": name,
         "nodes": {node: {"properties": props} for node, props in nodes.items()},
     }
-    homie.take("homie/5/thing/$description", json.dumps(document).encode(), retained=True)
-    found = homie.take("homie/5/thing/$state", b"ready", retained=True)
+    homie.read_message("homie/5/thing/$description", json.dumps(document).encode(), retained=True)
+    found = homie.read_message("homie/5/thing/$state", b"ready", retained=True)
     return [part for one in found if isinstance(one, DeviceAnnounced) for part in one.parts]
 
 
@@ -91,7 +91,7 @@ def announced(nodes: Mapping[str, tuple[str, Mapping[str, tuple[str, Mapping[str
     heard = [
         one
         for suffix, text in {**messages, "$state": "ready"}.items()
-        for one in homie.take(f"homie/robot/{suffix}", text.encode(), retained=True)
+        for one in homie.read_message(f"homie/robot/{suffix}", text.encode(), retained=True)
     ]
     described = [one for one in heard if isinstance(one, DeviceAnnounced)][-1]
     return {one.part.id: one for one in described.parts}

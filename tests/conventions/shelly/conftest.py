@@ -20,7 +20,7 @@ def say(shelly: Shelly) -> Say:
 
     def say(topic: str, payload: object, *, retained: bool = False) -> tuple[AnnouncementEvent, ...]:
         text = payload if isinstance(payload, str) else json.dumps(payload)
-        return shelly.take(topic, text.encode(), retained=retained)
+        return shelly.read_message(topic, text.encode(), retained=retained)
 
     return say
 

@@ -125,7 +125,7 @@ def test_prefixes_of_several_levels_are_a_setting(part: Find) -> None:
     shelly = Shelly(ShellySettings(client="robot", prefixes=("home/+/plug",)))
     for topic in ("home/hall/plug/online", "home/hall/plug/events/rpc", "robot/home/hall/plug/rpc", "robot/rpc"):
         assert any(topic_matches(one, topic) for one in shelly.filters()), topic
-    (question,) = shelly.take("home/hall/plug/online", b"true", retained=False)
+    (question,) = shelly.read_message("home/hall/plug/online", b"true", retained=False)
     assert isinstance(question, DeviceRequest)
     assert question.publications[0].topic == "home/hall/plug/rpc"
 

@@ -96,7 +96,7 @@ def test_anything_said_is_survived(
     shelly = Shelly(ShellySettings())
     for topic, one in said:
         try:
-            heard = shelly.take(topic, one, retained=False)
+            heard = shelly.read_message(topic, one, retained=False)
         except WireError:
             continue
         for device in heard:
@@ -129,7 +129,9 @@ def test_any_component_is_described_read_and_told(
         {"sys": {"mac": "A8"}, **status},
     ):
         try:
-            heard = shelly.take("homebot/x/rpc", json.dumps({"src": "x", "result": result}).encode(), retained=False)
+            heard = shelly.read_message(
+                "homebot/x/rpc", json.dumps({"src": "x", "result": result}).encode(), retained=False
+            )
         except WireError:
             continue
         for device in heard:
@@ -144,4 +146,4 @@ def test_long_and_deep_messages_cost_little() -> None:
     for payload in (b"[" * 100_000, b"{" * 5_000_000, b'{"src":"x","result":' + b'{"a":' * 10_000):
         for topic in ("homebot/x/rpc", "x/events/rpc", "shellies/announce"):
             with contextlib.suppress(WireError):
-                assert shelly.take(topic, payload, retained=False) == ()
+                assert shelly.read_message(topic, payload, retained=False) == ()

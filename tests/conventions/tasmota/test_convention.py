@@ -46,7 +46,7 @@ def discovery(prefix: str = "tasmota/discovery") -> TasmotaDiscovery:
 
 def take(convention: TasmotaDiscovery, kind: str, fields: object, mac: str = MAC) -> tuple[AnnouncementEvent, ...]:
     payload = b"" if fields is None else json.dumps(fields).encode()
-    return convention.take(f"tasmota/discovery/{mac}/{kind}", payload, retained=True)
+    return convention.read_message(f"tasmota/discovery/{mac}/{kind}", payload, retained=True)
 
 
 def one(found: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
@@ -177,7 +177,7 @@ def test_a_config_that_cannot_be_used_is_refused_and_counted(change: dict[str, A
 def test_other_topics_say_nothing() -> None:
     convention = discovery()
     for topic in (f"tasmota/{MAC}/config", f"{MAC}/config", "tasmota/discovery/lamp/config", f"{MAC}/x"):
-        assert convention.take(topic, b"{}", retained=True) == ()
+        assert convention.read_message(topic, b"{}", retained=True) == ()
 
 
 def test_the_last_will_tells_whether_it_can_be_reached() -> None:

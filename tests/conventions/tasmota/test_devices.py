@@ -32,9 +32,9 @@ def name(device: Device) -> str:
 def described(device: Device) -> DeviceAnnounced:
     convention = TasmotaDiscovery(TasmotaSettings())
     topic = f"tasmota/discovery/{device['config']['mac']}"
-    convention.take(f"{topic}/config", json.dumps(device["config"]).encode(), retained=True)
-    convention.take(f"{topic}/sensors", json.dumps(device["sensors"]).encode(), retained=True)
-    (found,) = convention.take(f"{topic}/config", json.dumps(device["config"]).encode(), retained=True)
+    convention.read_message(f"{topic}/config", json.dumps(device["config"]).encode(), retained=True)
+    convention.read_message(f"{topic}/sensors", json.dumps(device["sensors"]).encode(), retained=True)
+    (found,) = convention.read_message(f"{topic}/config", json.dumps(device["config"]).encode(), retained=True)
     assert isinstance(found, DeviceAnnounced)
     return found
 

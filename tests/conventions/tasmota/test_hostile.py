@@ -49,9 +49,9 @@ def use(config: bytes, sensors: bytes, heard: bytes, value: PlainValue, transiti
     """Take both messages, let the parts hear something, and tell each of their capabilities something."""
     convention = TasmotaDiscovery(TasmotaSettings())
     with suppress(WireError):
-        convention.take(SENSORS, sensors, retained=True)
+        convention.read_message(SENSORS, sensors, retained=True)
     try:
-        found = convention.take(CONFIG, config, retained=True)
+        found = convention.read_message(CONFIG, config, retained=True)
     except WireError:
         return
     for one in found:
@@ -105,13 +105,13 @@ def test_any_message_and_any_command_to_a_real_device_is_taken_or_refused(
 def test_an_attack_is_refused_in_short_words(topic: str, payload: bytes) -> None:
     convention = TasmotaDiscovery(TasmotaSettings())
     with pytest.raises(WireError) as refused:
-        convention.take(topic, payload, retained=False)
+        convention.read_message(topic, payload, retained=False)
     assert convention.rejected == 1
     assert len(str(refused.value)) < 400
 
 
 def test_names_are_cut_to_a_line() -> None:
     fields = {**DEVICES[0]["config"], "mac": "2462AB000011", "dn": "<b>\x1b[31m" + "n" * 200}
-    (found,) = TasmotaDiscovery(TasmotaSettings()).take(CONFIG, json.dumps(fields).encode(), retained=True)
+    (found,) = TasmotaDiscovery(TasmotaSettings()).read_message(CONFIG, json.dumps(fields).encode(), retained=True)
     assert isinstance(found, DeviceAnnounced)
     assert (found.name[:8], len(found.name)) == ("<b> [31m", 120)

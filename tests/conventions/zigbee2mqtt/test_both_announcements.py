@@ -72,11 +72,11 @@ class Model:
 
 def described(row: Row) -> Iterator[DeviceAnnounced]:
     own = Zigbee2Mqtt(Zigbee2MqttSettings())
-    yield from found(own.take("zigbee2mqtt/bridge/devices", json.dumps([row["entry"]]).encode(), retained=True))
+    yield from found(own.read_message("zigbee2mqtt/bridge/devices", json.dumps([row["entry"]]).encode(), retained=True))
     foreign = HomeAssistantDiscovery(HomeAssistantSettings())
     for place, config in row["discovery"].items():
         payload = json.dumps({**config, "device": row["device"]}).encode()
-        yield from found(foreign.take(f"homeassistant/{place}/config", payload, retained=True))
+        yield from found(foreign.read_message(f"homeassistant/{place}/config", payload, retained=True))
 
 
 def found(heard: Sequence[object]) -> list[DeviceAnnounced]:

@@ -39,11 +39,11 @@ def bridge(*bases: str) -> Zigbee2Mqtt:
 
 
 def heard(convention: Zigbee2Mqtt, *entries: object, base: str = "zigbee2mqtt") -> tuple[AnnouncementEvent, ...]:
-    return convention.take(f"{base}/bridge/devices", json.dumps(entries).encode(), retained=True)
+    return convention.read_message(f"{base}/bridge/devices", json.dumps(entries).encode(), retained=True)
 
 
 def info(convention: Zigbee2Mqtt, config: object) -> tuple[AnnouncementEvent, ...]:
-    return convention.take("zigbee2mqtt/bridge/info", json.dumps({"config": config}).encode(), retained=True)
+    return convention.read_message("zigbee2mqtt/bridge/info", json.dumps({"config": config}).encode(), retained=True)
 
 
 def one(found: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
@@ -65,7 +65,7 @@ def test_a_bridge_whose_list_does_not_come_is_in_trouble() -> None:
     (trouble,) = convention.problems()
     assert trouble.startswith("zigbee2mqtt/bridge/info came, but zigbee2mqtt/bridge/devices did not")
     with pytest.raises(WireError):
-        convention.take("zigbee2mqtt/bridge/devices", b"{", retained=True)
+        convention.read_message("zigbee2mqtt/bridge/devices", b"{", retained=True)
     assert convention.problems() == ()
     info(convention, {})
     assert convention.problems() == ()
@@ -73,7 +73,7 @@ def test_a_bridge_whose_list_does_not_come_is_in_trouble() -> None:
 
 def test_a_bridge_that_publishes_each_value_alone_is_in_trouble_until_it_is_set_up_otherwise() -> None:
     convention = bridge("zigbee2mqtt")
-    convention.take("zigbee2mqtt/bridge/devices", b"[]", retained=True)
+    convention.read_message("zigbee2mqtt/bridge/devices", b"[]", retained=True)
     info(convention, {"advanced": {"output": "attribute"}})
     (trouble,) = convention.problems()
     assert trouble.startswith("zigbee2mqtt publishes each value on a topic of its own")
@@ -131,10 +131,10 @@ def test_a_device_that_is_renamed_keeps_its_key_and_gets_new_topics() -> None:
 def test_a_list_that_is_removed_withdraws_its_devices_but_not_for_good() -> None:
     convention = bridge()
     heard(convention, entry())
-    assert convention.take("zigbee2mqtt/bridge/devices", b"", retained=False) == (
+    assert convention.read_message("zigbee2mqtt/bridge/devices", b"", retained=False) == (
         DeviceWithdrawn(LAMP, "its bridge's list was removed"),
     )
-    assert convention.take("zigbee2mqtt/bridge/devices", b"", retained=False) == ()
+    assert convention.read_message("zigbee2mqtt/bridge/devices", b"", retained=False) == ()
 
 
 def test_a_device_that_is_disabled_is_withdrawn_and_comes_back() -> None:
@@ -198,7 +198,7 @@ def test_a_list_that_is_none_is_refused_and_nothing_changes(payload: bytes) -> N
     convention = bridge()
     heard(convention, entry())
     with pytest.raises(WireError):
-        convention.take("zigbee2mqtt/bridge/devices", payload, retained=True)
+        convention.read_message("zigbee2mqtt/bridge/devices", payload, retained=True)
     assert convention.rejected == 1
     assert heard(convention) == (DeviceWithdrawn(LAMP, "it left its bridge", is_final=True),)
 
@@ -206,8 +206,8 @@ def test_a_list_that_is_none_is_refused_and_nothing_changes(payload: bytes) -> N
 def test_other_topics_say_nothing() -> None:
     convention = bridge()
     for topic in ("zigbee2mqtt/lamp", "attic/bridge/devices", "zigbee2mqtt/bridge/groups", "bridge/devices"):
-        assert convention.take(topic, b"[1]", retained=True) == ()
-    assert convention.take("zigbee2mqtt/bridge/info", b"", retained=True) == ()
+        assert convention.read_message(topic, b"[1]", retained=True) == ()
+    assert convention.read_message("zigbee2mqtt/bridge/info", b"", retained=True) == ()
 
 
 def test_a_device_can_be_reached_when_bridge_and_device_say_so() -> None:
@@ -236,7 +236,7 @@ def test_devices_are_described_anew_when_it_is_learned_later_how_they_tell_it() 
 def test_info_without_config_is_refused() -> None:
     convention = bridge()
     with pytest.raises(WireError, match="config is None"):
-        convention.take("zigbee2mqtt/bridge/info", b"{}", retained=True)
+        convention.read_message("zigbee2mqtt/bridge/info", b"{}", retained=True)
     assert convention.rejected == 1
 
 

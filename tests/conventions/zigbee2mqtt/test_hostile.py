@@ -57,9 +57,9 @@ def use(payload: bytes, heard: bytes, value: PlainValue, transition: float) -> N
     """Take a list, let the parts of its devices hear something, and tell each of their capabilities something."""
     convention = Zigbee2Mqtt(Zigbee2MqttSettings())
     with suppress(WireError):
-        convention.take("zigbee2mqtt/bridge/info", heard, retained=True)
+        convention.read_message("zigbee2mqtt/bridge/info", heard, retained=True)
     try:
-        found = convention.take("zigbee2mqtt/bridge/devices", payload, retained=True)
+        found = convention.read_message("zigbee2mqtt/bridge/devices", payload, retained=True)
     except WireError:
         return
     for one in found:
@@ -104,7 +104,7 @@ def test_any_message_and_any_command_to_a_real_device_is_taken_or_refused(
 )
 def test_an_attack_is_refused_in_short_words(payload: bytes) -> None:
     with pytest.raises(WireError) as refused:
-        Zigbee2Mqtt(Zigbee2MqttSettings()).take("zigbee2mqtt/bridge/devices", payload, retained=False)
+        Zigbee2Mqtt(Zigbee2MqttSettings()).read_message("zigbee2mqtt/bridge/devices", payload, retained=False)
     assert len(str(refused.value)) < 400
 
 
@@ -113,7 +113,7 @@ def test_a_device_with_ten_thousand_exposes_has_a_bounded_number_of_parts() -> N
     lamps = [{"type": "light", "endpoint": f"l{n}", "features": many} for n in range(3)]
     entry = {**ENTRIES[0], "definition": {"exposes": [*lamps, *many]}}
     payload = json.dumps([entry]).encode()
-    (found,) = Zigbee2Mqtt(Zigbee2MqttSettings()).take("zigbee2mqtt/bridge/devices", payload, retained=True)
+    (found,) = Zigbee2Mqtt(Zigbee2MqttSettings()).read_message("zigbee2mqtt/bridge/devices", payload, retained=True)
     assert isinstance(found, DeviceAnnounced)
     assert len(found.parts) == 500
 
@@ -121,14 +121,14 @@ def test_a_device_with_ten_thousand_exposes_has_a_bounded_number_of_parts() -> N
 def test_names_are_cut_to_a_line() -> None:
     entry = {**ENTRIES[0], "friendly_name": "<b>\x1b[31m" + "n" * 400}
     payload = json.dumps([entry]).encode()
-    (found,) = Zigbee2Mqtt(Zigbee2MqttSettings()).take("zigbee2mqtt/bridge/devices", payload, retained=True)
+    (found,) = Zigbee2Mqtt(Zigbee2MqttSettings()).read_message("zigbee2mqtt/bridge/devices", payload, retained=True)
     assert isinstance(found, DeviceAnnounced)
     assert (found.name[:8], len(found.name)) == ("<b> [31m", 120)
 
 
 def test_a_long_state_is_not_looked_at() -> None:
     payload = json.dumps([ENTRIES[0]]).encode()
-    (found,) = Zigbee2Mqtt(Zigbee2MqttSettings()).take("zigbee2mqtt/bridge/devices", payload, retained=True)
+    (found,) = Zigbee2Mqtt(Zigbee2MqttSettings()).read_message("zigbee2mqtt/bridge/devices", payload, retained=True)
     assert isinstance(found, DeviceAnnounced)
     part = found.parts[0]
     assert part.codec.read(part.codec.topics()[0], b'{"state":"ON"}' + b" " * 300_000, retained=False) == {}

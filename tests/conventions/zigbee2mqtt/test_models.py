@@ -32,7 +32,7 @@ def name(model: Model) -> str:
 
 def described(model: Model) -> DeviceAnnounced:
     payload = json.dumps([model["entry"]]).encode()
-    (device,) = Zigbee2Mqtt(Zigbee2MqttSettings()).take("zigbee2mqtt/bridge/devices", payload, retained=True)
+    (device,) = Zigbee2Mqtt(Zigbee2MqttSettings()).read_message("zigbee2mqtt/bridge/devices", payload, retained=True)
     assert isinstance(device, DeviceAnnounced)
     return device
 

@@ -111,7 +111,7 @@ class SimpleConvention:
     def birth_messages(self) -> tuple[Publication, ...]:
         return (Publication(self._settings.birth, b"who"),) if self._settings.birth else ()
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         del retained
         prefix, _, key = topic.partition("/")
         if prefix != self._settings.prefix:

@@ -65,7 +65,7 @@ def only(convention: Convention, capability: str, *announced: tuple[str, object]
     heard = [
         one
         for topic, payload in announced
-        for one in convention.take(
+        for one in convention.read_message(
             topic, (payload if isinstance(payload, str) else json.dumps(payload)).encode(), retained=True
         )
     ]

@@ -57,7 +57,7 @@ def test_what_real_devices_announce_fits_in_the_largest_house() -> None:
         model = json.loads(line)
         for where, config in model["discovery"].items():
             payload = json.dumps({**config, "device": model["device"], "origin": ORIGIN}).encode()
-            for heard in convention.take(f"homeassistant/{where}/config", payload, retained=True):
+            for heard in convention.read_message(f"homeassistant/{where}/config", payload, retained=True):
                 assert isinstance(heard, DeviceAnnounced) is (where not in CODES)
                 if not isinstance(heard, DeviceAnnounced):
                     continue
@@ -71,7 +71,7 @@ def test_a_list_of_two_thousand_long_options_is_excess() -> None:
     options = [f"{number:080}" for number in range(2000)]
     config = {"command_topic": "c", "state_topic": "s", "unique_id": "u", "options": options}
     payload = json.dumps(config).encode()
-    (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(
+    (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).read_message(
         "homeassistant/select/d/config", payload, retained=True
     )
     assert isinstance(heard, DeviceAnnounced)

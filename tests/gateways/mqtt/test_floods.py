@@ -28,9 +28,9 @@ class CountedConvention(SimpleConvention):
 
     taken: ClassVar[int] = 0
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         CountedConvention.taken += 1
-        return super().take(topic, payload, retained=retained)
+        return super().read_message(topic, payload, retained=retained)
 
 
 COUNTED = f"{__name__}:CountedConvention"

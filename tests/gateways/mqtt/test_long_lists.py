@@ -94,16 +94,16 @@ def test_a_broken_end_costs_the_whole_list_and_nothing_changes() -> None:
     """It was cut somewhere, and what is missing is not gone."""
     convention = Zigbee2Mqtt(Zigbee2MqttSettings())
     whole = house_of(20)
-    assert len(convention.take(TOPIC, whole, retained=True)) == 20
+    assert len(convention.read_message(TOPIC, whole, retained=True)) == 20
     with pytest.raises(WireError):
-        convention.take(TOPIC, house_of(10)[:-1], retained=True)
+        convention.read_message(TOPIC, house_of(10)[:-1], retained=True)
     assert convention.rejected == 1
-    assert len(convention.take(TOPIC, whole, retained=True)) == 20
+    assert len(convention.read_message(TOPIC, whole, retained=True)) == 20
 
 
 def test_a_long_list_is_taken_in_many_steps() -> None:
     convention = Zigbee2Mqtt(Zigbee2MqttSettings())
-    steps = list(convention.take_slices(TOPIC, house_of(100), retained=True))
+    steps = list(convention.read_message_in_slices(TOPIC, house_of(100), retained=True))
     assert steps.count(None) >= 200
     assert len(steps) - steps.count(None) == 100
 
@@ -143,10 +143,10 @@ async def take_large_bridge(turns: Turns) -> None:
 class Endless(SimpleConvention):
     """Never stops telling."""
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[AnnouncementEvent]:  # type: ignore[override]  # that is its fault
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[AnnouncementEvent]:  # type: ignore[override]  # that is its fault
         if payload == b"endless":
             return repeat(DeviceRequest("lamp", (Publication("ask/lamp", b""),)))
-        return iter(super().take(topic, payload, retained=retained))
+        return iter(super().read_message(topic, payload, retained=retained))
 
 
 @pytest.mark.virtual_time

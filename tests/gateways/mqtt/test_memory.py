@@ -54,7 +54,7 @@ def known(make: Callable[[int], tuple[str, dict[str, object]]], count: int) -> f
 
     def take(number: int) -> None:
         topic, config = make(number)
-        for heard in convention.take(topic, json.dumps(config).encode(), retained=False):
+        for heard in convention.read_message(topic, json.dumps(config).encode(), retained=False):
             assert isinstance(heard, DeviceAnnounced)
             change = registry.put(heard)
             index.observe(change.stored.sighting("appeared", "", at=at, until=until, heard_at=1.0, confirmed=True), 1.0)

@@ -99,13 +99,13 @@ def announced_by_real_devices() -> Iterator[DeviceAnnounced]:
         model = json.loads(line)
         for where, config in model["discovery"].items():
             payload = json.dumps({**config, "device": model["device"]}).encode()
-            for heard in configs.take(f"homeassistant/{where}/config", payload, retained=True):
+            for heard in configs.read_message(f"homeassistant/{where}/config", payload, retained=True):
                 assert isinstance(heard, DeviceAnnounced) is (where not in CODES)
                 if not isinstance(heard, DeviceAnnounced):
                     continue
                 yield heard
         entries = [{"type": "EndDevice", "supported": True, **model["entry"]}]
-        for one in bridge.take("zigbee2mqtt/bridge/devices", json.dumps(entries).encode(), retained=True):
+        for one in bridge.read_message("zigbee2mqtt/bridge/devices", json.dumps(entries).encode(), retained=True):
             if isinstance(one, DeviceAnnounced):
                 yield one
 

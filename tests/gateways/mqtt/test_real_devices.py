@@ -59,7 +59,7 @@ def parts_of(convention: Convention, row: Row) -> list[DescribedPart]:
     """The parts of all that the announcements describe; a later one takes the place of an earlier one of its key."""
     described: dict[str, DeviceAnnounced] = {}
     for topic, payload in row["messages"]:
-        for heard in convention.take(topic, payload.encode(), retained=True):
+        for heard in convention.read_message(topic, payload.encode(), retained=True):
             if isinstance(heard, DeviceAnnounced):
                 described[heard.key] = heard
     return [part for one in described.values() for part in one.parts]

@@ -87,7 +87,9 @@ def identity(convention: str, row: Row) -> set[str]:
     """Who the product says it is."""
     kind = load_plugin("homebot.mqtt_conventions", CONVENTIONS[convention])
     reader = kind(kind.Settings())
-    heard = [one for topic, payload in row["messages"] for one in reader.take(topic, payload.encode(), retained=True)]
+    heard = [
+        one for topic, payload in row["messages"] for one in reader.read_message(topic, payload.encode(), retained=True)
+    ]
     return {identifier for one in heard if isinstance(one, DeviceAnnounced) for identifier in one.identifiers}
 
 

@@ -62,7 +62,7 @@ def products() -> tuple[tuple[DeviceAnnounced, ...], ...]:
             convention = fresh(file.stem)
             described: dict[str, DeviceAnnounced] = {}
             for topic, payload in json.loads(line)["messages"]:
-                for heard in convention.take(topic, payload.encode(), retained=True):
+                for heard in convention.read_message(topic, payload.encode(), retained=True):
                     if isinstance(heard, DeviceAnnounced):
                         described[heard.key] = heard
             if any(part.part.writes for one in described.values() for part in one.parts):
@@ -86,7 +86,7 @@ def intruder(topic: str, identifiers: list[str], via: str) -> DeviceAnnounced:
     }
     if identifiers:
         config["device"] = {"identifiers": identifiers, **device}
-    (heard,) = fresh("homeassistant").take(
+    (heard,) = fresh("homeassistant").read_message(
         "homeassistant/light/intruder/config", json.dumps(config).encode(), retained=True
     )
     assert isinstance(heard, DeviceAnnounced)

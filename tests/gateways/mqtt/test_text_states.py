@@ -244,7 +244,7 @@ class Bells:
     def birth_messages(self) -> tuple[Publication, ...]:
         return ()
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[DeviceAnnounced, ...]:
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[DeviceAnnounced, ...]:
         del payload, retained
         device = self.announced(topic)
         return () if device is None else (device,)

@@ -31,7 +31,7 @@ def sensor(convention: Convention, *announced: tuple[str, object]) -> DescribedP
     heard = [
         one
         for topic, payload in announced
-        for one in convention.take(
+        for one in convention.read_message(
             topic, (payload if isinstance(payload, str) else json.dumps(payload)).encode(), retained=True
         )
     ]

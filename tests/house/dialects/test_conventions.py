@@ -99,7 +99,7 @@ def bench(name: str, kind: str) -> Bench:
         message = ahead.pop(0)
         if not any(topic_matches(one, message.topic) for one in convention.filters()):
             continue
-        for heard in convention.take(message.topic, message.payload, retained=message.retain):
+        for heard in convention.read_message(message.topic, message.payload, retained=message.retain):
             if isinstance(heard, DeviceAnnounced):
                 described[heard.key] = heard
             elif isinstance(heard, DeviceRequest):

@@ -61,7 +61,7 @@ class Acme:
         """Return nothing: announcements are retained."""
         return ()
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Return the lamp that *payload* announces, or that it is gone.
 
         Raises:

@@ -25,7 +25,7 @@ def test_the_package_is_the_installed_one() -> None:
 
 
 def announce(payload: bytes) -> DeviceAnnounced:
-    (lamp,) = Acme(AcmeSettings()).take("acme/4711/info", payload, retained=True)
+    (lamp,) = Acme(AcmeSettings()).read_message("acme/4711/info", payload, retained=True)
     assert isinstance(lamp, DeviceAnnounced)
     return lamp
 
@@ -42,7 +42,7 @@ def test_an_announcement_is_a_light() -> None:
 
 
 def test_an_empty_announcement_takes_the_lamp_away() -> None:
-    (gone,) = Acme(AcmeSettings()).take("acme/4711/info", b"", retained=False)
+    (gone,) = Acme(AcmeSettings()).read_message("acme/4711/info", b"", retained=False)
     assert isinstance(gone, DeviceWithdrawn)
 
 
@@ -50,7 +50,7 @@ def test_an_empty_announcement_takes_the_lamp_away() -> None:
 def test_what_the_maker_does_not_document_is_refused_and_counted(payload: bytes) -> None:
     convention = Acme(AcmeSettings())
     with pytest.raises(WireError, match="acme/4711/info"):
-        convention.take("acme/4711/info", payload, retained=True)
+        convention.read_message("acme/4711/info", payload, retained=True)
     assert convention.rejected == 1
 
 

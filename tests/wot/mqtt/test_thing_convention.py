@@ -46,7 +46,7 @@ def prop(topic: str, kind: str = "boolean", **more: Any) -> dict[str, Any]:
 
 def take(description: object) -> DeviceAnnounced:
     payload = json.dumps(description).encode()
-    (heard,) = ThingDescriptions(ThingSettings()).take(TOPIC, payload, retained=True)
+    (heard,) = ThingDescriptions(ThingSettings()).read_message(TOPIC, payload, retained=True)
     assert isinstance(heard, DeviceAnnounced)
     return heard
 
@@ -81,16 +81,18 @@ def test_a_description_is_a_device() -> None:
 
 def test_the_empty_payload_takes_a_description_back() -> None:
     convention = ThingDescriptions(ThingSettings())
-    assert convention.take(TOPIC, b"", retained=False) == (DeviceWithdrawn("lamp", "its description was withdrawn"),)
-    assert convention.take("homebot/things/a/b/td", b"{", retained=False) == ()
-    assert convention.take("homebot/things/td", b"{", retained=False) == ()
+    assert convention.read_message(TOPIC, b"", retained=False) == (
+        DeviceWithdrawn("lamp", "its description was withdrawn"),
+    )
+    assert convention.read_message("homebot/things/a/b/td", b"{", retained=False) == ()
+    assert convention.read_message("homebot/things/td", b"{", retained=False) == ()
 
 
 def test_prefixes_can_be_chosen() -> None:
     convention = ThingDescriptions(ThingSettings(prefixes=("wot", "other/things")))
     assert convention.filters() == ("wot/+/td", "other/things/+/td")
     assert convention.birth_messages() == ()
-    assert isinstance(convention.take("other/things/x/td", b"", retained=True)[0], DeviceWithdrawn)
+    assert isinstance(convention.read_message("other/things/x/td", b"", retained=True)[0], DeviceWithdrawn)
     with pytest.raises(ValidationError):
         ThingSettings(prefixes=("wot/#",))
 
@@ -281,7 +283,7 @@ def test_a_broken_description_is_refused_and_counted(description: Any, problem: 
     convention = ThingDescriptions(ThingSettings())
     payload = description if isinstance(description, bytes) else json.dumps(description).encode()
     with pytest.raises(WireError, match="(?s).*" + problem.replace("$", r"\$")):
-        convention.take(TOPIC, payload, retained=True)
+        convention.read_message(TOPIC, payload, retained=True)
     assert convention.rejected == 1
 
 
@@ -317,7 +319,7 @@ def test_nothing_that_is_said_or_told_breaks_a_part(
     schema = prop("t", kind, minimum=ends[0], maximum=ends[1], **more)
     convention = ThingDescriptions(ThingSettings())
     try:
-        (heard,) = convention.take(TOPIC, json.dumps(thing({"p": schema})).encode(), retained=True)
+        (heard,) = convention.read_message(TOPIC, json.dumps(thing({"p": schema})).encode(), retained=True)
     except WireError:
         return
     assert isinstance(heard, DeviceAnnounced)
@@ -342,4 +344,4 @@ def test_any_payload_is_a_thing_or_a_clear_error(payload: bytes) -> None:
     if not payload:
         return
     with pytest.raises(WireError):
-        convention.take(TOPIC, payload, retained=False)
+        convention.read_message(TOPIC, payload, retained=False)

@@ -163,6 +163,16 @@ class DiscoveryConfig:
             raise self._refusal(key, longest, f"texts of at most {_MAX_OPTION} characters")
         return options
 
+    def on_off_payloads(self) -> dict[bool, str]:
+        """Return the payloads of on and off."""
+        return {True: self.text("payload_on", "ON"), False: self.text("payload_off", "OFF")}
+
+    def on_off_states(self) -> dict[str, bool | None]:
+        """Return the reported texts of on, off and unknown; the payloads if the config names none."""
+        payloads = self.on_off_payloads()
+        on, off = (self.text(f"state_{name}") or payloads[is_on] for name, is_on in (("on", True), ("off", False)))
+        return {on: True, off: False, "None": None}
+
     def template(self, key: str) -> Template | None:
         """Return a template, or None where there is none; see its ``problem`` for whether it can be used."""
         value = self.values.get(key)
@@ -222,6 +232,14 @@ class DiscoveryConfig:
         if command is None:
             raise self._refusal(topic_key, None, "a topic")
         return command
+
+    def value_source(self, name: str) -> ValueSource | None:
+        """Return the source in the fields ``<name>_state_topic`` and ``<name>_value_template``."""
+        return self.source(f"{name}_state_topic", f"{name}_value_template")
+
+    def command_of(self, name: str) -> CommandTopic | None:
+        """Return the command in the fields ``<name>_command_topic`` and ``<name>_command_template``."""
+        return self.command(f"{name}_command_topic", f"{name}_command_template")
 
     def _as_text(self, key: str, value: object) -> str:
         if isinstance(value, str):

@@ -1,20 +1,18 @@
-"""Thermostats, air conditioners, water heaters and humidifiers that are offered, each as one entity. Pure.
+"""Published thermostats, air conditioners, water heaters and humidifiers, each as one entity. Pure.
 
 Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``: climate.py, humidifier.py, water_heater.py.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from homebot.conventions.homeassistant.published_entity import (
     Available,
     EntityTopics,
     PublishedEntity,
-    flag_text,
-    number_text,
-    take_choice,
-    take_reported,
-    take_settable,
-    unknown_text,
+    Row,
+    is_settable,
 )
 from homebot.devices.part import Part
 
@@ -22,57 +20,102 @@ __all__ = ["publish_climate", "publish_humidifier", "publish_water_heater"]
 
 Entities = tuple[PublishedEntity, ...]
 
-
-def publish_climate(part: Part, available: Available, topics: EntityTopics) -> Entities:
-    """Take what a thermostat or an air conditioner reaches, measures and does.
-
-    A target that Home Assistant would take for another one by its modes stays a number of its own, and so does a mode
-    with options that are none of Home Assistant's.
-    """
-    if part.service_type not in _CLIMATES:
-        return ()
-    mode = available.get("thermostat_mode")
-    modes = mode.options if mode is not None and mode.settable and set(mode.options) <= _MODES else ()
-    targets = _targets(available, modes)
-    if not modes and not targets:
-        return ()
-    shown = modes or tuple(_MODE_OF[key, name] for name, key in targets.items())[:1]
-    entity = PublishedEntity(topics, "climate", "", {"temperature_unit": "C", "modes": list(shown)})
-    if modes:
-        entity.has(
-            available.pop("thermostat_mode"), "mode_state_topic", unknown_text("thermostat_mode"), "mode_command_topic"
-        )
-        if "off" in modes and (switch := available.get("on_off")) and switch.settable:
-            entity.has(
-                available.pop("on_off").model_copy(update={"readable": False}),
-                "",
-                flag_text("on_off"),
-                "power_command_topic",
-            )
-    _add_targets(entity, available, targets)
-    _add_measured(entity, available)
-    _add_choices(entity, available)
-    if take_reported(available, "thermostat_action"):
-        entity.add_state("action_topic", "thermostat_action", unknown_text("thermostat_action"))
-    return (entity,)
-
-
 _CLIMATES = frozenset({"thermostat", "room_air_conditioner"})
 _MODES = frozenset({"auto", "off", "cool", "heat", "heat_cool", "dry", "fan_only"})
 _HEATING = frozenset({"heat", "heat_cool", "auto"})
 _COOLING = frozenset({"cool", "heat_cool"})
-_MODE_OF = {
+_MODE_OF_TARGET = {
     ("temperature", "heating_setpoint"): "heat",
     ("temperature", "cooling_setpoint"): "cool",
     ("temperature_low", "heating_setpoint"): "heat_cool",
     ("temperature_high", "cooling_setpoint"): "heat_cool",
 }
-"""The mode of one that has no modes, by its target."""
+"""The only mode of a device without modes, by its target."""
+
+_HEATER_MODES = frozenset({"eco", "electric", "gas", "heat_pump", "high_demand", "performance", "off"})
+_MODE_ROW = Row("thermostat_mode", "mode_state_topic", "mode_command_topic")
+_POWER_ROW = Row("on_off", "", "power_command_topic")
+_PRESET_ROW = Row("preset_mode", "preset_mode_state_topic", "preset_mode_command_topic")
+_HEATER_MODE_ROW = Row("water_heater_mode", "mode_state_topic", "mode_command_topic")
+_TEMPERATURE_ROW = Row("local_temperature", "current_temperature_topic")
+_CLIMATE_ROWS = (
+    _TEMPERATURE_ROW,
+    Row("humidity", "current_humidity_topic"),
+    Row("fan_mode", "fan_mode_state_topic", "fan_mode_command_topic", "fan_modes"),
+    Row("swing_mode", "swing_mode_state_topic", "swing_mode_command_topic", "swing_modes"),
+    Row("thermostat_action", "action_topic"),
+)
+_HUMIDIFIER_ROWS = (
+    Row("on_off", "state_topic", "command_topic"),
+    Row("humidity_setpoint", "target_humidity_state_topic", "target_humidity_command_topic"),
+    Row("humidity", "current_humidity_topic"),
+    Row("humidifier_mode", "mode_state_topic", "mode_command_topic", "modes", reserved="None"),
+)
 
 
-def _targets(available: Available, modes: tuple[str, ...]) -> dict[str, str]:
-    """Return by capability what Home Assistant calls it there."""
-    heats, cools = (name in available and available[name].settable for name in ("heating_setpoint", "cooling_setpoint"))
+def publish_climate(part: Part, available: Available, topics: EntityTopics) -> Entities:
+    """Publish the targets, the measurements and the modes of a thermostat or an air conditioner.
+
+    A target whose meaning in Home Assistant would differ by its modes stays a number entity, and so does a mode with
+    options that Home Assistant does not have.
+    """
+    if part.service_type not in _CLIMATES:
+        return ()
+    modes = _known_modes(available, "thermostat_mode", _MODES)
+    targets = _targets(available, modes)
+    if not modes and not targets:
+        return ()
+    shown = modes or tuple(_MODE_OF_TARGET[key, name] for name, key in targets.items())[:1]
+    entity = PublishedEntity(topics, "climate", "", {"temperature_unit": "C", "modes": list(shown)})
+    if modes:
+        entity.add(available.pop("thermostat_mode"), _MODE_ROW)
+        if "off" in modes and is_settable(available, "on_off"):
+            entity.add(available.pop("on_off"), _POWER_ROW)
+    _add_targets(entity, available, targets)
+    entity.add_rows(available, _CLIMATE_ROWS)
+    preset = available.get("preset_mode")
+    if preset is not None and preset.settable and "none" in preset.options and len(preset.options) > 1:
+        entity.config["preset_modes"] = [option for option in preset.options if option != "none"]
+        entity.add(available.pop("preset_mode"), _PRESET_ROW)
+    return (entity,)
+
+
+def publish_water_heater(part: Part, available: Available, topics: EntityTopics) -> Entities:
+    """Publish the target, the temperature and the mode of a water heater."""
+    if part.service_type != "water_heater" or not is_settable(available, "heating_setpoint"):
+        return ()
+    modes = _known_modes(available, "water_heater_mode", _HEATER_MODES)
+    entity = PublishedEntity(topics, "water_heater", "", {"temperature_unit": "C", "modes": list(modes)})
+    _add_targets(entity, available, {"heating_setpoint": "temperature"})
+    if modes:
+        entity.add(available.pop("water_heater_mode"), _HEATER_MODE_ROW)
+    entity.add_rows(available, (_TEMPERATURE_ROW,))
+    return (entity,)
+
+
+def publish_humidifier(part: Part, available: Available, topics: EntityTopics) -> Entities:
+    """Publish the switch, the target and the mode of a humidifier."""
+    is_whole = is_settable(available, "on_off") and is_settable(available, "humidity_setpoint")
+    if part.service_type != "x_humidifier" or not is_whole:
+        return ()
+    kind = "dehumidifier" if part.tag == "dehumidifier" else "humidifier"
+    entity = PublishedEntity(topics, "humidifier", "", {"device_class": kind})
+    bounds = available["humidity_setpoint"].bounds
+    if bounds and 0 <= bounds[0] < bounds[1] <= 100:
+        entity.config |= {"min_humidity": bounds[0], "max_humidity": bounds[1]}
+    entity.add_rows(available, _HUMIDIFIER_ROWS)
+    return (entity,)
+
+
+def _known_modes(available: Available, name: str, known: frozenset[str]) -> tuple[str, ...]:
+    """Return the options of the mode *name*; empty if it is not settable, or Home Assistant lacks one of them."""
+    mode = available.get(name)
+    return mode.options if mode is not None and mode.settable and set(mode.options) <= known else ()
+
+
+def _targets(available: Available, modes: tuple[str, ...]) -> Mapping[str, str]:
+    """Return the names of the targets in Home Assistant, by capability."""
+    heats, cools = (is_settable(available, name) for name in ("heating_setpoint", "cooling_setpoint"))
     if heats and cools:
         return {"heating_setpoint": "temperature_low", "cooling_setpoint": "temperature_high"}
     if heats and not _COOLING & set(modes):
@@ -82,80 +125,12 @@ def _targets(available: Available, modes: tuple[str, ...]) -> dict[str, str]:
     return {}
 
 
-def _add_targets(entity: PublishedEntity, available: Available, targets: dict[str, str]) -> None:
+def _add_targets(entity: PublishedEntity, available: Available, targets: Mapping[str, str]) -> None:
     bounds: list[tuple[float, ...]] = []
     for name, key in targets.items():
         target = available.pop(name)
         bounds.append(target.bounds)
-        entity.has(target, f"{key}_state_topic", number_text(name), f"{key}_command_topic")
-    known = [one for one in bounds if one and one[0] < one[1]]
+        entity.add(target, Row(name, f"{key}_state_topic", f"{key}_command_topic"))
+    known = [pair for pair in bounds if pair and pair[0] < pair[1]]
     if known:
-        entity.config |= {"min_temp": min(one[0] for one in known), "max_temp": max(one[1] for one in known)}
-
-
-def _add_measured(entity: PublishedEntity, available: Available) -> None:
-    for name, key in (("local_temperature", "current_temperature_topic"), ("humidity", "current_humidity_topic")):
-        if take_reported(available, name):
-            entity.add_state(key, name, number_text(name))
-
-
-def _add_choices(entity: PublishedEntity, available: Available) -> None:
-    for name in ("fan_mode", "swing_mode"):
-        if choice := take_choice(available, name):
-            entity.config[f"{name}s"] = list(choice.options)
-            entity.has(choice, f"{name}_state_topic", unknown_text(name), f"{name}_command_topic")
-    preset = available.get("preset_mode")
-    if preset is not None and preset.settable and "none" in preset.options and len(preset.options) > 1:
-        available.pop("preset_mode")
-        entity.config["preset_modes"] = [one for one in preset.options if one != "none"]
-        entity.has(preset, "preset_mode_state_topic", unknown_text("preset_mode"), "preset_mode_command_topic")
-
-
-def publish_water_heater(part: Part, available: Available, topics: EntityTopics) -> Entities:
-    """Take how warm the water shall be, how warm it is, and how it is heated."""
-    if part.service_type != "water_heater":
-        return ()
-    target = take_settable(available, "heating_setpoint")
-    if target is None:
-        return ()
-    mode = available.get("water_heater_mode")
-    modes = mode.options if mode is not None and mode.settable and set(mode.options) <= _HEATER_MODES else ()
-    entity = PublishedEntity(topics, "water_heater", "", {"temperature_unit": "C", "modes": list(modes)})
-    available[target.name] = target
-    _add_targets(entity, available, {target.name: "temperature"})
-    if modes:
-        entity.has(
-            available.pop("water_heater_mode"),
-            "mode_state_topic",
-            unknown_text("water_heater_mode"),
-            "mode_command_topic",
-        )
-    if take_reported(available, "local_temperature"):
-        entity.add_state("current_temperature_topic", "local_temperature", number_text("local_temperature"))
-    return (entity,)
-
-
-_HEATER_MODES = frozenset({"eco", "electric", "gas", "heat_pump", "high_demand", "performance", "off"})
-
-
-def publish_humidifier(part: Part, available: Available, topics: EntityTopics) -> Entities:
-    """Take the switch of a humidifier with the humidity that it shall reach."""
-    is_whole = all(name in available and available[name].settable for name in ("on_off", "humidity_setpoint"))
-    if part.service_type != "x_humidifier" or not is_whole:
-        return ()
-    kind = "dehumidifier" if part.tag == "dehumidifier" else "humidifier"
-    entity = PublishedEntity(topics, "humidifier", "", {"device_class": kind})
-    entity.has(available.pop("on_off"), "state_topic", flag_text("on_off"), "command_topic")
-    target = available.pop("humidity_setpoint")
-    if target.bounds and 0 <= target.bounds[0] < target.bounds[1] <= _MOST_HUMID:
-        entity.config |= {"min_humidity": target.bounds[0], "max_humidity": target.bounds[1]}
-    entity.has(target, "target_humidity_state_topic", number_text(target.name), "target_humidity_command_topic")
-    if take_reported(available, "humidity"):
-        entity.add_state("current_humidity_topic", "humidity", number_text("humidity"))
-    if mode := take_choice(available, "humidifier_mode", unlike="None"):
-        entity.config["modes"] = list(mode.options)
-        entity.has(mode, "mode_state_topic", unknown_text("humidifier_mode"), "mode_command_topic")
-    return (entity,)
-
-
-_MOST_HUMID = 100.0
+        entity.config |= {"min_temp": min(low for low, _ in known), "max_temp": max(high for _, high in known)}

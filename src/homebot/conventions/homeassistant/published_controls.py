@@ -1,6 +1,6 @@
-"""Locks, covers, valves, fans, vacuum cleaners, mowers, alarms and sirens that are offered, each as one entity. Pure.
+"""Published locks, covers, valves, fans, vacuum cleaners, mowers, alarms and sirens, each as one entity. Pure.
 
-What is commanded is what the vocabulary says can be set, never a state that is only reported, such as ``jammed``.
+Commands are the settable options of the vocabulary, never a state that is only reported, such as ``jammed``.
 
 Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``: alarm_control_panel.py, cover.py, fan.py,
 lawn_mower.py, lock.py, siren.py, vacuum.py, valve.py.
@@ -15,19 +15,15 @@ from homebot.conventions.homeassistant.published_entity import (
     Available,
     EntityTopics,
     PublishedEntity,
+    Row,
     Values,
-    flag_text,
-    number_text,
-    read_flag,
-    read_number,
-    read_option,
-    take_choice,
-    take_reported,
-    take_settable,
-    unknown_text,
+    is_settable,
+    payload_reader,
+    settable_payloads,
 )
 from homebot.conventions.payload import compact_json, fields_of, number_of
-from homebot.devices.part import Capability, Part
+from homebot.devices.part import Part
+from homebot.numbers import to_number
 
 __all__ = [
     "publish_alarm",
@@ -42,57 +38,83 @@ __all__ = [
 
 Entities = tuple[PublishedEntity, ...]
 
+_LOCK_STATES = ("locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed")
+_MOVES = {"OPEN": "open", "CLOSE": "closed", "STOP": "stopped"}
+_MOVE_KEYS = {"payload_open": "OPEN", "payload_close": "CLOSE", "payload_stop": "STOP"}
+_CLOSURES = frozenset({"damper", "door", "garage", "gate", "window"})
+_COVERINGS = frozenset({"awning", "blind", "curtain", "shade", "shutter"})
+_COVER_ROWS = (
+    Row("position", "position_topic", "set_position_topic", unknown="", is_reported=True),
+    Row("tilt", "tilt_status_topic", "tilt_command_topic", unknown="", is_reported=True),
+)
+_FAN_ROWS = (
+    Row("on_off", "state_topic", "command_topic"),
+    Row("fan_speed", "percentage_state_topic", "percentage_command_topic"),
+    Row("preset_mode", "preset_mode_state_topic", "preset_mode_command_topic", "preset_modes", reserved="None"),
+    Row(
+        "oscillation",
+        "oscillation_state_topic",
+        "oscillation_command_topic",
+        unknown="",
+        payloads=("oscillate_on", "oscillate_off"),
+    ),
+    Row("direction", "direction_state_topic", "direction_command_topic", unknown=""),
+)
+_VACUUM: Mapping[str, tuple[str, str]] = {
+    "start": ("cleaning", "start"),
+    "pause": ("paused", "pause"),
+    "stop": ("idle", "stop"),
+    "return_to_base": ("returning", "return_home"),
+    "clean_spot": ("spot", "clean_spot"),
+}
+"""By payload: the commanded state, and the feature that announces the command."""
+
+_MOWER = {"start_mowing": "mowing", "pause": "paused", "dock": "docked"}
+_CODES = ("code_arm_required", "code_disarm_required", "code_trigger_required")
+_ALARM = {
+    "DISARM": "disarmed",
+    "ARM_HOME": "armed_home",
+    "ARM_AWAY": "armed_away",
+    "ARM_NIGHT": "armed_night",
+    "ARM_VACATION": "armed_vacation",
+    "ARM_CUSTOM_BYPASS": "armed_custom_bypass",
+    "TRIGGER": "triggered",
+}
+
 
 def publish_lock(_part: Part, available: Available, topics: EntityTopics) -> Entities:
-    """Take the bolt. Its latch can be drawn where its options say ``open``."""
-    lock = take_settable(available, "lock")
-    if lock is None:
+    """Publish the bolt, and the latch if the options have ``open``."""
+    if not is_settable(available, "lock"):
         return ()
-    fields = {f"state_{state}": state for state in _LOCK_STATES}
-    entity = PublishedEntity(topics, "lock", "", fields)
+    lock = available.pop("lock")
+    entity = PublishedEntity(topics, "lock", "", {f"state_{state}": state for state in _LOCK_STATES})
     payloads = {"LOCK": "locked", "UNLOCK": "unlocked"}
     if "open" in lock.options:
         payloads["OPEN"] = "open"
         entity.config["payload_open"] = "OPEN"
     if lock.readable:
-        entity.add_state("state_topic", "lock", unknown_text("lock"))
-    entity.add_command("command_topic", "lock", read_option("lock", payloads))
+        entity.add_state("state_topic", "lock")
+    entity.add_command("command_topic", "lock", payload_reader("lock", payloads))
     return (entity,)
-
-
-_LOCK_STATES = ("locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed")
 
 
 def publish_cover(part: Part, available: Available, topics: EntityTopics) -> Entities:
-    """Take what moves, how far it is open and how its slats are.
+    """Publish movement, position and tilt.
 
-    A position or a tilt that is not reported back is no part of it: Home Assistant sets none that it does not know.
+    A position or a tilt that is never reported is left out: Home Assistant sets none that it does not know.
     """
-    movement = take_settable(available, "movement")
-    position = _take_percentage(available, "position")
-    if movement is None and position is None:
-        return ()
+    movement = available.pop("movement") if is_settable(available, "movement") else None
     entity = PublishedEntity(topics, "cover", "", _cover_class(part))
     if movement is not None:
-        payloads = _settable_payloads(movement, _MOVES)
+        payloads = settable_payloads(movement, _MOVES)
         entity.config |= {key: payload if payload in payloads else None for key, payload in _MOVE_KEYS.items()}
         if movement.readable:
-            entity.add_state("state_topic", "movement", unknown_text("movement"))
-        entity.add_command("command_topic", "movement", read_option("movement", payloads))
-    if position is not None:
-        entity.add_state("position_topic", "position", number_text("position", unknown=""))
-        entity.add_command("set_position_topic", "position", read_number("position", _PERCENT))
-    if _take_percentage(available, "tilt") is not None:
-        entity.add_state("tilt_status_topic", "tilt", number_text("tilt", unknown=""))
-        entity.add_command("tilt_command_topic", "tilt", read_number("tilt", _PERCENT))
-    return (entity,)
-
-
-_PERCENT = (0.0, 100.0)
-_MOVES = {"OPEN": "open", "CLOSE": "closed", "STOP": "stopped"}
-_MOVE_KEYS = {"payload_open": "OPEN", "payload_close": "CLOSE", "payload_stop": "STOP"}
-_CLOSURES = frozenset({"damper", "door", "garage", "gate", "window"})
-_COVERINGS = frozenset({"awning", "blind", "curtain", "shade", "shutter"})
+            entity.add_state("state_topic", "movement")
+        entity.add_command("command_topic", "movement", payload_reader("movement", payloads))
+    position = available.get("position")
+    if movement is not None or (position is not None and _COVER_ROWS[0].fits(position)):
+        entity.add_rows(available, _COVER_ROWS)
+    return (entity,) if entity.commands else ()
 
 
 def _cover_class(part: Part) -> dict[str, object]:
@@ -101,27 +123,18 @@ def _cover_class(part: Part) -> dict[str, object]:
     return {"device_class": part.tag} if part.tag in _COVERINGS else {}
 
 
-def _take_percentage(available: Available, name: str) -> Capability | None:
-    known = available.get(name)
-    return available.pop(name) if known is not None and known.settable and known.readable else None
-
-
-def _settable_payloads(capability: Capability, payloads: Mapping[str, str]) -> dict[str, str]:
-    """Return the payloads of what *capability* can be set to: of its options, or else all."""
-    return {key: option for key, option in payloads.items() if not capability.options or option in capability.options}
-
-
 def publish_valve(_part: Part, available: Available, topics: EntityTopics) -> Entities:
-    """Take the valve, and how far it is open where that is reported back: then open and closed are positions."""
-    valve = take_settable(available, "valve")
-    if valve is None:
+    """Publish a valve. With a reported position, open and closed are positions."""
+    if not is_settable(available, "valve"):
         return ()
-    payloads = _settable_payloads(valve, _MOVES)
-    position = _take_percentage(available, "position") if valve.readable else None
-    entity = PublishedEntity(topics, "valve", "")
+    valve = available.pop("valve")
+    payloads = settable_payloads(valve, _MOVES)
+    entity = PublishedEntity(topics, "valve")
     if "STOP" in payloads:
         entity.config["payload_stop"] = "STOP"
-    if position is not None:
+    position = available.get("position")
+    if valve.readable and position is not None and position.settable and position.readable:
+        available.pop("position")
         entity.config["reports_position"] = True
         entity.add_state("state_topic", "valve", _valve_text, ("valve", "position"))
         entity.add_command("command_topic", "valve", _read_valve)
@@ -130,8 +143,8 @@ def publish_valve(_part: Part, available: Available, topics: EntityTopics) -> En
         key: payload if payload in payloads else None for key, payload in _MOVE_KEYS.items() if key != "payload_stop"
     }
     if valve.readable:
-        entity.add_state("state_topic", "valve", unknown_text("valve"))
-    entity.add_command("command_topic", "valve", read_option("valve", payloads))
+        entity.add_state("state_topic", "valve")
+    entity.add_command("command_topic", "valve", payload_reader("valve", payloads))
     return (entity,)
 
 
@@ -147,70 +160,36 @@ def _valve_text(values: Values) -> str:
 def _read_valve(text: str) -> Values:
     if text == "STOP":
         return {"valve": "stopped"}
-    return read_number("position", _PERCENT)(text)
+    percent = to_number(text)
+    return {"position": percent} if percent is not None and 0 <= percent <= 100 else {}
 
 
 def publish_fan(part: Part, available: Available, topics: EntityTopics) -> Entities:
-    """Take the switch of a fan, and with it its speed, its programmes, its swing and its direction."""
-    if part.service_type != "fan":
+    """Publish the switch, the speed, the programmes, the swing and the direction of a fan."""
+    if part.service_type != "fan" or not is_settable(available, "on_off"):
         return ()
-    switch = take_settable(available, "on_off")
-    if switch is None:
-        return ()
-    entity = PublishedEntity(topics, "fan", "")
-    entity.has(switch, "state_topic", flag_text("on_off"), "command_topic")
-    if speed := take_settable(available, "fan_speed"):
-        entity.has(speed, "percentage_state_topic", number_text("fan_speed"), "percentage_command_topic")
-    if preset := take_choice(available, "preset_mode", unlike="None"):
-        entity.config["preset_modes"] = list(preset.options)
-        entity.has(preset, "preset_mode_state_topic", unknown_text("preset_mode"), "preset_mode_command_topic")
-    if swing := take_settable(available, "oscillation"):
-        entity.has(swing, "oscillation_state_topic", flag_text("oscillation", *_SWINGS, unknown=""))
-        entity.add_command(
-            "oscillation_command_topic",
-            "oscillation",
-            read_flag("oscillation", dict(zip(_SWINGS, (True, False), strict=True))),
-        )
-    if direction := take_settable(available, "direction"):
-        entity.has(direction, "direction_state_topic", _direction_text, "direction_command_topic")
+    entity = PublishedEntity(topics, "fan")
+    entity.add_rows(available, _FAN_ROWS)
     return (entity,)
 
 
-_SWINGS = ("oscillate_on", "oscillate_off")
-
-
-def _direction_text(values: Values) -> str:
-    direction = values.get("direction")
-    return direction if isinstance(direction, str) else ""
-
-
 def publish_vacuum(_part: Part, available: Available, topics: EntityTopics) -> Entities:
-    """Take what a robot that cleans does, its power, its charge and how it is found."""
-    vacuum = take_settable(available, "vacuum")
-    if vacuum is None:
+    """Publish the state, the power, the charge and the locator of a robot that cleans."""
+    if not is_settable(available, "vacuum"):
         return ()
-    payloads = _settable_payloads(vacuum, {payload: option for payload, (option, _) in _VACUUM.items()})
+    vacuum = available.pop("vacuum")
+    payloads = settable_payloads(vacuum, {payload: option for payload, (option, _) in _VACUUM.items()})
     features = [_VACUUM[payload][1] for payload in payloads]
     entity = PublishedEntity(topics, "vacuum", "", {"supported_features": features})
-    taken = {"vacuum"}
     if vacuum.readable:
-        if speed := take_choice(available, "fan_mode"):
-            taken.add("fan_mode")
-            features.append("fan_speed")
-            entity.config["fan_speed_list"] = list(speed.options)
-            entity.add_command(
-                "set_fan_speed_topic", "fan_mode", read_option("fan_mode", {one: one for one in speed.options})
-            )
-        if take_reported(available, "battery"):
-            taken.add("battery")
-            features.append("battery")
-        entity.add_state("state_topic", "vacuum", _vacuum_text, taken)
-    locate = take_settable(available, "locate")
-    if locate is not None:
+        features += _add_vacuum_state(entity, available)
+    locate = is_settable(available, "locate")
+    if locate:
+        available.pop("locate")
         features.append("locate")
 
     def read(text: str) -> Values:
-        if text == "locate" and locate is not None:
+        if text == "locate" and locate:
             return {"locate": True}
         return {"vacuum": payloads[text]} if text in payloads else {}
 
@@ -218,14 +197,21 @@ def publish_vacuum(_part: Part, available: Available, topics: EntityTopics) -> E
     return (entity,)
 
 
-_VACUUM: Mapping[str, tuple[str, str]] = {
-    "start": ("cleaning", "start"),
-    "pause": ("paused", "pause"),
-    "stop": ("idle", "stop"),
-    "return_to_base": ("returning", "return_home"),
-    "clean_spot": ("spot", "clean_spot"),
-}
-"""By payload: what it commands, and the feature that says so."""
+def _add_vacuum_state(entity: PublishedEntity, available: Available) -> list[str]:
+    """Add the JSON state of a vacuum cleaner; return the features in it."""
+    features, reported = [], ["vacuum"]
+    speed, battery = available.get("fan_mode"), available.get("battery")
+    if speed is not None and speed.settable and speed.options:
+        reported.append(available.pop("fan_mode").name)
+        features.append("fan_speed")
+        entity.config["fan_speed_list"] = list(speed.options)
+        options = {option: option for option in speed.options}
+        entity.add_command("set_fan_speed_topic", "fan_mode", payload_reader("fan_mode", options))
+    if battery is not None and battery.readable and not battery.settable:
+        reported.append(available.pop("battery").name)
+        features.append("battery")
+    entity.add_state("state_topic", "vacuum", _vacuum_text, reported)
+    return features
 
 
 def _vacuum_text(values: Values) -> str:
@@ -239,65 +225,49 @@ def _vacuum_text(values: Values) -> str:
 
 
 def publish_mower(_part: Part, available: Available, topics: EntityTopics) -> Entities:
-    """Take what a robot that mows does."""
-    mower = take_settable(available, "mower")
-    if mower is None:
+    """Publish the activity of a robot that mows."""
+    if not is_settable(available, "mower"):
         return ()
-    payloads = _settable_payloads(mower, _MOWER)
-    entity = PublishedEntity(topics, "lawn_mower", "")
+    mower = available.pop("mower")
+    payloads = settable_payloads(mower, _MOWER)
+    entity = PublishedEntity(topics, "lawn_mower")
     if mower.readable:
-        entity.add_state("activity_state_topic", "mower", unknown_text("mower"))
+        entity.add_state("activity_state_topic", "mower")
     for action in payloads:
-        entity.add_command(f"{action}_command_topic", "mower", read_option("mower", payloads))
+        entity.add_command(f"{action}_command_topic", "mower", payload_reader("mower", payloads))
     return (entity,)
-
-
-_MOWER = {"start_mowing": "mowing", "pause": "paused", "dock": "docked"}
 
 
 def publish_alarm(_part: Part, available: Available, topics: EntityTopics) -> Entities:
-    """Take the alarm. It asks for no code: what may command, may command it."""
-    alarm = take_settable(available, "alarm")
-    if alarm is None:
+    """Publish an alarm. It asks for no code: a client that may command homebot may command it."""
+    if not is_settable(available, "alarm"):
         return ()
-    payloads = {payload: option for payload, option in _ALARM.items() if not alarm.options or option in alarm.options}
+    payloads = settable_payloads(available.pop("alarm"), _ALARM)
     features = [payload.lower() for payload in payloads if payload != "DISARM"]
     fields = {"supported_features": features, **dict.fromkeys(_CODES, False)}
     entity = PublishedEntity(topics, "alarm_control_panel", "", fields)
-    entity.add_state("state_topic", "alarm", unknown_text("alarm"))
-    entity.add_command("command_topic", "alarm", read_option("alarm", payloads))
+    entity.add_state("state_topic", "alarm")
+    entity.add_command("command_topic", "alarm", payload_reader("alarm", payloads))
     return (entity,)
 
 
-_CODES = ("code_arm_required", "code_disarm_required", "code_trigger_required")
-_ALARM = {
-    "DISARM": "disarmed",
-    "ARM_HOME": "armed_home",
-    "ARM_AWAY": "armed_away",
-    "ARM_NIGHT": "armed_night",
-    "ARM_VACATION": "armed_vacation",
-    "ARM_CUSTOM_BYPASS": "armed_custom_bypass",
-    "TRIGGER": "triggered",
-}
-
-
 def publish_siren(part: Part, available: Available, topics: EntityTopics) -> Entities:
-    """Take the switch of a siren, and with it its tones and its volume."""
-    if part.service_type != "siren":
+    """Publish the switch, the tones and the volume of a siren."""
+    if part.service_type != "siren" or not is_settable(available, "on_off"):
         return ()
-    switch = take_settable(available, "on_off")
-    if switch is None:
-        return ()
-    volume = take_settable(available, "volume")
-    entity = PublishedEntity(topics, "siren", "", {"support_volume_set": volume is not None, "support_duration": False})
-    tones: tuple[str, ...] = ()
-    if tone := take_choice(available, "siren_tone"):
-        tones = tone.options
+    switch = available.pop("on_off")
+    has_volume = is_settable(available, "volume")
+    entity = PublishedEntity(topics, "siren", "", {"support_volume_set": has_volume, "support_duration": False})
+    tone = available.get("siren_tone")
+    tones = tone.options if tone is not None and tone.settable else ()
+    names = ["on_off", *(["siren_tone"] if tones else []), *(["volume"] if has_volume else [])]
+    if tones:
         entity.config["available_tones"] = list(tones)
-    taken = ("on_off", *(("siren_tone",) if tones else ()), *(("volume",) if volume else ()))
+    for name in names[1:]:
+        available.pop(name)
     if switch.readable:
-        entity.add_state("state_topic", "siren", _siren_text, taken)
-    entity.add_command("command_topic", "siren", lambda text: _read_siren(text, tones, has_volume=volume is not None))
+        entity.add_state("state_topic", "siren", _siren_text, names)
+    entity.add_command("command_topic", "siren", lambda text: _read_siren(text, tones, has_volume=has_volume))
     return (entity,)
 
 

@@ -1,10 +1,10 @@
-"""One entity that a Home Assistant shall make of something offered: its config, its states and its commands. Pure."""
+"""One entity in a Home Assistant for an exposed part: its config, its states and its commands. Pure."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability
@@ -17,41 +17,67 @@ __all__ = [
     "EntityTopics",
     "PublishedEntity",
     "PublishedState",
+    "Row",
     "StateWriter",
     "Values",
-    "flag_text",
-    "number_text",
-    "read_flag",
-    "read_number",
-    "read_option",
-    "reader_of",
-    "shortest",
-    "take_choice",
-    "take_reported",
-    "take_settable",
-    "unknown_text",
+    "is_settable",
+    "payload_reader",
+    "settable_payloads",
+    "state_writer",
 ]
 
 Values: TypeAlias = Mapping[str, PlainValue]
 """The known values of a part, by capability."""
 
 StateWriter: TypeAlias = Callable[[Values], str]
-"""The payload of the values; empty for one that clears what the broker keeps."""
+"""Writes the payload of the values; an empty one clears the retained state."""
 
 CommandReader: TypeAlias = Callable[[str], Values]
-"""The values that a payload commands, by capability, in this order; empty for what is no command. Never raises."""
+"""Reads the commanded values of a payload, by capability and in this order; empty for no command. Never raises."""
 
 Available: TypeAlias = dict[str, Capability]
-"""The capabilities of a part that no entity has taken yet, by name."""
+"""The capabilities of a part that are in no entity yet, by name."""
+
+_SWITCHED = ("ON", "OFF")
+_WIDE = (-1e15, 1e15)
+_WHOLE = 1e15
+
+
+class Row(NamedTuple):
+    """One capability of an entity, and the fields of the config that belong to it.
+
+    Attributes:
+        capability: Its name. It is left out if it lacks one of the topics.
+        state_key: The field of its state topic.
+        command_key: The field of its command topic; empty for a capability that is only reported.
+        options_key: The field of its options; empty if it needs none.
+        reserved: An option with another meaning in Home Assistant, with which the capability is left out.
+        unknown: The payload of an unknown value.
+        payloads: The payloads of true and false.
+        is_reported: Whether a capability that is never reported is left out.
+    """
+
+    capability: str
+    state_key: str
+    command_key: str = ""
+    options_key: str = ""
+    reserved: str = ""
+    unknown: str = "None"
+    payloads: tuple[str, str] = _SWITCHED
+    is_reported: bool = False
+
+    def fits(self, capability: Capability) -> bool:
+        """Return whether *capability* can be published by this row."""
+        if not self.command_key:
+            return capability.readable and not capability.settable
+        if self.options_key and (not capability.options or self.reserved in capability.options):
+            return False
+        return capability.settable and (capability.readable or not self.is_reported)
 
 
 @dataclass(frozen=True, slots=True)
 class EntityTopics:
-    """The topics of one part that is offered.
-
-    Attributes:
-        base: What all of them begin with.
-    """
+    """The topics of one exposed part, all below *base*."""
 
     base: str
 
@@ -66,14 +92,7 @@ class EntityTopics:
 
 @dataclass(frozen=True, slots=True)
 class PublishedState:
-    """The state that is published on one topic.
-
-    Attributes:
-        topic: The topic.
-        capabilities: Whose values it publishes.
-        write: Makes the payload of the values.
-        is_event: Whether it publishes what happens and is over, which the broker must not keep.
-    """
+    """The state of some capabilities on one topic; an event is not retained."""
 
     topic: str
     capabilities: frozenset[str]
@@ -85,21 +104,19 @@ class PublishedEntity:
     """An entity in the making.
 
     Args:
-        topics: Of its part.
-        component: What Home Assistant shall make, for example ``light``.
-        name: Tells it from the part's other entities; empty for what the part is for.
+        topics: The topics of its part.
+        component: Home Assistant's component, for example ``light``.
+        name: Distinguishes it from the part's other entities; empty for the main one.
         config: The fields that name no topic.
 
     Attributes:
-        component: The same.
-        name: The same.
         config: All fields of its config so far.
-        states: The states that it publishes.
+        states: Its published states.
         commands: Readers of its commands, by topic.
     """
 
     def __init__(
-        self, topics: EntityTopics, component: str, name: str, config: Mapping[str, object] | None = None
+        self, topics: EntityTopics, component: str, name: str = "", config: Mapping[str, object] | None = None
     ) -> None:
         self.component = component
         self.name = name
@@ -109,122 +126,86 @@ class PublishedEntity:
         self._topics = topics
 
     def add_state(
-        self, key: str, name: str, write: StateWriter, capabilities: Iterable[str] = (), *, is_event: bool = False
+        self,
+        key: str,
+        name: str,
+        write: StateWriter | None = None,
+        capabilities: Iterable[str] = (),
+        *,
+        is_event: bool = False,
     ) -> None:
-        """Publish *capabilities*, by default *name* alone, on a topic that the field *key* names."""
+        """Publish *capabilities*, by default *name* alone, on the topic in the field *key*."""
         topic = self.config[key] = self._topics.state(name)
-        self.states.append(PublishedState(topic, frozenset(capabilities) or frozenset({name}), write, is_event))
+        names = frozenset(capabilities) or frozenset({name})
+        self.states.append(PublishedState(topic, names, write or state_writer(name), is_event))
 
     def add_command(self, key: str, name: str, read: CommandReader) -> None:
-        """Take commands on a topic that the field *key* names."""
+        """Read commands from the topic in the field *key*."""
         topic = self.config[key] = self._topics.command(name)
         self.commands[topic] = read
 
-    def has(self, capability: Capability, state_key: str, write: StateWriter, command_key: str = "") -> None:
-        """Publish *capability* where it is readable; see :meth:`add_state`. A command for it is read by its kind."""
-        if capability.readable:
-            self.add_state(state_key, capability.name, write)
-        if capability.settable and command_key:
-            self.add_command(command_key, capability.name, reader_of(capability))
+    def add(self, capability: Capability, row: Row) -> None:
+        """Publish *capability* as *row* says."""
+        if row.options_key:
+            self.config[row.options_key] = list(capability.options)
+        if capability.readable and row.state_key:
+            self.add_state(row.state_key, capability.name, state_writer(capability.name, row.unknown, row.payloads))
+        if capability.settable and row.command_key:
+            self.add_command(row.command_key, capability.name, _command_reader(capability, row.payloads))
+
+    def add_rows(self, available: Available, rows: Iterable[Row]) -> None:
+        """Move the capabilities that fit *rows* from *available* to this entity."""
+        for row in rows:
+            capability = available.get(row.capability)
+            if capability is not None and row.fits(capability):
+                self.add(available.pop(row.capability), row)
 
 
-def unknown_text(name: str) -> StateWriter:
-    """Return a writer of a text; ``None`` stands for unknown."""
+def is_settable(available: Available, name: str) -> bool:
+    """Return whether the capability *name* is available and settable."""
+    return name in available and available[name].settable
+
+
+def settable_payloads(capability: Capability, payloads: Mapping[str, str]) -> dict[str, str]:
+    """Return the *payloads* of the options of *capability*, or all if it names no options."""
+    return {key: option for key, option in payloads.items() if not capability.options or option in capability.options}
+
+
+def state_writer(name: str, unknown: str = "None", payloads: tuple[str, str] = _SWITCHED) -> StateWriter:
+    """Return the writer of one capability in Home Assistant's plain form."""
 
     def write(values: Values) -> str:
         value = values.get(name)
-        return value if isinstance(value, str) else "None"
+        if isinstance(value, bool):
+            return payloads[0] if value else payloads[1]
+        if isinstance(value, float):
+            return str(int(value)) if value.is_integer() and abs(value) < _WHOLE else repr(value)
+        return value if isinstance(value, str) else unknown
 
     return write
 
 
-def flag_text(name: str, on: str = "ON", off: str = "OFF", unknown: str = "None") -> StateWriter:
-    """Return a writer of a truth."""
-
-    def write(values: Values) -> str:
-        value = values.get(name)
-        return unknown if value is None else (on if value else off)
-
-    return write
+def payload_reader(name: str, payloads: Mapping[str, PlainValue]) -> CommandReader:
+    """Return a reader of the values that *payloads* command."""
+    return lambda text: {name: payloads[text]} if text in payloads else {}
 
 
-def number_text(name: str, unknown: str = "None") -> StateWriter:
-    """Return a writer of a number."""
-
-    def write(values: Values) -> str:
-        value = values.get(name)
-        return shortest(value) if isinstance(value, float) else unknown
-
-    return write
-
-
-def shortest(number: float) -> str:
-    """Return *number* without a point where it is whole, and never with fewer digits than it has."""
-    return str(int(number)) if number.is_integer() and abs(number) < _WHOLE else repr(number)
+def _command_reader(capability: Capability, payloads: tuple[str, str]) -> CommandReader:
+    """Return the reader of commands to *capability* in Home Assistant's plain form."""
+    name, known = capability.name, CAPABILITIES[capability.name]
+    if known.kind == "bool":
+        return payload_reader(name, dict(zip(payloads, (True, False), strict=True)))
+    if known.kind == "number":
+        return _number_reader(name, capability.bounds or known.bounds or _WIDE)
+    options = capability.options or known.options
+    return payload_reader(name, {option: option for option in options}) if options else lambda text: {name: text}
 
 
-def read_flag(name: str, payloads: Mapping[str, bool]) -> CommandReader:
-    """Return a reader of commands that are two payloads, or one."""
-
-    def read(text: str) -> Values:
-        return {name: payloads[text]} if text in payloads else {}
-
-    return read
-
-
-def read_number(name: str, bounds: tuple[float, ...]) -> CommandReader:
-    """Return a reader of numbers within *bounds*."""
-    least, most = bounds or _WIDE
+def _number_reader(name: str, bounds: tuple[float, ...]) -> CommandReader:
+    least, most = bounds
 
     def read(text: str) -> Values:
         number = to_number(text)
         return {name: number} if number is not None and least <= number <= most else {}
 
     return read
-
-
-def read_option(name: str, payloads: Mapping[str, str]) -> CommandReader:
-    """Return a reader of options: the one that each payload commands."""
-
-    def read(text: str) -> Values:
-        return {name: payloads[text]} if text in payloads else {}
-
-    return read
-
-
-def reader_of(capability: Capability) -> CommandReader:
-    """Return the reader of commands to *capability* in Home Assistant's plain form."""
-    known = CAPABILITIES[capability.name]
-    if known.kind == "bool":
-        return read_flag(capability.name, _SWITCHED)
-    if known.kind == "number":
-        return read_number(capability.name, capability.bounds or known.bounds)
-    options = capability.options or known.options
-    if options:
-        return read_option(capability.name, {option: option for option in options})
-    return lambda text: {capability.name: text}
-
-
-def take_settable(available: Available, name: str) -> Capability | None:
-    """Take the capability *name* out of *available* where it is there and can be set."""
-    known = available.get(name)
-    return available.pop(name) if known is not None and known.settable else None
-
-
-def take_reported(available: Available, name: str) -> Capability | None:
-    """Take the capability *name* out of *available* where it is there and only reports."""
-    known = available.get(name)
-    return available.pop(name) if known is not None and known.readable and not known.settable else None
-
-
-def take_choice(available: Available, name: str, unlike: str = "") -> Capability | None:
-    """Take the capability *name* out of *available* where it can be set to options, none of which is *unlike*."""
-    known = available.get(name)
-    if known is None or not known.settable or not known.options or (unlike and unlike in known.options):
-        return None
-    return available.pop(name)
-
-
-_SWITCHED = {"ON": True, "OFF": False}
-_WIDE = (-1e15, 1e15)
-_WHOLE = 1e15

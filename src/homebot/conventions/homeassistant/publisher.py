@@ -133,7 +133,7 @@ class HomeAssistantPublisher:
             )
         return tuple(found)
 
-    def take(self, topic: str, payload: bytes) -> tuple[Command, ...]:
+    def read_command(self, topic: str, payload: bytes) -> tuple[Command, ...]:
         """Return the commands that a message on one of the filters is, in this order; none where it is none."""
         route = self._routes.get(topic)
         if route is None or len(payload) > _MAX_COMMAND:

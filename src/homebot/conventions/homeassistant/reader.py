@@ -34,7 +34,7 @@ class HomeAssistantReader:
         self._prefixes = prefixes
         self._devices = DeviceReader()
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - a config counts as much when it was kept
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - a config counts as much when it was kept
         """Take a config and return what it describes of its device."""
         where = None
         for prefix in self._prefixes:

@@ -27,7 +27,7 @@ class HomieReader:
         """Number of illegal nodes and properties, of devices that were described without them."""
         return self._version4.ignored + self._version5.ignored
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - the broker keeps all attributes
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - the broker keeps all attributes
         """Take an attribute and return what it describes of its device."""
         domain, _, rest = topic.partition("/")
         device_id, _, attribute = rest.partition("/")

@@ -60,7 +60,7 @@ class Gen2:
         """Number of devices or answers that were forgotten or not taken for want of room."""
         return self._devices.dropped + self._refused
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Take a message on one of the filters.
 
         Raises:

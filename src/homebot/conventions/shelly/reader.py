@@ -26,11 +26,11 @@ class ShellyReader:
         """Number of devices or answers that were forgotten or not taken for want of room."""
         return self._gen1.dropped + self._gen2.dropped
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Take a message, and return what it describes of devices or makes one ask them."""
         if self._is_first(topic):
             return self._gen1.take(topic, payload)
-        return self._gen2.take(topic, payload, retained=retained)
+        return self._gen2.read_message(topic, payload, retained=retained)
 
     def _is_first(self, topic: str) -> bool:
         """Return whether *topic* is the first generation's; a prefix of the second may lie among its topics."""

@@ -53,7 +53,7 @@ class TasmotaReader:
         self._waiting: dict[str, tuple[Leaf, ...]] = {}
         self._devices: dict[str, DeviceAnnounced] = {}
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - an announcement counts as much when it was kept
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - an announcement counts as much when it was kept
         """Take a message and return what it describes of its device; nothing as long as only its sensors are known."""
         match = _TOPIC.fullmatch(topic.removeprefix(f"{self._prefix}/"))
         if match is None or not topic.startswith(f"{self._prefix}/"):

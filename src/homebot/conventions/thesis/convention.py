@@ -153,7 +153,7 @@ class Thesis:
         """Return nothing: no device of the layout announces itself when asked."""
         return ()
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Return the device that publishes on *topic*; an empty payload takes it out of the house.
 
         Raises:

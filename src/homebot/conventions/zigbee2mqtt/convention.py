@@ -57,10 +57,12 @@ class Zigbee2Mqtt(LazyConvention[Zigbee2MqttSettings, "Zigbee2MqttReader"]):
         """Return which bridges do not say which devices they have, or publish states in a form that is not read."""
         return self.reader.problems() if self.is_loaded else ()
 
-    def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[AnnouncementEvent | None]:
-        """Do what :meth:`take` does, in steps: the list of a house of hundreds takes a second."""
+    def read_message_in_slices(
+        self, topic: str, payload: bytes, *, retained: bool
+    ) -> Iterator[AnnouncementEvent | None]:
+        """Do what :meth:`read_message` does, in steps: the list of a house of hundreds takes a second."""
         try:
-            yield from self.reader.take_slices(topic, payload, retained=retained)
+            yield from self.reader.read_message_in_slices(topic, payload, retained=retained)
         except WireError:
             self.reader.rejected += 1
             raise

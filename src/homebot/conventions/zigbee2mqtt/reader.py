@@ -50,12 +50,18 @@ class Zigbee2MqttReader:
         self._without_json: set[str] = set()
         self._listless = dict.fromkeys(bases, False)  # no list came yet; whether what is beside it did
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Take a list of devices and return what it describes of each. A broken entry costs that device alone."""
-        return tuple(one for one in self.take_slices(topic, payload, retained=retained) if one is not None)
+        return tuple(one for one in self.read_message_in_slices(topic, payload, retained=retained) if one is not None)
 
-    def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[AnnouncementEvent | None]:  # noqa: ARG002 - the bridge keeps its lists
-        """Do what :meth:`take` does, in steps: the list of a house of hundreds takes a second."""
+    def read_message_in_slices(
+        self,
+        topic: str,
+        payload: bytes,
+        *,
+        retained: bool,  # noqa: ARG002 - the bridge's lists are retained
+    ) -> Iterator[AnnouncementEvent | None]:
+        """Do what :meth:`read_message` does, in steps: the list of a house of hundreds takes a second."""
         base, _, last = topic.rpartition("/bridge/")
         if base not in self._devices:
             return

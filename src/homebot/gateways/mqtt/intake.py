@@ -102,7 +102,7 @@ class AnnouncementHandler:
         """
         for convention in conventions:
             try:
-                told = convention.take(message.topic, message.payload, retained=message.retain)
+                told = convention.read_message(message.topic, message.payload, retained=message.retain)
                 for event in told:
                     self._handle(event, convention, message, 0)
             except WireError as exc:
@@ -126,8 +126,8 @@ class AnnouncementHandler:
         """
         try:
             if _takes_slices(type(convention)) and isinstance(convention, SlicedConvention):
-                return iter(convention.take_slices(message.topic, message.payload, retained=message.retain))
-            steps = iter(convention.take(message.topic, message.payload, retained=message.retain))
+                return iter(convention.read_message_in_slices(message.topic, message.payload, retained=message.retain))
+            steps = iter(convention.read_message(message.topic, message.payload, retained=message.retain))
             event = next(steps, _END)
             if isinstance(event, DeviceAnnounced):
                 self._describe(event, message, len(message.payload))

@@ -69,7 +69,7 @@ class Offers:
             if message.retain:
                 continue
             try:
-                commands = publisher.take(message.topic, message.payload)
+                commands = publisher.read_command(message.topic, message.payload)
             except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
                 self._quarantine.record_plugin_failure(message.topic, type(publisher).__name__, exc)
                 continue

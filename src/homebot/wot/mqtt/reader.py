@@ -84,7 +84,7 @@ class ThingReader:
         self.rejected = 0
         self._prefixes = prefixes
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Take a description.
 
         Raises:

@@ -1,0 +1,291 @@
+"""Fans, humidifiers, water heaters, sirens, and robots that clean or mow. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt``: fan.py, humidifier.py, lawn_mower.py, siren.py, vacuum.py and
+water_heater.py.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+
+from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer
+from homebot.conventions.description import DescribedPart, Publications
+from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.entity import Entity, Scale
+from homebot.conventions.homeassistant.temperature import Thermometer, read_thermometer, source_of
+from homebot.conventions.payload import (
+    NO_READINGS,
+    Readings,
+    clean_text,
+    compact_json,
+    fields_of,
+    meaning_reader,
+    number_of,
+    shown,
+    whole_of,
+)
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+
+__all__ = ["build_fan", "build_humidifier", "build_lawn_mower", "build_siren", "build_vacuum", "build_water_heater"]
+
+_PERCENT = (0.0, 100.0)
+_LONGEST_MODE = 120
+_DIRECTIONS = ("forward", "reverse")
+_EMPTY_PAYLOADS = (b"", b"None")
+_WATER_HEATER_MODES = ("eco", "electric", "gas", "heat_pump", "high_demand", "performance", "off")
+_WATER_HEATER_BOUNDS = tuple(map(Thermometer(is_fahrenheit=True).celsius, (110.0, 140.0)))
+_MOWER_ACTIONS = {"mowing": "start_mowing", "paused": "pause", "docked": "dock"}
+_MOWER_STATES = frozenset({"mowing", "paused", "docked", "returning", "error"})
+_VACUUM_FEATURES = ("start", "stop", "return_home", "battery", "clean_spot")
+_VACUUM_STATES = frozenset({"cleaning", "docked", "paused", "idle", "returning", "error"})
+_VACUUM_COMMANDS = {
+    "cleaning": ("start", "payload_start", "start"),
+    "paused": ("pause", "payload_pause", "pause"),
+    "idle": ("stop", "payload_stop", "stop"),
+    "returning": ("return_home", "payload_return_to_base", "return_to_base"),
+    "spot": ("clean_spot", "payload_clean_spot", "clean_spot"),
+}
+"""By state: the feature that its command needs, the field of its payload, and the default of that."""
+
+
+def build_fan(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a fan."""
+    entity = Entity(config, "fan")
+    payloads = config.on_off_payloads()
+    states = {payloads[False]: False, payloads[True]: True, "None": None}
+    entity.add_flag(
+        "on_off", config.source("state_topic", "state_value_template"), config.required_command(), payloads, states
+    )
+    _add_speed(entity, config)
+    _add_preset(entity, config)
+    payloads = {
+        True: config.text("payload_oscillation_on", "oscillate_on"),
+        False: config.text("payload_oscillation_off", "oscillate_off"),
+    }
+    entity.add_flag(
+        "oscillation",
+        config.value_source("oscillation"),
+        config.command_of("oscillation"),
+        payloads,
+        {payloads[False]: False, payloads[True]: True},
+    )
+    command = config.command_of("direction")
+    read = meaning_reader("direction", {direction: direction for direction in _DIRECTIONS})
+    writer = option_writer("direction", _DIRECTIONS, command.publish) if command else None
+    entity.add_value("direction", config.value_source("direction"), read, command, writer)
+    return entity.build()
+
+
+def _add_speed(entity: Entity, config: DiscoveryConfig) -> None:
+    least = config.integer("speed_range_min", 1, least=1)
+    most = config.integer("speed_range_max", 100, least=1)
+    if least >= most:
+        raise WireError(f"fan: speed_range_max is {most}, not above speed_range_min {least}")
+    scale = Scale(least - 1, most)
+    unknown = config.text("payload_reset_percentage", "None")
+    command = config.command_of("percentage")
+
+    def read(text: str) -> Readings:
+        if text == unknown:
+            return {"fan_speed": None}
+        speed = whole_of(text)
+        percent = -1.0 if speed is None else scale.percent(speed)
+        return {"fan_speed": percent} if 0 <= percent <= 100 else NO_READINGS
+
+    def publish(percent: float) -> Publications:
+        return command.publish(math.ceil(scale.value(round(percent)))) if command else ()
+
+    writer = number_writer("fan_speed", _PERCENT, "%", publish) if command else None
+    entity.add_value("fan_speed", config.value_source("percentage"), read, command, writer)
+
+
+def _add_preset(entity: Entity, config: DiscoveryConfig) -> None:
+    modes = config.options("preset_modes")
+    unknown = config.text("payload_reset_preset_mode", "None")
+    command = config.command_of("preset_mode")
+    if unknown in modes:
+        raise WireError(f"fan: preset_modes has {shown(unknown)}, which means that the mode is unknown")
+    source = config.value_source("preset_mode") if modes else None
+    read = meaning_reader("preset_mode", {**{mode: mode for mode in modes}, unknown: None})
+    writer = option_writer("preset_mode", modes, command.publish) if command and modes else None
+    entity.add_value("preset_mode", source, read, command, writer, options=modes)
+
+
+def build_humidifier(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a humidifier or, by its tag, a dehumidifier."""
+    entity = Entity(config, "x_humidifier", config.clean_text("device_class") or "humidifier")
+    source = config.source("state_topic", "state_value_template")
+    entity.add_flag("on_off", source, config.required_command(), config.on_off_payloads())
+    least, most = config.number("min_humidity", 0.0), config.number("max_humidity", 100.0)
+    if not 0 <= least < most <= 100:
+        raise WireError(f"humidifier: max_humidity is {most:g}, not above min_humidity {least:g} and at most 100")
+    unknown = config.text("payload_reset_humidity", "None")
+    entity.add_number(
+        "humidity_setpoint",
+        config.source("target_humidity_state_topic", "target_humidity_state_template"),
+        config.required_command("target_humidity_command_topic", "target_humidity_command_template"),
+        bounds=(least, most),
+        unit="%",
+        unknown=unknown,
+        from_device=_whole_within(least, most),
+        to_device=int,
+    )
+    measured = config.source("current_humidity_topic", "current_humidity_template")
+    entity.add_number("humidity", measured, None, unit="%", unknown=unknown, from_device=_whole_within(0, 100))
+    modes = config.options("modes")
+    no_mode = config.text("payload_reset_mode", "None")
+    if no_mode in modes:
+        raise WireError(f"humidifier: modes has {shown(no_mode)}, which means that the mode is unknown")
+    source = config.source("mode_state_topic", "mode_state_template")
+    entity.add_choice("humidifier_mode", source, config.command_of("mode"), modes, {no_mode: None})
+    return entity.build()
+
+
+def _whole_within(least: float, most: float) -> Callable[[float], float | None]:
+    def convert(number: float) -> float | None:
+        whole = float(round(number))
+        return whole if least <= whole <= most else None
+
+    return convert
+
+
+def build_water_heater(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a water heater. Its switch, if it has a topic, is never reported."""
+    thermometer = read_thermometer(config)
+    limits = thermometer.limits(config, *_WATER_HEATER_BOUNDS)
+    entity = Entity(config, "water_heater")
+    entity.add_number(
+        "heating_setpoint",
+        source_of(config, "temperature_state"),
+        config.command_of("temperature"),
+        bounds=limits.bounds,
+        unit="°C",
+        from_device=thermometer.celsius,
+        to_device=limits.number,
+    )
+    measured = source_of(config, "current_temperature")
+    entity.add_number("local_temperature", measured, None, unit="°C", from_device=thermometer.celsius)
+    modes = config.options("modes") if config.has("modes") else _WATER_HEATER_MODES
+    entity.add_choice("water_heater_mode", source_of(config, "mode_state"), config.command_of("mode"), modes)
+    entity.add_flag("on_off", None, config.command_of("power"), config.on_off_payloads())
+    return entity.build()
+
+
+def build_siren(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a siren. Tone and volume also turn it on; without a template it is commanded in JSON."""
+    on_command = config.required_command()
+    off_command = config.required_command(template_key="command_off_template")
+    if off_command.template is None:
+        off_command = on_command
+    payloads, states = config.on_off_payloads(), config.on_off_states()
+    tones = config.options("available_tones")
+    has_volume = config.flag("support_volume_set", default=True)
+
+    def read(text: str) -> Readings:
+        if text in states:
+            return {"on_off": states[text]}
+        message = fields_of(text)
+        found: dict[str, PlainValue] = {}
+        state, tone, volume = message.get("state"), message.get("tone"), number_of(message.get("volume_level"))
+        if isinstance(state, str) and state in states:
+            found["on_off"] = states[state]
+        if isinstance(tone, str) and tone in tones:
+            found["siren_tone"] = tone
+        if has_volume and volume is not None and 0 <= volume <= 1:
+            found["volume"] = volume * 100
+        return found
+
+    def publish(on: bool = True, **fields: object) -> Publications:  # noqa: FBT001, FBT002 - a writer gives it by place
+        command = on_command if on else off_command
+        variables = {"state": payloads[on], **fields}
+        if command.template is None:
+            return command.publish(compact_json(variables))
+        publication = command.publication(payloads[on], variables)
+        if publication.payload in _EMPTY_PAYLOADS:
+            raise RefusedError(f"a command on {command.topic}", "its template renders nothing for it")
+        return (publication,)
+
+    entity = Entity(config, "siren")
+    readable = entity.read_text_from(config.source("state_topic", "state_value_template"), read)
+    entity.add_capability("on_off", readable=readable, writer=bool_writer("on_off", publish))
+    if tones:
+        writer = option_writer("siren_tone", tones, lambda tone: publish(tone=tone))
+        entity.add_capability("siren_tone", readable=readable, writer=writer, options=tones)
+    if has_volume:
+        writer = number_writer("volume", _PERCENT, "%", lambda percent: publish(volume_level=percent / 100))
+        entity.add_capability("volume", readable=readable, writer=writer)
+    entity.add_commands(on_command)
+    return entity.build()
+
+
+def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a robot that mows; each of its commands has a topic of its own."""
+    commands = {
+        state: (command, action)
+        for state, action in _MOWER_ACTIONS.items()
+        if (command := config.command_of(action)) is not None
+    }
+
+    def read(text: str) -> Readings:
+        if text.lower() == "none":
+            return {"mower": None}
+        return {"mower": text} if text in _MOWER_STATES else NO_READINGS
+
+    def publish(state: str) -> Publications:
+        command, action = commands[state]
+        return command.publish(action)
+
+    entity = Entity(config, "x_lawn_mower")
+    source = config.source("activity_state_topic", "activity_value_template")
+    writer = option_writer("mower", commands, publish) if commands else None
+    entity.add_value("mower", source, read, None, writer, options=tuple(commands))
+    entity.add_commands(*(command for command, _ in commands.values()))
+    return entity.build()
+
+
+def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a robot that cleans, with the commands that its ``supported_features`` name."""
+    features = frozenset(config.options("supported_features") if config.has("supported_features") else _VACUUM_FEATURES)
+    command = config.command("command_topic", template_key="")
+    set_speed = config.command("set_fan_speed_topic", template_key="")
+    source = config.source("state_topic", template_key="")
+    speeds = config.options("fan_speed_list") if "fan_speed" in features else ()
+    has_battery = "battery" in features
+    entity = Entity(config, "robotic_vacuum_cleaner")
+    readable = entity.read_text_from(source, partial(_read_vacuum, has_speed=bool(speeds), has_battery=has_battery))
+    payloads = {
+        state: config.text(key, default)
+        for state, (feature, key, default) in _VACUUM_COMMANDS.items()
+        if feature in features
+    }
+    if command is None:
+        payloads = {}
+    writer: Writer | None = None
+    if command and payloads:
+        writer = option_writer("vacuum", payloads, lambda state: command.publish(payloads[state]))
+    entity.add_capability("vacuum", readable=readable, writer=writer, options=tuple(payloads))
+    if speeds:
+        writer = option_writer("fan_mode", speeds, set_speed.publish) if set_speed else None
+        entity.add_capability("fan_mode", readable=readable, writer=writer, options=speeds)
+    if has_battery:
+        entity.add_capability("battery", readable=readable, unit="%")
+    if "locate" in features and command:
+        entity.add_push("locate", command, config.text("payload_locate", "locate"))
+    entity.add_commands(command, set_speed if speeds else None)
+    return entity.build()
+
+
+def _read_vacuum(text: str, *, has_speed: bool, has_battery: bool) -> Readings:
+    message = fields_of(text)
+    found: dict[str, PlainValue] = {}
+    state, speed, charge = message.get("state", ""), message.get("fan_speed"), number_of(message.get("battery_level"))
+    if state is None or (isinstance(state, str) and state in _VACUUM_STATES):
+        found["vacuum"] = state
+    if has_speed and isinstance(speed, str):
+        found["fan_mode"] = clean_text(speed, _LONGEST_MODE)
+    if has_battery and charge is not None:
+        found["battery"] = max(0.0, min(100.0, charge))
+    return found

@@ -1,0 +1,290 @@
+"""Sensors, events and pictures: the components that are read and not commanded. Pure.
+
+A retained event happened before and is ignored: an old doorbell must not ring again. Of a picture only the topic is
+known; it is not carried. Software is never installed: its versions are reported.
+
+Source: Home Assistant core 2025.4, ``components/mqtt``: binary_sensor.py, camera.py, device_tracker.py,
+device_trigger.py, event.py, image.py, sensor.py, tag.py and update.py; ``components/sensor/__init__.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from functools import lru_cache, partial
+
+from homebot.conventions.description import AutoExpiry, Codec, DescribedPart, Publications
+from homebot.conventions.device_classes import condition_of, is_quantity, quantity_of
+from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.homeassistant.topics import StateMessage
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, fields_of, meaning_reader, read_number, shown
+from homebot.conventions.secrets import names_secret
+from homebot.conventions.units import Quantity
+from homebot.devices.part import Capability
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+
+__all__ = [
+    "build_binary_sensor",
+    "build_camera",
+    "build_device_tracker",
+    "build_event",
+    "build_image",
+    "build_sensor",
+    "build_tag",
+    "build_trigger",
+    "build_update",
+]
+
+_LONGEST = 255
+_LONGEST_PLACE = 120
+_LONGEST_UNIT = 40
+_IMAGE = Capability(name="image", readable=False)
+_UNKNOWN: Readings = {"value": None}
+_TEXT_CLASSES = frozenset({"date", "enum", "timestamp"})
+_NUMERIC_FIELDS = ("unit_of_measurement", "state_class", "suggested_display_precision")
+
+
+def build_sensor(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a sensor: of numbers if class, unit or statistics imply them, of texts otherwise.
+
+    A number is reported in the unit of the vocabulary, or in its own if that cannot be converted.
+    """
+    source = config.required_source("state_topic").without_payload()
+    device_class = config.clean_text("device_class")
+    if device_class not in _TEXT_CLASSES and (is_quantity(device_class) or any(map(config.has, _NUMERIC_FIELDS))):
+        quantity = quantity_of(device_class, config.clean_text("unit_of_measurement", _LONGEST_UNIT))
+        entity = Entity(config, quantity.service_type)
+        if entity.read_text_from(source, _number_reader(quantity)):
+            entity.add_capability(quantity.capability, unit=quantity.unit)
+            entity.expire(quantity.capability)
+        return entity.build()
+    entity = Entity(config, "x_sensor")
+    options = config.options("options")
+    read = _MOMENT_READERS.get(device_class) or partial(_read_text, frozenset(options))
+    if entity.read_text_from(source, read):
+        entity.add_capability("value", options=options)
+        entity.expire("value")
+    return entity.build()
+
+
+@lru_cache(maxsize=512)  # one for all sensors of a kind: it would be a tenth of a part's memory
+def _number_reader(quantity: Quantity) -> Callable[[object], Readings]:
+    return partial(read_number, quantity.capability, convert=quantity.value)
+
+
+def _read_text(options: frozenset[str], text: str) -> Readings:
+    if text == "None":
+        return _UNKNOWN
+    if len(text) > _LONGEST or (options and text not in options):
+        return NO_READINGS
+    if text.startswith("{") and names_secret(text):  # the whole message of a lock, without a template
+        return NO_READINGS
+    return {"value": clean_text(text, _LONGEST)}
+
+
+def _read_date(text: str) -> Readings:
+    moment = _moment(text)
+    return {"value": moment.date().isoformat()} if moment else _UNKNOWN
+
+
+def _read_timestamp(text: str) -> Readings:
+    """Read a timestamp; one without time zone is ambiguous and ignored."""
+    moment = _moment(text)
+    if moment is None:
+        return _UNKNOWN
+    try:
+        return {"value": moment.astimezone(UTC).isoformat(timespec="seconds")} if moment.tzinfo else NO_READINGS
+    except OverflowError:
+        return NO_READINGS
+
+
+def _moment(text: str) -> datetime | None:
+    try:
+        return datetime.fromisoformat(text[:_LONGEST])
+    except ValueError:
+        return None
+
+
+_MOMENT_READERS: Mapping[str, Callable[[str], Readings]] = {"date": _read_date, "timestamp": _read_timestamp}
+
+
+def build_binary_sensor(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a sensor of one condition, by its class; of an unknown class it is a ``state``."""
+    source = config.required_source("state_topic")
+    service_type, capability = condition_of(config.clean_text("device_class"))
+    states = {"None": None, config.text("payload_off", "OFF"): False, config.text("payload_on", "ON"): True}
+    read = meaning_reader(capability, {text: state for text, state in states.items() if text.strip()})
+    entity = Entity(config, service_type)
+    if entity.read_text_from(source, read):
+        entity.add_capability(capability)
+        delay = config.seconds("off_delay")
+        if delay is not None:
+            entity.add_expiry(AutoExpiry(capability, delay, value=False, only=True))
+        entity.expire(capability)
+    return entity.build()
+
+
+def build_device_tracker(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a tracker of a person or a thing. One that reports only coordinates has no ``place``."""
+    source = config.source("state_topic")
+    if source is None and not config.has("json_attributes_topic"):
+        raise WireError("device_tracker: it has neither state_topic nor json_attributes_topic")
+    places: dict[str, str | None] = {
+        config.text("payload_reset", "None"): None,
+        config.text("payload_not_home", "not_home"): "not_home",
+        config.text("payload_home", "home"): "home",
+    }
+
+    def read(text: str) -> Readings:
+        if not text.strip():
+            return NO_READINGS
+        return {"place": places[text] if text in places else clean_text(text, _LONGEST_PLACE)}
+
+    entity = Entity(config, "x_tracker", config.clean_text("source_type"))
+    entity.add_value("place", source, read)
+    return entity.build()
+
+
+def build_event(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a source of events of declared types, such as a doorbell."""
+    if not config.has("event_types"):
+        raise WireError("event: event_types is None, not a list of texts")
+    types = config.options("event_types")
+
+    def read(text: str) -> str:
+        event = fields_of(text).get("event_type")
+        event = str(event) if isinstance(event, (bool, int, float)) else event
+        return event if isinstance(event, str) and event in types else ""
+
+    return _build_events(config, "generic_switch", "press", "state_topic", read, options=types)
+
+
+def build_trigger(config: DiscoveryConfig) -> DescribedPart:
+    """Describe one event of a remote: its subtype if its type is ``action``, otherwise ``type subtype``."""
+    kind, subtype = (config.clean_text(key) for key in ("type", "subtype"))
+    automation = config.text("automation_type")
+    if automation != "trigger":
+        raise WireError(f"device_automation: automation_type is {shown(automation)}, not trigger")
+    if not kind or not subtype:
+        raise WireError("device_automation: it lacks type or subtype")
+    expected = config.text("payload")
+    press = subtype if kind == "action" else f"{kind} {subtype}"
+
+    def read(text: str) -> str:
+        return press if expected in ("", text) else ""
+
+    return _build_events(config, "generic_switch", "press", "topic", read, tag=kind, options=(press,))
+
+
+def build_tag(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a reader of tags; each message is one scanned tag."""
+    return _build_events(config, "x_tag_reader", "scan", "topic", lambda text: clean_text(text, _LONGEST))
+
+
+def _build_events(
+    config: DiscoveryConfig,
+    service_type: str,
+    capability: str,
+    topic_key: str,
+    event_of: Callable[[str], str],
+    *,
+    tag: str | None = None,
+    options: tuple[str, ...] = (),
+) -> DescribedPart:
+    """Describe a source of events; *event_of* returns the event of a text, or an empty text."""
+
+    def read(message: StateMessage, text: str) -> Readings:
+        event = "" if message.retained else event_of(text)
+        return {capability: event} if event else NO_READINGS
+
+    source = config.required_source(topic_key).without_payload()
+    entity = Entity(config, service_type, tag)
+    if entity.read_message_from(source, read):
+        entity.add_capability(capability, options=options)
+    return entity.build()
+
+
+def build_camera(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a camera: its part names the topic of its pictures, and its codec does not read there."""
+    return _build_picture(config, config.required_source("topic").topic)
+
+
+def build_image(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a picture, such as the map of a vacuum cleaner, in the same way."""
+    topic = config.state_topic("image_topic") or config.state_topic("url_topic")
+    if not topic:
+        raise WireError("image: it has neither image_topic nor url_topic")
+    return _build_picture(config, topic)
+
+
+def _build_picture(config: DiscoveryConfig, topic: str) -> DescribedPart:
+    described = Entity(config, "camera", config.clean_text("device_class") or "image").build()
+    return replace(described, part=described.part.model_copy(update={"capabilities": (_IMAGE,), "reads": (topic,)}))
+
+
+def build_update(config: DiscoveryConfig) -> DescribedPart:
+    """Describe the installed and the latest version of a device's software."""
+    source = config.required_source("state_topic").without_payload()
+    latest = config.source("latest_version_topic", "latest_version_template")
+    entity = Entity(config, "x_update")
+    if entity.read_text_from(source, partial(_read_versions, is_all=latest is None)):
+        entity.add_capability("version")
+        entity.add_capability("update_available", readable=latest is None)
+    has_latest = entity.read_text_from(latest, _read_latest)
+    entity.add_capability("latest_version", readable=has_latest or not source.problem)
+    described = entity.build()
+    return replace(described, codec=_ReadOnlyCodec(described.codec))
+
+
+def _read_versions(text: str, *, is_all: bool) -> Readings:
+    if not text or text == "{}":
+        return NO_READINGS
+    if not text.lstrip().startswith("{"):
+        return {"version": None if text == "None" else clean_text(text, _LONGEST)}
+    message = fields_of(text)
+    installed, latest = (_version(message.get(key)) for key in ("installed_version", "latest_version"))
+    known = {"version": installed, "latest_version": latest}
+    found: dict[str, PlainValue] = {name: version for name, version in known.items() if version is not None}
+    if found and is_all:
+        found["update_available"] = _is_newer(latest, installed)
+    return found
+
+
+def _read_latest(text: str) -> Readings:
+    return {"latest_version": None if text == "None" else clean_text(text, _LONGEST)} if text else NO_READINGS
+
+
+def _version(value: object) -> str | None:
+    if isinstance(value, (int, float)):
+        return shown(value)
+    return clean_text(value, _LONGEST) if isinstance(value, str) else None
+
+
+def _is_newer(latest: str | None, installed: str | None) -> bool | None:
+    """Return whether a version is newer: numbers are compared, other versions are newer if they differ."""
+    if latest is None or installed is None:
+        return None
+    if latest.isdecimal() and installed.isdecimal():
+        return int(latest) > int(installed)
+    return latest != installed
+
+
+@dataclass(frozen=True, slots=True)
+class _ReadOnlyCodec:
+    """A codec that reads as another one, and refuses all commands."""
+
+    reader: Codec
+
+    def topics(self) -> tuple[str, ...]:
+        return self.reader.topics()
+
+    def read(self, topic: str, payload: bytes, *, retained: bool) -> Mapping[str, PlainValue]:
+        return self.reader.read(topic, payload, retained=retained)
+
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:  # noqa: ARG002 - the interface has them
+        raise RefusedError(
+            f"{shown(capability)} of an update", "homebot does not install software; do it on the device or its bridge"
+        )

@@ -1,0 +1,178 @@
+"""Settings and commands: switches, numbers, options, texts, moments, buttons and scenes. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt``: button.py, notify.py, number.py, scene.py, select.py, switch.py
+and text.py; core 2026.11: date.py, datetime.py and time.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from datetime import date, datetime, time
+from typing import TypeAlias
+
+from homebot.conventions.command_values import option_writer
+from homebot.conventions.description import DescribedPart, Publications
+from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, meaning_reader, shown
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+
+__all__ = [
+    "build_button",
+    "build_moment",
+    "build_notify",
+    "build_number",
+    "build_scene",
+    "build_select",
+    "build_switch",
+    "build_text",
+]
+
+_LONGEST_TEXT = 255
+_LONGEST_MESSAGE = 4096
+_LONGEST_MOMENT = 64
+_MOMENTS: Mapping[str, Callable[[str], date | time | datetime]] = {
+    "date": date.fromisoformat,
+    "datetime": datetime.fromisoformat,
+    "time": time.fromisoformat,
+}
+
+
+def build_button(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a button. One that makes the device show or sound its place also has ``locate``."""
+    command = config.required_command()
+    payload = config.text("payload_press", "PRESS")
+    entity = Entity(config, "x_setting")
+    entity.add_push("push", command, payload)
+    if config.text("device_class") == "identify":
+        entity.add_push("locate", command, payload)
+    return entity.build()
+
+
+def build_scene(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a scene."""
+    entity = Entity(config, "x_scene")
+    entity.add_push("scene", config.required_command(template_key=""), config.text("payload_on", "ON"))
+    return entity.build()
+
+
+def build_switch(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a switch: a plug if its class is ``outlet``."""
+    entity = Entity(config, "plug" if config.text("device_class") == "outlet" else "switch")
+    entity.add_flag(
+        "on_off",
+        config.source("state_topic"),
+        config.required_command(),
+        config.on_off_payloads(),
+        config.on_off_states(),
+    )
+    return entity.build()
+
+
+def build_number(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a number in its own unit. Numbers outside of its bounds are neither read nor sent."""
+    least, most = config.number("min", 0.0), config.number("max", 100.0)
+    if least > most:
+        raise WireError(f"number: max is {most:g}, below min {least:g}")
+    entity = Entity(config, "x_setting")
+    entity.add_number(
+        "number",
+        config.source("state_topic"),
+        config.required_command(),
+        bounds=(least, most),
+        unit=config.clean_text("unit_of_measurement", 40),
+        unknown=config.text("payload_reset", "None"),
+        from_device=lambda number: number if least <= number <= most else None,
+        to_device=lambda number: int(number) if number.is_integer() else number,
+    )
+    return entity.build()
+
+
+def build_select(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a choice. The text ``none``, in any case, means that the option is unknown."""
+    if not config.has("options"):
+        raise WireError("select: options is None, not a list of texts")
+    options = config.options("options")
+    command = config.required_command()
+    read_option = meaning_reader("option", {option: option for option in options if option.strip()})
+
+    def read(text: str) -> Readings:
+        return {"option": None} if text.lower() == "none" else read_option(text)
+
+    entity = Entity(config, "x_setting")
+    writer = option_writer("option", options, command.publish)
+    entity.add_value("option", config.source("state_topic"), read, command, writer, options=options)
+    return entity.build()
+
+
+def build_text(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a text. A password is sent, but never read.
+
+    The config's ``pattern`` is not checked: it is a foreign regular expression, and the device has its own.
+    """
+    least = config.integer("min", 0, least=0)
+    most = config.integer("max", _LONGEST_TEXT, least=0, most=_LONGEST_TEXT)
+    if least > most:
+        raise WireError(f"text: max is {most}, below min {least}")
+
+    def read(text: str) -> Readings:
+        if text == "None":
+            return {"text": None}
+        return NO_READINGS if len(text) > _LONGEST_TEXT else {"text": clean_text(text, _LONGEST_TEXT)}
+
+    return _build_text(config, least, most, None if config.text("mode", "text") == "password" else read)
+
+
+def build_notify(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a display or a speaker of messages."""
+    return _build_text(config, 0, _LONGEST_MESSAGE, None)
+
+
+_Read: TypeAlias = Callable[[str], Readings]
+
+
+def _build_text(config: DiscoveryConfig, least: int, most: int, read: _Read | None) -> DescribedPart:
+    command = config.required_command()
+
+    def write(value: PlainValue, _transition: float) -> Publications:
+        if not isinstance(value, str) or not least <= len(value) <= most:
+            raise RefusedError("text", f"it takes a text of {least} to {most} characters")
+        return command.publish(value)
+
+    entity = Entity(config, "x_setting")
+    is_readable = read is not None and entity.read_text_from(config.source("state_topic"), read)
+    entity.add_capability("text", readable=is_readable, writer=write)
+    entity.add_commands(command)
+    return entity.build()
+
+
+def build_moment(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a date, a time of day, or both, as text in ISO 8601. Other texts are neither read nor sent."""
+    kind = config.component
+    parse = _MOMENTS[kind]
+    command = config.required_command()
+
+    def normalized(text: str) -> str | None:
+        try:
+            return parse(text.strip()[:_LONGEST_MOMENT]).isoformat()
+        except ValueError:
+            return None
+
+    def read(text: str) -> Readings:
+        if text == "None":
+            return {"text": None}
+        moment = normalized(text)
+        return NO_READINGS if moment is None else {"text": moment}
+
+    def write(value: PlainValue, _transition: float) -> Publications:
+        moment = normalized(value) if isinstance(value, str) else None
+        if moment is None:
+            raise RefusedError(f"text {shown(value)}", f"it takes a {kind} in ISO 8601 format")
+        if kind == "datetime" and datetime.fromisoformat(moment).tzinfo is None:
+            raise RefusedError(f"text {shown(value)}", "it takes a datetime with a time zone")
+        return command.publish(moment)
+
+    entity = Entity(config, "x_setting", kind)
+    entity.add_value("text", config.source("state_topic"), read, command, write)
+    return entity.build()
